@@ -1,0 +1,145 @@
+"""Wavefront .obj files: vertices and faces, faces cut into triangles, objects merged.
+
+Of the format this reads ``v`` and ``f`` and skips the rest (normals, textures, materials, groups).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.errors import MeshFileError
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Point = tuple[float, ...]
+
+
+class _Polygon(NamedTuple):
+    """A face as it stands in the file: vertices counted from 0, and where it was found."""
+
+    vertices: list[int]
+    where: str
+
+
+def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
+    """Return vertices (n, 3) and triangles (m, 3), indices counted from 0, of an .obj file.
+
+    Raises MeshFileError, naming file and line, if it cannot be read, has a number that is none or
+    an index of no vertex, or has no faces.
+    """
+    try:
+        text = Path(filename).read_text(encoding='utf-8', errors='replace')
+    except OSError as error:
+        raise MeshFileError(f"'{filename}' cannot be read: {error.strerror}") from None
+    points: list[Point] = []
+    polygons: list[_Polygon] = []
+    for number, words in _statements(text):
+        where = f'{filename}:{number}'
+        if words[0] == 'v':
+            points.append(_point(words[1:4], where))
+        elif words[0] == 'f':
+            polygons.append(_Polygon(_corners(words[1:], len(points), where), where))
+    if not polygons:
+        raise MeshFileError(f"'{filename}' has no faces: no line of it begins with 'f '")
+    triangles: list[tuple[int, int, int]] = []
+    for polygon in polygons:
+        if max(polygon.vertices) >= len(points):
+            raise MeshFileError(
+                f'{polygon.where}: there is no vertex {max(polygon.vertices) + 1}, '
+                f'the file has {len(points)}'
+            )
+        triangles += triangulate(polygon.vertices, [points[i] for i in polygon.vertices])
+    return np.array(points), np.array(triangles, dtype=np.int64)
+
+
+def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, int]]:
+    """Return the triangles that a plane polygon is made of, turning the same way as it does.
+
+    Ears are clipped off (Meisters, American Mathematical Monthly 82(6), 1975); a convex polygon
+    becomes a fan about its first corner. ``names`` are what the corners are called in the answer.
+    """
+    flat = _projected(corners)
+    loop = list(range(len(names)))
+    triangles = []
+    while len(loop) > 3:
+        ear = next((k for k in range(1, len(loop)) if _is_ear(loop, k, flat)), 1)
+        triangles.append((loop[ear - 1], loop[ear], loop[(ear + 1) % len(loop)]))
+        del loop[ear]
+    triangles.append((loop[0], loop[1], loop[2]))
+    return [(names[a], names[b], names[c]) for a, b, c in triangles]
+
+
+def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield line number and words of each statement, comments and blank lines left out."""
+    pending: list[str] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.split('#', 1)[0].split()
+        if words and words[-1].endswith('\\'):  # goes on in the next line
+            pending += [*words[:-1], words[-1][:-1]]
+            continue
+        statement = [word for word in pending + words if word]
+        pending = []
+        if statement:
+            yield number, statement
+
+
+def _point(words: list[str], where: str) -> Point:
+    """Return the coordinates of a vertex."""
+    try:
+        point = tuple(float(word) for word in words)
+    except ValueError:
+        point = ()
+    if len(point) != 3 or not np.isfinite(point).all():
+        raise MeshFileError(f'{where}: a vertex needs three finite numbers, given {words}')
+    return point
+
+
+def _corners(words: list[str], count: int, where: str) -> list[int]:
+    """Return the vertices of a face, counted from 0, when ``count`` have been read so far."""
+    if len(words) < 3:
+        raise MeshFileError(f'{where}: a face needs at least three vertices, given {words}')
+    corners = []
+    for word in words:
+        try:
+            index = int(word.split('/', 1)[0])
+        except ValueError:
+            raise MeshFileError(f'{where}: {word!r} is not the index of a vertex') from None
+        corner = index - 1 if index > 0 else count + index  # a negative one counts from the end
+        if index == 0 or corner < 0:
+            raise MeshFileError(
+                f'{where}: there is no vertex {index}; {count} were given by then, from 1'
+            )
+        corners.append(corner)
+    return corners
+
+
+def _projected(corners: list[Point]) -> list[tuple[float, float]]:
+    """Return the corners in the coordinate plane the polygon faces most, counter-clockwise."""
+    points = np.array(corners)
+    points -= points[0]
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)  # Newell
+    k = int(np.argmax(np.abs(normal)))
+    i, j = ((k + 1) % 3, (k + 2) % 3) if normal[k] >= 0.0 else ((k + 2) % 3, (k + 1) % 3)
+    return [(point[i], point[j]) for point in points.tolist()]
+
+
+def _is_ear(loop: list[int], k: int, flat: list[tuple[float, float]]) -> bool:
+    """Return whether corner k of the loop can be cut off: it is convex, and no corner is in it."""
+    a, b, c = flat[loop[k - 1]], flat[loop[k]], flat[loop[(k + 1) % len(loop)]]
+    if _turn(a, b, c) <= 0.0:
+        return False
+    others = (flat[i] for i in loop if flat[i] not in (a, b, c))
+    return not any(
+        _turn(a, b, p) >= 0.0 and _turn(b, c, p) >= 0.0 and _turn(c, a, p) >= 0.0 for p in others
+    )
+
+
+def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+    """Return twice the area of the triangle a b c, positive when it turns left."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

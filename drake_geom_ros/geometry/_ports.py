@@ -1,0 +1,34 @@
+"""The two calls that a pydrake script makes of a scene graph's ports."""
+
+from __future__ import annotations
+
+from drake_geom_ros.geometry.context import SceneGraphContext
+from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.ids import SourceId
+from drake_geom_ros.geometry.instances import checked_type
+from drake_geom_ros.geometry.query_object import QueryObject
+
+
+class SourcePosePort:
+    """Takes the poses of one source's frames."""
+
+    __slots__ = ('_source_id',)
+
+    def __init__(self, source_id: SourceId) -> None:
+        self._source_id = source_id
+
+    def FixValue(self, context: SceneGraphContext, value: FramePoseVector) -> None:
+        """Pose all frames of the source in a context, or none: see ``SetFramePoses``."""
+        checked_type(context, SceneGraphContext, 'FixValue: context')
+        checked_type(value, FramePoseVector, 'FixValue: value')
+        context.SetFramePoses(self._source_id, value)
+
+
+class QueryPort:
+    """Gives the query object of a context."""
+
+    __slots__ = ()
+
+    def Eval(self, context: SceneGraphContext) -> QueryObject:
+        """Return a live query object: one that sees later poses of the context."""
+        return QueryObject(checked_type(context, SceneGraphContext, 'Eval: context'))

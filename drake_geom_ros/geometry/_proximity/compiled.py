@@ -1,0 +1,76 @@
+"""One decorator for all compiled code: its options, and a cache on disk that is never stale.
+
+Numba tells whether a cached function is out of date by the stamp of the one file that holds it; a
+change of a function that it calls, in another file, goes unseen. So the cache lives in a folder
+named after the content of all our sources, outside the package, which may be read-only.
+``NUMBA_CACHE_DIR`` moves it, ``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from numba import config, njit
+
+_KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
+
+
+def _digest() -> str:
+    """Return a name for the content of all sources beside this file and below."""
+    digest = hashlib.sha256()
+    folder = Path(__file__).parent
+    for path in sorted(folder.rglob('*.py')):
+        digest.update(str(path.relative_to(folder)).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _candidates() -> list[Path]:
+    """Return the folders that may hold the caches, the best first."""
+    if config.CACHE_DIR:
+        return [Path(config.CACHE_DIR)]
+    home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
+    return [
+        Path(home) / 'drake_geom_ros',
+        Path(tempfile.gettempdir()) / f'drake_geom_ros-{os.getuid()}',
+    ]
+
+
+def _own_folder(path: Path) -> bool:
+    """Make a folder that only this user can write to; a cache that others fill runs their code."""
+    try:
+        path.mkdir(mode=0o700, parents=True, exist_ok=True)
+        return path.stat().st_uid == os.getuid() and os.access(path, os.W_OK)
+    except OSError:
+        return False
+
+
+def _cache_folder() -> str:
+    """Return the folder of this version's cache, or an empty text where none can be written."""
+    name = _digest()
+    for base in _candidates():
+        if _own_folder(base) and _own_folder(base / name):
+            versions = sorted(base.glob('?' * len(name)), key=os.path.getmtime, reverse=True)
+            for old in [v for v in versions if v.name != name][_KEPT_VERSIONS:]:
+                shutil.rmtree(old, ignore_errors=True)
+            return str(base / name)
+    return ''
+
+
+CACHE_FOLDER = _cache_folder()
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """Return the function compiled on its first call, without the GIL, divisions as in NumPy."""
+    before = config.CACHE_DIR
+    config.CACHE_DIR = CACHE_FOLDER
+    try:
+        return njit(cache=bool(CACHE_FOLDER), nogil=True, error_model='numpy')(function)
+    finally:
+        config.CACHE_DIR = before

@@ -1,0 +1,241 @@
+"""What was said about pairs, in order: the source of the matrix, of replays and explanations.
+
+The persistent part holds group relations, cliques and declarations in one sequence, the
+transient part the statements of each filter id. About every pair the last word counts:
+persistent first to last, then transient first to last.
+
+A statement made again about the same sets takes the place of its former self, for nothing of
+that is left in force. So a program that excludes and allows the same sets for days does not
+grow the log, and the log still leads to the same matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+EXCLUDE_WITHIN = 1
+EXCLUDE_BETWEEN = 2
+ALLOW_WITHIN = 3
+ALLOW_BETWEEN = 4
+
+Keys = tuple[int, ...]
+Statement = tuple[int, Keys, Keys]  # operation, set A, set B (not read by WITHIN)
+
+_GROUP = 'group'
+_CLIQUE = 'clique'
+_PERSISTENT = 'persistent declaration'
+_TRANSIENT = 'transient declaration'
+
+# Elements that leave are struck from the log together, at the latest when there are this many.
+_MOST_FORGOTTEN = 256
+
+
+class Entry(NamedTuple):
+    """One statement about all pairs between two sets; *within* a set is between it and itself."""
+
+    excludes: bool
+    keys_a: Keys
+    keys_b: Keys | None  # None: every element, also those that come later
+    origin: tuple[str, int | str] | tuple[str, str, str]  # kind, name or number, ignored group
+
+    def label(self) -> str:
+        """Return what ``reasons`` calls the entry."""
+        return f'{self.origin[0]} {self.origin[1]}'
+
+    def is_declared(self) -> bool:
+        """Return whether this is a statement of a declaration, not of a group or a clique."""
+        return self.origin[0] not in (_GROUP, _CLIQUE)
+
+    def place(self) -> tuple[object, ...]:
+        """Return what an entry has in common with those whose place it takes."""
+        keys_a, keys_b = self.keys_a, self.keys_b
+        if keys_b is None or not self.is_declared():
+            return self.origin
+        return (keys_a, keys_b) if keys_a <= keys_b else (keys_b, keys_a)
+
+    def covers(self, key_a: int, key_b: int) -> bool:
+        """Return whether the entry speaks of this pair."""
+        if self.keys_b is None:
+            return key_a in self.keys_a or key_b in self.keys_a
+        return (key_a in self.keys_a and key_b in self.keys_b) or (
+            key_b in self.keys_a and key_a in self.keys_b
+        )
+
+    def without(self, gone: set[int]) -> Entry | None:
+        """Return the entry without some elements, None when no pair is left."""
+        keys_a = _without(self.keys_a, gone)
+        keys_b = None if self.keys_b is None else _without(self.keys_b, gone)
+        if not keys_a or keys_b == ():
+            return None
+        return self._replace(keys_a=keys_a, keys_b=keys_b)
+
+    def statement(self, everything: Keys) -> Statement:
+        """Return the entry as it would be declared, ``everything`` standing for every element."""
+        keys_b = everything if self.keys_b is None else self.keys_b
+        if self.keys_a == keys_b:
+            return EXCLUDE_WITHIN if self.excludes else ALLOW_WITHIN, self.keys_a, ()
+        return EXCLUDE_BETWEEN if self.excludes else ALLOW_BETWEEN, self.keys_a, keys_b
+
+
+class FilterLog:
+    """The entries in force, persistent and transient; elements are plain int keys."""
+
+    def __init__(self) -> None:
+        self._persistent: dict[tuple[object, ...], Entry] = {}
+        self._transient: dict[int, list[Entry]] = {}
+        self._declared = 0
+        self._forgotten: set[int] = set()
+
+    def copy(self) -> FilterLog:
+        """Return a log that shares nothing that either could change."""
+        other = FilterLog()
+        other._persistent = dict(self._persistent)
+        other._transient = dict(self._transient)
+        other._declared = self._declared
+        other._forgotten = set(self._forgotten)
+        return other
+
+    def declare(self, statements: Iterable[Statement]) -> list[Entry]:
+        """Append a persistent declaration and return its entries."""
+        made = _entries(statements, (_PERSISTENT, self._declared))
+        self._declared += 1
+        for entry in made:
+            self.relate(entry)
+        return made
+
+    def relate(self, entry: Entry) -> None:
+        """Append one persistent entry, in place of its former self."""
+        place = entry.place()
+        self._persistent.pop(place, None)
+        self._persistent[place] = entry
+
+    def push(self, filter_id: int, statements: Iterable[Statement]) -> list[Entry]:
+        """Append a transient declaration and return its entries."""
+        made = _entries(statements, (_TRANSIENT, filter_id))
+        self._transient[filter_id] = made
+        return made
+
+    def pull(self, filter_id: int) -> list[Entry]:
+        """Remove an active transient declaration and return its entries."""
+        self._settle()
+        return self._transient.pop(filter_id)
+
+    def active_ids(self) -> list[int]:
+        """Return the ids of the transient declarations, first to last."""
+        return list(self._transient)
+
+    def is_active(self, filter_id: int) -> bool:
+        """Return whether a transient declaration is in the history."""
+        return filter_id in self._transient
+
+    def has_history(self) -> bool:
+        """Return whether there are transient declarations."""
+        return bool(self._transient)
+
+    def history(self) -> list[Entry]:
+        """Return the transient entries, first to last."""
+        self._settle()
+        return [entry for made in self._transient.values() for entry in made]
+
+    def flatten(self) -> None:
+        """Turn the transient declarations into persistent ones."""
+        history = list(self._transient.values())
+        self._transient.clear()
+        for made in history:
+            for entry in made:
+                self.relate(entry._replace(origin=(_PERSISTENT, self._declared)))
+            self._declared += 1
+
+    def welcome(self, key: int) -> None:
+        """Make sure that nothing that was said before means a newcomer of this key."""
+        if key in self._forgotten:
+            self._settle()
+
+    def forget(self, key: int) -> None:
+        """Strike an element that leaves."""
+        self._forgotten.add(key)
+        if len(self._forgotten) >= _MOST_FORGOTTEN:
+            self._settle()
+
+    def reasons(self, key_a: int, key_b: int) -> list[str]:
+        """Return what excluded a pair since it was last allowed, newest first."""
+        found = []
+        for entry in (*reversed(self.history()), *reversed(self._persistent.values())):
+            if entry.covers(key_a, key_b):
+                if not entry.excludes:
+                    break
+                found.append(entry.label())
+        return list(dict.fromkeys(found))
+
+    def cliques(self) -> dict[str, Keys]:
+        """Return the members of each clique by its name."""
+        self._settle()
+        return {
+            str(entry.origin[1]): entry.keys_a
+            for entry in self._persistent.values()
+            if entry.origin[0] == _CLIQUE
+        }
+
+    def clique_members(self, name: str) -> Keys:
+        """Return the members of one clique, none if there is no such clique."""
+        self._settle()
+        entry = self._persistent.get((_CLIQUE, name))
+        return entry.keys_a if entry else ()
+
+    def declarations(self, everything: Keys) -> list[list[Statement]]:
+        """Return declarations that lead to the same policy once groups and cliques are defined.
+
+        They come out as they were made. What groups or cliques said after the first of them is
+        repeated where it was said, for the last word counts.
+        """
+        self._settle()
+        made: list[list[Statement]] = []
+        origin = None
+        for entry in self._persistent.values():
+            if made or entry.is_declared():
+                if entry.origin != origin:
+                    made.append([])
+                    origin = entry.origin
+                made[-1].append(entry.statement(everything))
+        return made
+
+    def _settle(self) -> None:
+        """Strike the elements that left."""
+        if not self._forgotten:
+            return
+        gone, self._forgotten = self._forgotten, set()
+        former = self._persistent.values()
+        self._persistent = {}
+        for entry in former:
+            if rest := entry.without(gone):
+                self.relate(rest)
+        self._transient = {
+            filter_id: [rest for entry in made if (rest := entry.without(gone))]
+            for filter_id, made in self._transient.items()
+        }
+
+
+def clique(name: str, members: Keys) -> Entry:
+    """Return the entry of a clique: no two of its members are reported."""
+    return Entry(True, members, members, (_CLIQUE, name))
+
+
+def group_relation(name: str, members: Keys, ignored: str, its_members: Keys | None) -> Entry:
+    """Return the entry of one group that ignores another; None stands for every element."""
+    return Entry(True, members, its_members, (_GROUP, name, ignored))
+
+
+def _entries(statements: Iterable[Statement], origin: tuple[str, int]) -> list[Entry]:
+    """Return the entries that some statements make; one about no pairs makes none."""
+    made = []
+    for operation, keys_a, keys_b in statements:
+        if operation in (EXCLUDE_WITHIN, ALLOW_WITHIN):
+            keys_b = keys_a
+        if keys_a and keys_b:
+            made.append(Entry(operation <= EXCLUDE_BETWEEN, keys_a, keys_b, origin))
+    return made
+
+
+def _without(keys: Keys, gone: set[int]) -> Keys:
+    return keys if gone.isdisjoint(keys) else tuple(key for key in keys if key not in gone)

@@ -1,0 +1,45 @@
+"""Kernels: the signed distance of one pair of shapes, written as scalar code for Numba.
+
+Conventions, for every pair kernel (A, B)::
+
+    kernel(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out)
+
+========== ========================================================================
+shape_A    parameters of A, see *Shape parameters* (float64, 1-D)
+R_WA       orientation of A (3, 3), C order
+p_AB_W     position of Bo from Ao, in World axes (3,) [m]: a kernel never sees how far
+           the pair is from the world's origin, so an offset costs it no digits
+tolerance  gap [m] between the certified bounds at which an iteration may stop;
+           a closed form ignores it
+cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
+           its lower bound with BOUND_ONLY as method; infinity: never
+out        one row of PAIR_WIDTH numbers, see ``calling``
+========== ========================================================================
+
+Signs and frames. ``phi(A, B) = max over unit n of (-h_A(n) - h_B(-n))`` with n out of A
+towards B: a gap where positive, minus the least translation that separates where negative.
+``nhat_BA_W`` is unit, points out of B into A (so it is minus the maximising n).
+Witness points ``p_ACa_W``, ``p_ACb_W`` lie on the surfaces of A and B, are measured from Ao and
+expressed in World axes, and ``p_ACa_W - p_ACb_W = distance * nhat_BA_W`` holds for either sign.
+Where the answer is not unique the choice is documented in the kernel and UNIQUE is 0.
+
+A shape grown by a ball of radius r has ``h(n) + r`` as support function, so
+``phi(A + rA, B + rB) = phi(A, B) - rA - rB`` for either sign: a sphere is a point with a
+radius, a capsule a segment with a radius, and one kernel of the cores serves both.
+
+Shape parameters (half sizes, in the geometry's frame):
+
+========== ============================= ==========================================
+SPHERE     radius
+BOX        hx, hy, hz                    half the width, depth and height
+CAPSULE    radius, half_length           axis z; half_length of the segment
+CYLINDER   radius, half_length           axis z
+ELLIPSOID  a, b, c                       semi-axes
+HALF_SPACE (none)                        occupies z <= 0
+CONVEX     n, then n x 3 vertices        in the geometry's frame, scaled
+========== ============================= ==========================================
+
+A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on
+the heap that grows with its input. 3-vectors are tuples of three floats (``vectors``).
+Every epsilon comes from ``tolerances``, where its reason stands.
+"""

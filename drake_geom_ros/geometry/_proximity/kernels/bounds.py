@@ -1,0 +1,136 @@
+"""Bounds of one shape: its box in World axes, the ball around it and the ball inside it."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    column,
+    dot,
+    norm,
+    scale,
+    unit,
+    unrotate,
+)
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX = 1, 2, 3, 4, 5, 6, 7
+
+
+@njit(cache=True, nogil=True)
+def half_width(shape_type, shape, n_G):
+    """Return the larger of the support values h(n) and h(-n) [m] about Go; n a unit vector in G.
+
+    Every shape but CONVEX is symmetric about Go, so the two are equal. A half space has no bound.
+    """
+    x, y, z = abs(n_G[0]), abs(n_G[1]), abs(n_G[2])
+    if shape_type == SPHERE:
+        return shape[0]
+    if shape_type == BOX:
+        return x * shape[0] + y * shape[1] + z * shape[2]
+    if shape_type == CAPSULE:
+        return shape[0] + z * shape[1]
+    if shape_type == CYLINDER:
+        return shape[0] * math.hypot(x, y) + z * shape[1]
+    if shape_type == ELLIPSOID:
+        return norm((x * shape[0], y * shape[1], z * shape[2]))
+    if shape_type == CONVEX:
+        largest = 0.0
+        for i in range(int(shape[0])):
+            v = 1 + 3 * i
+            p_GV = (shape[v], shape[v + 1], shape[v + 2])
+            largest = max(largest, abs(dot(n_G, p_GV)))
+        return largest
+    return math.inf
+
+
+@njit(cache=True, nogil=True)
+def box_half_extents(shape_type, shape, R_WG, half_extents):
+    """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
+    for k in range(3):
+        e_G = (R_WG[k, 0], R_WG[k, 1], R_WG[k, 2])
+        half_extents[k] = half_width(shape_type, shape, e_G)
+
+
+@njit(cache=True, nogil=True)
+def _outer_radius(shape_type, shape):
+    """Return the largest distance of a point of the shape from Go."""
+    if shape_type == SPHERE:
+        return shape[0]
+    if shape_type == BOX:
+        return norm((shape[0], shape[1], shape[2]))
+    if shape_type == CAPSULE:
+        return shape[0] + shape[1]
+    if shape_type == CYLINDER:
+        return math.hypot(shape[0], shape[1])
+    if shape_type == ELLIPSOID:
+        return max(shape[0], shape[1], shape[2])
+    if shape_type == CONVEX:
+        radius = 0.0
+        for i in range(int(shape[0])):
+            v = 1 + 3 * i
+            radius = max(radius, norm((shape[v], shape[v + 1], shape[v + 2])))
+        return radius
+    return math.inf
+
+
+@njit(cache=True, nogil=True)
+def _inner_radius(shape_type, shape):
+    """Return the radius of a ball about Go that lies in the shape."""
+    if shape_type == SPHERE or shape_type == CAPSULE:
+        return shape[0]
+    if shape_type == BOX or shape_type == ELLIPSOID:
+        return min(shape[0], shape[1], shape[2])
+    if shape_type == CYLINDER:
+        return min(shape[0], shape[1])
+    return 0.0
+
+
+@njit(cache=True, nogil=True)
+def shape_radii(types, starts, pool):
+    """Return outer and inner radii (n,), (n,) [m] about each Go."""
+    outer, inner = np.empty(types.size), np.empty(types.size)
+    for k in range(types.size):
+        shape = pool[starts[k] : starts[k + 1]]
+        outer[k] = _outer_radius(types[k], shape)
+        inner[k] = _inner_radius(types[k], shape)
+    return outer, inner
+
+
+@njit(cache=True, nogil=True)
+def bounding_interval(A, B, p_AB_W, out):
+    """Write the middle and the half width of a certified interval of phi from bounds alone.
+
+    ``A`` and ``B`` are (type, shape, R_WG, inner radius). For every unit n,
+    ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or along the normal of
+    a half space, for which this is the exact value. Above, phi is at most the distance of the
+    balls inside. The witness points lie on the two supporting planes, above Ao.
+    """
+    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    flat = A[0] == HALF_SPACE or B[0] == HALF_SPACE
+    if A[0] == HALF_SPACE:
+        n_AB_W = column(A[2], 2)
+    elif B[0] == HALF_SPACE:
+        n_AB_W = scale(-1.0, column(B[2], 2))
+    else:
+        n_AB_W = unit(p)
+        if dot(n_AB_W, n_AB_W) == 0.0:
+            n_AB_W = column(A[2], 0)
+    h_A, h_B = 0.0, 0.0
+    if A[0] != HALF_SPACE:
+        h_A = half_width(A[0], A[1], unrotate(A[2], n_AB_W))
+    if B[0] != HALF_SPACE:
+        h_B = half_width(B[0], B[1], unrotate(B[2], n_AB_W))
+    lower = dot(n_AB_W, p) - h_A - h_B
+    upper = lower
+    if not flat:
+        upper = max(lower, norm(p) - A[3] - B[3])
+    distance = lower + 0.5 * (upper - lower)
+    p_ACa_W = scale(h_A, n_AB_W)
+    p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)
+    rounding = 8.0 * EPS * (norm(p) + h_A + h_B)
+    bound = 0.5 * (upper - lower) + rounding
+    write(out, distance, scale(-1.0, n_AB_W), p_ACa_W, p_ACb_W, bound, False, BOUND_ONLY)

@@ -1,0 +1,90 @@
+"""How kernels are called: one result layout, one signature, called through an address.
+
+The engine makes one compiled call a query and each pair of it goes to the kernel of its row in
+the pair table. Handing Numba a tuple of functions would compile all of them with the caller, and
+boxing first-class functions costs 100 us each (measured, Numba 0.68). So a kernel is compiled
+alone, when a scene first has such a pair, and the caller gets an array of addresses.
+
+Under ``NUMBA_DISABLE_JIT=1`` an "address" is the Python function itself.
+"""
+
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import config, njit, types
+from numba.extending import intrinsic
+
+# Columns of a result row.
+DISTANCE = 0
+NORMAL = 1  # 3: nhat_BA_W
+WITNESS_A = 4  # 3: p_ACa_W
+WITNESS_B = 7  # 3: p_ACb_W
+ERROR_BOUND = 10  # |distance - phi| <= error_bound
+UNIQUE = 11  # 1 where nhat_BA_W is unique, else 0
+METHOD = 12
+PAIR_WIDTH = 13
+
+# Values of METHOD, as in the messages.
+CLOSED_FORM = 1
+ITERATIVE = 2
+MESH = 3
+BOUND_ONLY = 4
+
+_vector = types.float64[::1]
+_matrix = types.float64[:, ::1]
+PAIR_SIGNATURE = types.void(
+    _vector, _matrix, _vector, _matrix, _vector, types.float64, types.float64, _vector
+)
+
+
+@njit(cache=True, nogil=True)
+def write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, error_bound, unique, method):
+    """Fill one result row."""
+    out[DISTANCE] = distance
+    out[ERROR_BOUND] = error_bound
+    out[UNIQUE] = 1.0 if unique else 0.0
+    out[METHOD] = method
+    for k in range(3):
+        out[NORMAL + k] = nhat_BA_W[k]
+        out[WITNESS_A + k] = p_ACa_W[k]
+        out[WITNESS_B + k] = p_ACb_W[k]
+
+
+def address_table(rows: int) -> Any:
+    """Return an empty table for the addresses of ``rows`` kernels."""
+    if config.DISABLE_JIT:
+        return [None] * rows
+    return np.zeros(rows, dtype=np.intp)
+
+
+def compiled_address(kernel: Any) -> Any:
+    """Compile a pair kernel, or load it from the cache on disk, and return its address."""
+    if config.DISABLE_JIT:
+        return kernel
+    kernel.compile(PAIR_SIGNATURE.args)
+    compiled = kernel.overloads[PAIR_SIGNATURE.args]
+    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+
+
+if config.DISABLE_JIT:
+
+    def call_kernel(address, *args):
+        """Call the kernel: uncompiled, the address is the function."""
+        address(*args)
+
+else:
+
+    @intrinsic
+    def call_kernel(typingctx, address, shape_A, R_WA, shape_B, R_WB, p_AB_W, tol, cutoff, out):
+        """Call the kernel at ``address`` through its C wrapper, arguments as in PAIR_SIGNATURE."""
+        arguments = (shape_A, R_WA, shape_B, R_WB, p_AB_W, tol, cutoff, out)
+
+        def codegen(context, builder, signature, values):
+            argument_types = [context.get_value_type(t) for t in signature.args[1:]]
+            function_type = ir.FunctionType(ir.IntType(8).as_pointer(), argument_types)
+            function = builder.inttoptr(values[0], function_type.as_pointer())
+            builder.call(function, values[1:])
+            return context.get_dummy_value()
+
+        return types.void(address, *arguments), codegen

@@ -1,0 +1,155 @@
+"""Signed distance of convex pairs that have no closed form: GJK apart, EPA overlapping.
+
+One function, ``signed_distance_of_cores``, serves every pair and is compiled once; a kernel is its
+name with two type numbers. See ``supports`` for the cores and ``gjk`` and ``epa`` for the bounds.
+
+Where the answer is not unique (UNIQUE is 0) the direction is the one that EPA came to first, which
+depends on the poses alone: the same call gives the same answer. UNIQUE is 1 where the bounds
+exclude every direction more than 8 degrees away, so with a loose tolerance it may be 0 for an
+answer that is unique.
+"""
+
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, ITERATIVE, write
+from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
+from drake_geom_ros.geometry._proximity.kernels.gjk import (
+    BEYOND_CUTOFF,
+    CLOSED,
+    distance_of_cores,
+)
+from drake_geom_ros.geometry._proximity.kernels.revolution import common_axis, depth_of_revolution
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    bounding_radius,
+    core_radius,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, norm, scale
+from drake_geom_ros.geometry._proximity.tolerances import EPS, NEAR_TOUCH, ROUNDING
+
+# GJK goes on to this part of the tolerance: the last three digits cost it a step or two.
+SHARPER = 1e-3
+# Cap of EPA. An ordinary smooth minimum takes 20 to 100 vertices to 1e-9. Only minima that are
+# almost a ring, of shapes almost in a symmetric position, get to the cap, which leaves about 1e-6
+# of the size between the bounds.
+MOST_VERTICES = 3000
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def depth_and_bounds(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance):
+    """Return what ``epa.depth_of_cores`` does, by the cheaper way."""
+    u, move = common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB)
+    if move <= max(0.5 * tolerance, ROUNDING * EPS * size):
+        return depth_of_revolution(
+            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
+        )
+    return depth_of_cores(
+        kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance, MOST_VERTICES
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def signed_distance_of_cores(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Write the result row of two convex shapes, given by type number and parameters."""
+    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
+    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
+    noise = ROUNDING * EPS * size
+    end, upper, lower, n, a, b = distance_of_cores(
+        kind_A,
+        shape_A,
+        R_WA,
+        kind_B,
+        shape_B,
+        R_WB,
+        p,
+        size,
+        SHARPER * tolerance,
+        cutoff + r_A + r_B,
+    )
+    distance, unique, method = upper, True, ITERATIVE
+    if end == BEYOND_CUTOFF:
+        method = BOUND_ONLY
+        distance = lower
+        b = add_scaled(a, lower, n)
+    elif end != CLOSED or upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise):
+        depth, least, n_in, a_in, b_in, unique_in = depth_and_bounds(
+            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance
+        )
+        if least > 0.0:
+            upper = -least
+        if end != CLOSED or -depth >= lower:
+            distance, n, a, b, unique = -depth, n_in, a_in, b_in, unique_in
+            lower = -depth
+    error_bound = max(upper - distance, distance - lower) + noise
+    write(
+        out,
+        distance - r_A - r_B,
+        scale(-1.0, n),
+        add_scaled(a, r_A, n),
+        add_scaled(b, -r_B, n),
+        error_bound,
+        unique,
+        method,
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def box_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Box against cylinder."""
+    signed_distance_of_cores(
+        BOX, shape_A, R_WA, CYLINDER, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def box_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Box against ellipsoid."""
+    signed_distance_of_cores(
+        BOX, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def capsule_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Capsule against cylinder."""
+    signed_distance_of_cores(
+        CAPSULE, shape_A, R_WA, CYLINDER, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def capsule_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Capsule against ellipsoid."""
+    signed_distance_of_cores(
+        CAPSULE, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def cylinder_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Cylinder against cylinder."""
+    signed_distance_of_cores(
+        CYLINDER, shape_A, R_WA, CYLINDER, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def cylinder_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Cylinder against ellipsoid."""
+    signed_distance_of_cores(
+        CYLINDER, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def ellipsoid_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Ellipsoid against ellipsoid."""
+    signed_distance_of_cores(
+        ELLIPSOID, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+    )

@@ -1,0 +1,157 @@
+"""GJK: the distance of two disjoint cores, with the points that attain it.
+
+Gilbert, Johnson, Keerthi (IEEE Journal of Robotics and Automation 4 (2), 1988): a simplex of
+points ``w = a - b`` of the Minkowski difference walks to the point closest to the origin. Both
+ends of the answer are certified, whatever rounding does to the walk: ``|v|`` is the distance of
+two points of the cores, and ``f(n) = -h_A(n) - h_B(-n)`` is the width of an empty slab between
+them.
+"""
+
+import numpy as np
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.simplices import (
+    closest_on_segment,
+    closest_on_tetrahedron,
+    closest_on_triangle,
+)
+from drake_geom_ros.geometry._proximity.kernels.supports import support
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+)
+from drake_geom_ros.geometry._proximity.tolerances import EPS, INSIDE, RIGHT_ANGLE, ROUNDING
+
+# How a walk ended.
+CLOSED = 0  # the bounds met, to tolerance or to rounding
+BEYOND_CUTOFF = 1
+OVERLAP = 2  # the origin is in the Minkowski difference, or on it to rounding
+
+# Ordinary pairs take 5 to 20 steps; needles and near touches are left to EPA beyond this.
+GJK_STEPS = 64
+WEIGHT = 9  # column of a simplex row: w, a, b, weight
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, right_angle):
+    """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
+    a = support(kind_A, shape_A, R_WA, n, right_angle)
+    b = add(p_AB, support(kind_B, shape_B, R_WB, scale(-1.0, n), right_angle))
+    return a, b
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def row(points, k, column):
+    """Return three numbers of row k as a vector: w at column 0, a at 3, b at 6."""
+    return points[k, column], points[k, column + 1], points[k, column + 2]
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def put(points, k, a, b):
+    """Store w = a - b, a and b in row k."""
+    for i in range(3):
+        points[k, i] = a[i] - b[i]
+        points[k, 3 + i] = a[i]
+        points[k, 6 + i] = b[i]
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def closest_weights(points, count):
+    """Return the weights of up to four simplex points, 0 for those beyond count."""
+    if count == 1:
+        return 1.0, 0.0, 0.0, 0.0
+    if count == 2:
+        s = closest_on_segment(row(points, 0, 0), row(points, 1, 0))
+        return s[0], s[1], 0.0, 0.0
+    if count == 3:
+        t = closest_on_triangle(row(points, 0, 0), row(points, 1, 0), row(points, 2, 0))
+        return t[0], t[1], t[2], 0.0
+    return closest_on_tetrahedron(
+        row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def reduce_simplex(points, count):
+    """Keep the points that hold the one closest to the origin, with weights; return how many."""
+    weights = closest_weights(points, count)
+    kept = 0
+    for k in range(count):
+        if weights[k] > 0.0:
+            for i in range(9):
+                points[kept, i] = points[k, i]
+            points[kept, WEIGHT] = weights[k]
+            kept += 1
+    return kept
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def combine(points, count, column):
+    """Return the weighted sum of three columns of the simplex points."""
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(count):
+        x += points[k, WEIGHT] * points[k, column]
+        y += points[k, WEIGHT] * points[k, column + 1]
+        z += points[k, WEIGHT] * points[k, column + 2]
+    return x, y, z
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def is_known(points, count, w):
+    """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
+    for k in range(count):
+        if points[k, 0] == w[0] and points[k, 1] == w[1] and points[k, 2] == w[2]:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, tolerance, cutoff):
+    """Return (end, upper, lower, n, a, b) for the distance of two cores.
+
+    ``lower <= distance <= upper``, where ``upper`` is |a - b| for points a and b of the cores,
+    from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding and n
+    is only the last direction tried. ``size`` [m] is the scale to which rounding is relative.
+    """
+    points = np.empty((4, WEIGHT + 1))
+    noise = ROUNDING * EPS * size
+    n = unit(p_AB)
+    if n == (0.0, 0.0, 0.0):
+        n = (1.0, 0.0, 0.0)
+    a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE)
+    v = sub(a, b)
+    put(points, 0, a, b)
+    points[0, WEIGHT] = 1.0
+    count = 1
+    upper = norm(v)
+    lower = dot(scale(-1.0, v), n)
+    for _ in range(GJK_STEPS):
+        if upper <= noise:
+            return OVERLAP, upper, lower, n, a, b
+        n = scale(-1.0 / upper, v)
+        s_A, s_B = support_points(
+            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE
+        )
+        w = sub(s_A, s_B)
+        lower = max(lower, -dot(w, n))
+        if lower > cutoff:
+            return BEYOND_CUTOFF, upper, lower, n, a, b
+        if upper - lower <= max(tolerance, noise) or is_known(points, count, w):
+            break
+        put(points, count, s_A, s_B)
+        count = reduce_simplex(points, count + 1)
+        v = combine(points, count, 0)
+        closer = norm(v)
+        if count == 4:  # the origin is inside, as far as rounding lets a thin simplex tell
+            if closer <= INSIDE * size:
+                return OVERLAP, closer, lower, n, a, b
+            break
+        if closer >= upper:
+            break
+        upper = closer
+        a, b = combine(points, count, 3), combine(points, count, 6)
+    return CLOSED, upper, lower, unit(sub(b, a)), a, b

@@ -1,0 +1,193 @@
+"""Signed distance from a point to a primitive shape, in the shape's own frame G.
+
+Two layers. ``<shape>_point(parameters, q, slack)`` returns the tuple ``(distance, grad, p_GN,
+unique)``: signed distance [m] (negative inside), its unit gradient (the outward normal at the
+nearest point), the nearest point N of the surface, and whether there is only one. It always
+holds that ``q - p_GN = distance * grad``. ``slack`` [m] is the rounding that the coordinates of
+q carry: candidates that differ by less count as equal, and then the choice is
+
+- centre of a sphere, axis of a capsule or cylinder: +x;
+- equally near faces: the face of the lowest axis, on it the positive side; a cylinder's
+  barrel before its caps;
+- mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
+
+``point_<shape>(shape, p_GQ, out)`` fills one row of POINT_WIDTH numbers for the engine.
+"""
+
+import math
+
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
+
+# Columns of a row of a point query.
+POINT_DISTANCE = 0
+POINT_GRADIENT = 1  # 3: grad of the distance, in G
+POINT_NEAREST = 4  # 3: p_GN
+POINT_ERROR_BOUND = 7  # |distance - phi| <= error_bound
+POINT_UNIQUE = 8  # 1 where the nearest point is unique, else 0
+POINT_WIDTH = 9
+
+
+@njit(cache=True, nogil=True)
+def length_and_direction(v):
+    """Return |v| and v / |v|; the direction of the zero vector is +x."""
+    m = max(abs(v[0]), abs(v[1]), abs(v[2]))
+    if m == 0.0:
+        return 0.0, (1.0, 0.0, 0.0)
+    x, y, z = v[0] / m, v[1] / m, v[2] / m
+    n = math.sqrt(x * x + y * y + z * z)
+    return m * n, (x / n, y / n, z / n)
+
+
+@njit(cache=True, nogil=True)
+def clamp(x, limit):
+    """Return the number nearest to x in [-limit, limit]."""
+    return min(max(x, -limit), limit)
+
+
+@njit(cache=True, nogil=True)
+def excess(h, v):
+    """Return v minus its nearest point of the box with half sizes h: zero inside."""
+    return v[0] - clamp(v[0], h[0]), v[1] - clamp(v[1], h[1]), v[2] - clamp(v[2], h[2])
+
+
+@njit(cache=True, nogil=True)
+def along(k, s):
+    """Return s times the k-th unit vector."""
+    return s if k == 0 else 0.0, s if k == 1 else 0.0, s if k == 2 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def sphere_point(radius, q, slack):
+    """Signed distance to a sphere."""
+    rho, grad = length_and_direction(q)
+    return rho - radius, grad, scale(radius, grad), rho > slack
+
+
+@njit(cache=True, nogil=True)
+def box_point(h, q, slack):
+    """Signed distance to a box with half sizes h."""
+    beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
+    if max(beyond) > 0.0:
+        gap = excess(h, q)
+        distance, grad = length_and_direction(gap)
+        faces = 0
+        for k in range(3):
+            if beyond[k] >= -slack:
+                faces += 1
+        return distance, grad, sub(q, gap), distance > slack or faces == 1
+    k = 0
+    for i in range(1, 3):
+        if beyond[i] > beyond[k] + slack:
+            k = i
+    unique = abs(q[k]) > slack
+    for i in range(3):
+        if i != k and beyond[i] >= beyond[k] - slack:
+            unique = False
+    side = -1.0 if q[k] < -slack else 1.0
+    distance = side * q[k] - h[k]
+    grad = along(k, side)
+    face = side * h[k]
+    p_GN = (face if k == 0 else q[0], face if k == 1 else q[1], face if k == 2 else q[2])
+    return distance, grad, p_GN, unique
+
+
+@njit(cache=True, nogil=True)
+def capsule_point(radius, half_length, q, slack):
+    """Signed distance to a capsule: a segment along z, grown by the radius."""
+    z = clamp(q[2], half_length)
+    rho, grad = length_and_direction((q[0], q[1], q[2] - z))
+    p_GN = (radius * grad[0], radius * grad[1], radius * grad[2] + z)
+    return rho - radius, grad, p_GN, rho > slack
+
+
+@njit(cache=True, nogil=True)
+def cylinder_point(radius, half_length, q, slack):
+    """Signed distance to a cylinder: a rectangle in the plane of the axis and the point."""
+    rho, radial = length_and_direction((q[0], q[1], 0.0))
+    barrel = rho - radius
+    cap = abs(q[2]) - half_length
+    if barrel > 0.0 or cap > 0.0:
+        side = -1.0 if q[2] < 0.0 else 1.0
+        distance, (dr, dz, _) = length_and_direction((max(barrel, 0.0), max(cap, 0.0), 0.0))
+        grad = (dr * radial[0], dr * radial[1], side * dz)
+        z = clamp(q[2], half_length)
+        p_GN = (radius * radial[0], radius * radial[1], z) if barrel > 0.0 else (q[0], q[1], z)
+        return distance, grad, p_GN, distance > slack or barrel < -slack or cap < -slack
+    if barrel >= cap - slack:
+        p_GN = (radius * radial[0], radius * radial[1], q[2])
+        return barrel, radial, p_GN, rho > slack and barrel > cap + slack
+    side = -1.0 if q[2] < -slack else 1.0
+    return (
+        side * q[2] - half_length,
+        (0.0, 0.0, side),
+        (q[0], q[1], side * half_length),
+        abs(q[2]) > slack,
+    )
+
+
+@njit(cache=True, nogil=True)
+def half_space_point(q):
+    """Signed distance to the half space z <= 0."""
+    return q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True
+
+
+@njit(cache=True, nogil=True)
+def _write(out, result, extent):
+    distance, grad, p_GN, unique = result
+    out[POINT_DISTANCE] = distance
+    for k in range(3):
+        out[POINT_GRADIENT + k] = grad[k]
+        out[POINT_NEAREST + k] = p_GN[k]
+    out[POINT_ERROR_BOUND] = CLOSED_FORM_ROUNDING * extent
+    out[POINT_UNIQUE] = 1.0 if unique else 0.0
+
+
+@njit(cache=True, nogil=True)
+def point_sphere(shape, p_GQ, out):
+    """Fill a row with the signed distance to a sphere."""
+    q = (p_GQ[0], p_GQ[1], p_GQ[2])
+    extent = shape[0] + norm(q)
+    _write(out, sphere_point(shape[0], q, TIE * extent), extent)
+
+
+@njit(cache=True, nogil=True)
+def point_box(shape, p_GQ, out):
+    """Fill a row with the signed distance to a box."""
+    q, h = (p_GQ[0], p_GQ[1], p_GQ[2]), (shape[0], shape[1], shape[2])
+    extent = norm(h) + norm(q)
+    _write(out, box_point(h, q, TIE * extent), extent)
+
+
+@njit(cache=True, nogil=True)
+def point_capsule(shape, p_GQ, out):
+    """Fill a row with the signed distance to a capsule."""
+    q = (p_GQ[0], p_GQ[1], p_GQ[2])
+    extent = shape[0] + shape[1] + norm(q)
+    _write(out, capsule_point(shape[0], shape[1], q, TIE * extent), extent)
+
+
+@njit(cache=True, nogil=True)
+def point_cylinder(shape, p_GQ, out):
+    """Fill a row with the signed distance to a cylinder."""
+    q = (p_GQ[0], p_GQ[1], p_GQ[2])
+    extent = shape[0] + shape[1] + norm(q)
+    _write(out, cylinder_point(shape[0], shape[1], q, TIE * extent), extent)
+
+
+@njit(cache=True, nogil=True)
+def point_ellipsoid(shape, p_GQ, out):
+    """Fill a row with the signed distance to an ellipsoid."""
+    q, e = (p_GQ[0], p_GQ[1], p_GQ[2]), (shape[0], shape[1], shape[2])
+    extent = max(e) + norm(q)
+    _write(out, ellipsoid_point(e, q, TIE * extent), extent)
+
+
+@njit(cache=True, nogil=True)
+def point_half_space(shape, p_GQ, out):
+    """Fill a row with the signed distance to the half space z <= 0."""
+    q = (p_GQ[0], p_GQ[1], p_GQ[2])
+    _write(out, half_space_point(q), norm(q))

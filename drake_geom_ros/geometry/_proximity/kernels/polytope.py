@@ -1,0 +1,196 @@
+"""The growing polytope of EPA: triangles linked to a closed surface, and a heap of their offsets.
+
+A face is a row of integers (three vertices, the faces across its edges 01, 12 and 20, whether it
+is alive) and a row of numbers (its plane: a unit normal out of the polytope and the least offset
+of its vertices along it). Dead faces keep their row. Vertices are the rows of ``gjk.put``.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.gjk import put, row
+from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
+from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, unit
+from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SLIVER
+
+ACROSS = 3
+ALIVE = 6
+FACE_WIDTH = 7
+OFFSET = 3
+PLANE_WIDTH = 4
+
+Mesh = namedtuple('Mesh', 'points faces planes heap rim stack starting_at')
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def empty_mesh(most_vertices):
+    """Return the arrays of a polytope of so many vertices, and scratch for its changes."""
+    rows = 8 * most_vertices
+    return Mesh(
+        np.empty((most_vertices, 9)),
+        np.empty((rows, FACE_WIDTH), dtype=np.int32),
+        np.empty((rows, PLANE_WIDTH)),
+        np.empty(rows, dtype=np.int32),
+        np.empty((rows, 3), dtype=np.int32),
+        np.empty(rows, dtype=np.int32),
+        np.full(most_vertices, -1, dtype=np.int32),
+    )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def set_plane(faces, planes, points, f, size):
+    """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
+    a, b, c = row(points, faces[f, 0], 0), row(points, faces[f, 1], 0), row(points, faces[f, 2], 0)
+    n = unit(cross(sub(b, a), sub(c, a)))
+    x, y, z = dot(n, a), dot(n, b), dot(n, c)
+    offset = min(x, y, z)
+    if n == (0.0, 0.0, 0.0) or max(x, y, z) - offset > SLIVER * size:
+        nearest = weighted(a, b, c, closest_on_triangle(a, b, c))
+        # A face that the origin is in front of has its nearest point behind itself.
+        sign = 1.0 if dot(nearest, n) >= 0.0 else -1.0
+        n = scale(sign, unit(nearest))
+        offset = min(dot(n, a), dot(n, b), dot(n, c))
+    for k in range(3):
+        planes[f, k] = n[k]
+    planes[f, OFFSET] = offset
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def link_tetrahedron(points, faces):
+    """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
+    a, b, c, d = row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
+    i, j = (1, 2) if dot(sub(d, a), cross(sub(b, a), sub(c, a))) <= 0.0 else (2, 1)
+    corners = ((0, i, j), (0, 3, i), (0, j, 3), (i, 3, j))
+    across = ((1, 3, 2), (2, 3, 0), (0, 3, 1), (1, 2, 0))
+    for f in range(4):
+        for k in range(3):
+            faces[f, k] = corners[f][k]
+            faces[f, ACROSS + k] = across[f][k]
+        faces[f, ALIVE] = 1
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def cut_visible(faces, planes, f, w, thickness, stack, rim):
+    """Kill the faces that see w, from f outwards; fill in the rim around them, return its length.
+
+    A rim row is an edge (from, to) of a killed face and the living face across it. A face sees w
+    if w is above its plane by more than ``thickness``: faces in one plane with w would else be
+    killed as rounding falls, and a cone over such a rim folds back on itself.
+    """
+    faces[f, ALIVE] = 0
+    stack[0] = f
+    waiting, looked = 1, 0
+    while waiting > 0:
+        waiting -= 1
+        g = stack[waiting]
+        for k in range(3):
+            other = faces[g, ACROSS + k]
+            if faces[other, ALIVE] == 0:
+                continue
+            n = planes[other, 0], planes[other, 1], planes[other, 2]
+            if dot(n, w) > planes[other, OFFSET] + thickness:
+                faces[other, ALIVE] = 0
+                stack[waiting] = other
+                waiting += 1
+            else:
+                rim[looked, 0] = faces[g, k]
+                rim[looked, 1] = faces[g, (k + 1) % 3]
+                rim[looked, 2] = other
+                looked += 1
+    edges = 0
+    for i in range(looked):  # a face once seen from one side may have been killed from another
+        if faces[rim[i, 2], ALIVE] == 1:
+            for k in range(3):
+                rim[edges, k] = rim[i, k]
+            edges += 1
+    return edges
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def link_cone(faces, rim, edges, tip, total, starting_at):
+    """Link a new face from each rim edge to the vertex tip; return the new number of faces.
+
+    ``starting_at`` is scratch, -1 for a new vertex: the new face whose first vertex is a given
+    one. A rim that comes to a vertex twice, which only rounding can make, is not linked: then the
+    old number of faces is returned, and the surface is no longer closed.
+    """
+    for i in range(edges):
+        start, end, other = rim[i, 0], rim[i, 1], rim[i, 2]
+        if starting_at[start] >= total:
+            return total
+        f = total + i
+        faces[f, 0], faces[f, 1], faces[f, 2] = start, end, tip
+        faces[f, ACROSS], faces[f, ALIVE] = other, 1
+        for k in range(3):
+            if faces[other, k] == end and faces[other, (k + 1) % 3] == start:
+                faces[other, ACROSS + k] = f
+        starting_at[start] = f
+    for f in range(total, total + edges):
+        after = starting_at[faces[f, 1]]
+        faces[f, ACROSS + 1] = after
+        faces[after, ACROSS + 2] = f
+    return total + edges
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def push(heap, count, planes, f):
+    """Add face f to the heap of offsets."""
+    k = count
+    while k > 0:
+        parent = (k - 1) // 2
+        if planes[heap[parent], OFFSET] <= planes[f, OFFSET]:
+            break
+        heap[k] = heap[parent]
+        k = parent
+    heap[k] = f
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def pop_living(mesh, waiting):
+    """Take the living face of least offset from the heap; return it, -1 if none, and what waits."""
+    faces, planes, heap = mesh.faces, mesh.planes, mesh.heap
+    least = -1
+    while waiting > 0 and least < 0:
+        if faces[heap[0], ALIVE] == 1:
+            least = heap[0]
+        waiting -= 1
+        last = heap[waiting]
+        k, child = 0, 1
+        while child < waiting:
+            right = child + 1
+            if right < waiting and planes[heap[right], OFFSET] < planes[heap[child], OFFSET]:
+                child = right
+            if planes[last, OFFSET] <= planes[heap[child], OFFSET]:
+                break
+            heap[k] = heap[child]
+            k, child = child, 2 * child + 1
+        heap[k] = last
+    return least, waiting
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def add_faces(mesh, first, total, waiting, size):
+    """Set the planes of the faces from first to total and add them to the heap."""
+    for f in range(first, total):
+        set_plane(mesh.faces, mesh.planes, mesh.points, f, size)
+        push(mesh.heap, waiting, mesh.planes, f)
+        waiting += 1
+    return waiting
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def expand(mesh, f, a, b, count, total, waiting, size):
+    """Make a - b vertex number count, in place of the faces that see it, among them f.
+
+    Return the new number of faces and of those waiting. The first has not grown where the surface
+    could not be closed again: no more room, or a rim that rounding spoilt.
+    """
+    put(mesh.points, count, a, b)
+    w = row(mesh.points, count, 0)
+    edges = cut_visible(mesh.faces, mesh.planes, f, w, COPLANAR * EPS * size, mesh.stack, mesh.rim)
+    if total + edges > mesh.faces.shape[0]:
+        return total, waiting
+    grown = link_cone(mesh.faces, mesh.rim, edges, count, total, mesh.starting_at)
+    return grown, add_faces(mesh, total, grown, waiting, size)

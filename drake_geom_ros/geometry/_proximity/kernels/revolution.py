@@ -1,0 +1,230 @@
+"""Depth of two bodies of revolution whose axes are parallel: one angle instead of two.
+
+Coaxial cylinders, capsules and spheroids have rings of equally good directions. EPA would have to
+cover the whole ring with faces to certify one of them; but the Minkowski difference is a body of
+revolution too, so a nearest point of its surface lies in the half plane through its axis and the
+origin, and there the polygon that EPA grows has corners on one arc only.
+
+Axes that are almost parallel, and an ellipsoid with two semi-axes almost equal, count too where
+turning the one and rounding the other moves no point farther than the tolerance: the move is taken
+off the lower bound, the upper one is measured on the shapes as they are.
+
+Where the origin is on the axis and all directions about it are as good, the normal out of B is the
+one nearest to the x axis of B.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    bounding_radius,
+    core_radius,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    column,
+    cross,
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    RIGHT_ANGLE,
+    ROUNDING,
+    SAME_DIRECTION,
+)
+
+MOST_CORNERS = 64  # a corner halves its arc, and an arc of 1e-8 is flat to rounding
+# Columns of a corner: direction (s, c), point (radial, axial), width along the direction; and of
+# the chord to the next corner: its normal, the bound of the widths over its arc.
+WIDTH = 4
+CHORD = 5
+OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of the angle that makes a clear difference
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def axis_of_revolution(kind, shape):
+    """Return (k, move): the axis of the core, and how far [m] its surface is from round about it.
+
+    k is 3 for a ball, round about any axis; move is infinite for shapes with no axis.
+    """
+    if kind == CAPSULE or kind == CYLINDER:
+        return 2, 0.0
+    if kind == BOX or kind == CONVEX:
+        return 2, np.inf
+    if kind != ELLIPSOID:
+        return 3, 0.0
+    a, b, c = shape[0], shape[1], shape[2]
+    if a == b == c:
+        return 3, 0.0
+    ab, bc, ca = abs(a - b), abs(b - c), abs(c - a)
+    if ab <= bc and ab <= ca:
+        return 2, ab
+    if bc <= ca:
+        return 0, bc
+    return 1, ca
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB):
+    """Return (u, move): an axis both cores are round about when surfaces move so far."""
+    k_A, move_A = axis_of_revolution(kind_A, shape_A)
+    k_B, move_B = axis_of_revolution(kind_B, shape_B)
+    u_A, u_B = column(R_WA, min(k_A, 2)), column(R_WB, min(k_B, 2))
+    if k_A == 3:
+        return u_B, move_B
+    if k_B == 3:
+        return u_A, move_A
+    turn = norm(cross(u_A, u_B))
+    return u_A, move_A + move_B + 2.0 * turn * bounding_radius(kind_B, shape_B)
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def profile(kind, shape, s, c):
+    """Return (radial, axial) of the core's profile where its normal is (s, c), both >= 0."""
+    if kind == CAPSULE:
+        return 0.0, shape[1]
+    if kind == CYLINDER:
+        return shape[0], shape[1]
+    if kind != ELLIPSOID:
+        return 0.0, 0.0
+    k, _ = axis_of_revolution(kind, shape)
+    k = min(k, 2)
+    x, z = 0.5 * (shape[(k + 1) % 3] + shape[(k + 2) % 3]), shape[k]
+    h = math.sqrt((x * s) * (x * s) + (z * c) * (z * c))
+    r = core_radius(kind, shape)
+    return s * (x * (x / h) - r), c * (z * (z / h) - r)
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def put_corner(corners, k, kind_A, shape_A, kind_B, shape_B, radial, axial, s, c):
+    """Store direction, point of the difference and width along (s, c) in row k."""
+    a, b = profile(kind_A, shape_A, s, c), profile(kind_B, shape_B, s, c)
+    corners[k, 0], corners[k, 1] = s, c
+    corners[k, 2], corners[k, 3] = a[0] + b[0] - radial, a[1] + b[1] - axial
+    corners[k, WIDTH] = s * corners[k, 2] + c * corners[k, 3]
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def set_chord(corners, k, following):
+    """Store the normal of the chord from corner k to the following one and the width at it.
+
+    A width between the two is at least the larger of those of the two points. Both are sinusoids,
+    concave where positive, so the least is at an end of the arc or where they cross: at the normal
+    of the chord, if that is within the arc; else there is no chord and its width is infinite.
+    """
+    x, y = corners[k, 2] - corners[following, 2], corners[following, 3] - corners[k, 3]
+    length = math.sqrt(x * x + y * y)
+    corners[k, CHORD + 2] = np.inf
+    if x > 0.0 and y > 0.0:
+        s, c = y / length, x / length
+        corners[k, CHORD], corners[k, CHORD + 1] = s, c
+        corners[k, CHORD + 2] = min(
+            s * corners[k, 2] + c * corners[k, 3],
+            s * corners[following, 2] + c * corners[following, 3],
+        )
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough):
+    """Return (lower, s, c, unique): the least width over directions s, c >= 0, and where.
+
+    ``unique`` tells that no direction of the quarter that is clearly another one is as good.
+    """
+    corners = np.empty((MOST_CORNERS, CHORD + 3))
+    after = np.empty(MOST_CORNERS, dtype=np.int32)
+    put_corner(corners, 0, kind_A, shape_A, kind_B, shape_B, radial, axial, 1.0, 0.0)
+    put_corner(corners, 1, kind_A, shape_A, kind_B, shape_B, radial, axial, 0.0, 1.0)
+    after[0], after[1], count = 1, -1, 2
+    set_chord(corners, 0, 1)
+    best = 0 if corners[0, WIDTH] <= corners[1, WIDTH] else 1
+    arc, lower = 0, min(corners[best, WIDTH], corners[0, CHORD + 2])
+    while corners[best, WIDTH] - lower > enough and count < MOST_CORNERS:
+        s, c = corners[arc, CHORD], corners[arc, CHORD + 1]
+        put_corner(corners, count, kind_A, shape_A, kind_B, shape_B, radial, axial, s, c)
+        after[count] = after[arc]
+        after[arc] = count
+        set_chord(corners, arc, count)
+        set_chord(corners, count, after[count])
+        if corners[count, WIDTH] < corners[best, WIDTH]:
+            best = count
+        count += 1
+        lower = corners[best, WIDTH]
+        for k in range(count):
+            if after[k] >= 0 and corners[k, CHORD + 2] < lower:
+                arc, lower = k, corners[k, CHORD + 2]
+    s, c, rival = corners[best, 0], corners[best, 1], corners[best, WIDTH] + enough
+    unique = True
+    for k in range(count):
+        if after[k] >= 0 and corners[k, CHORD + 2] <= rival:
+            cosine = corners[k, CHORD] * s + corners[k, CHORD + 1] * c
+            unique = unique and cosine >= SAME_DIRECTION
+        if corners[k, WIDTH] <= rival:
+            cosine = corners[k, 0] * s + corners[k, 1] * c
+            unique = unique and cosine >= SAME_DIRECTION
+    return lower, s, c, unique
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def face_half_extent(kind, shape, s, c):
+    """Return half the length [m] of the flat piece of a profile whose normal is (s, c)."""
+    if kind == CYLINDER and s <= RIGHT_ANGLE:
+        return shape[0]
+    if (kind == CYLINDER or kind == CAPSULE) and c <= RIGHT_ANGLE:
+        return shape[1]
+    return 0.0
+
+
+@njit(cache=True, nogil=True, error_model='numpy')
+def depth_of_revolution(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, u, move, size, tolerance
+):
+    """Return what ``epa.depth_of_cores`` does, for cores round about the common axis u."""
+    enough = max(0.5 * tolerance, ROUNDING * EPS * size)
+    axial = dot(p_AB, u)
+    if axial < 0.0:
+        axial, u = -axial, scale(-1.0, u)
+    across = add_scaled(p_AB, -axial, u)
+    radial = norm(across)
+    e = unit(across)
+    if radial <= EPS * size:  # any direction about the axis is as good
+        side = cross(u, column(R_WB, 0))
+        e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(R_WB, 1))))
+        radial = 0.0
+    lower, s, c, unique = planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough)
+    n = unit(add_scaled(scale(s, e), c, u))
+    a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE)
+    upper = dot(sub(a, b), n)
+    lower = lower - move if lower > 0.0 else -np.inf
+    t = unit(sub(scale(s, u), scale(c, e)))
+    half_A, half_B = (
+        face_half_extent(kind_A, shape_A, s, c),
+        face_half_extent(kind_B, shape_B, s, c),
+    )
+    t_A, t_B = dot(a, t), dot(b, t)
+    shared = 0.5 * (max(t_A - half_A, t_B - half_B) + min(t_A + half_A, t_B + half_B))
+    a, b = add_scaled(a, shared - t_A, t), add_scaled(b, shared - t_B, t)
+    centre = scale(0.5, add(a, b))
+    slack = move + 2.0 * enough
+    turn, flip = (1.0 - SAME_DIRECTION) * radial * s <= slack, 2.0 * axial * c <= slack
+    unique = unique and not (s > OFF_AXIS and turn) and not (c > OFF_AXIS and flip)
+    return (
+        upper,
+        lower,
+        n,
+        add_scaled(centre, 0.5 * upper, n),
+        add_scaled(centre, -0.5 * upper, n),
+        unique,
+    )

@@ -1,0 +1,77 @@
+"""Every epsilon of the project: its value, its unit and the reason for it.
+
+Those of poses stand in ``drake_geom_ros.math.tolerances``, which imports nothing of ours.
+"""
+
+# Spacing of float64 at 1 [-]: the unit in which rounding bounds are counted.
+EPS = 2.0**-52
+
+# Gap [m] between the certified bounds that an iteration aims for at each accuracy level,
+# for a pair of size 1 m. ``bound`` runs no iteration at all.
+LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
+
+# Depth [m], relative to the pair's size, that a pair must exceed to count as penetrating:
+# touching is not penetrating, and rounding leaves a touching pair within a few EPS of zero.
+TOUCHING_DEPTH = 1e-14
+
+
+# A direction whose component [-] along an edge is below this is at right angles to the edge: a few
+# EPS, what is left of an exact right angle after turning a unit vector into another frame. The
+# midpoint taken there is this times the edge's length below the true support value.
+RIGHT_ANGLE = 8.0 * EPS
+
+# Rounding of a support value [-], in EPS times the pair's size (bounding radii plus distance of
+# the origins): two rotations, a difference and an inner product, each a few EPS. Certified bounds
+# are widened by it, and an iteration whose bounds are closer than it can gain nothing more.
+ROUNDING = 16.0
+
+# A point of the Minkowski difference this near [-] to the origin, relative to the pair's size, as
+# the weights of an enclosing tetrahedron give it: weights of a thin one keep about ten digits.
+INSIDE = 1e-10
+
+# Two candidates (faces, sides, axes) whose distances differ by less than this, relative to the
+# pair's extent, count as equal: taking a point into another frame and back costs about 4 EPS.
+TIE = 8.0 * EPS
+
+# Rounding of a whole closed form, relative to the pair's extent (sizes + distance of the
+# origins): at most 2 TIE from choosing among equals, the rest from the arithmetic; the
+# tests against 50 digits keep it true.
+CLOSED_FORM_ROUNDING = 32.0 * EPS
+
+# Sine above which two normals are told apart when it is asked whether the normal is unique.
+DISTINCT_NORMALS = 2.0**-20
+
+# Gap, relative to the pair's extent, below which the normal of two cores is taken from the
+# separating axis instead of the gap vector, whose direction then has lost 10 bits or more.
+SHORT_GAP = 2.0**-10
+
+# Lengths below this, relative to the largest semi-axis, are taken for 0 in the ellipsoid's
+# equation, so that nothing in it overflows or underflows.
+VANISHING = 2.0**-400
+
+# Steps that the ellipsoid's equation may take [-]: 11 halvings of the exponent bring a
+# bracket of any ratio below 4, Newton then needs 4 to 7 steps.
+ELLIPSOID_HALVINGS = 16
+ELLIPSOID_STEPS = 32
+
+# Corners of a triangle whose offsets along its own normal differ by more than this [-], relative
+# to the pair's size, make the normal meaningless: a sliver. Rounding of a sound triangle is a few
+# EPS.
+SLIVER = 1e-13
+
+# Cosine [-] of the angle, 8 degrees, beyond which two normals are different answers and not two
+# faces around the same minimum.
+SAME_DIRECTION = 0.99
+
+# A core distance this small [-], relative to the pair's size, leaves its direction fewer than ten
+# correct digits (EPS / 1e-6): the face of EPA there is asked for a better normal.
+NEAR_TOUCH = 1e-6
+
+# Around the origin the least offset of a growing polytope never falls, but by rounding of planes.
+# A fall by more than this [-], relative to the pair's size, shows that rounding folded the surface
+# at triangles too thin to tell what they see: the bounds reached before it stand.
+FOLD = 1e-9
+
+# A point this far [-] above a face's plane, in EPS times the pair's size, is in the plane: a quarter
+# of what EPA must gain by a new vertex (ROUNDING), so the face that it was found for always sees it.
+COPLANAR = 4.0

@@ -1,0 +1,101 @@
+"""What a model holds: one record a frame, one a geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.properties import (
+    GeometryProperties,
+    IllustrationProperties,
+    PerceptionProperties,
+    ProximityProperties,
+    Role,
+)
+from drake_geom_ros.geometry.shapes import Shape
+from drake_geom_ros.math import RigidTransform
+
+# One world for all scenes of the process, as in Drake.
+WORLD_FRAME_ID = FrameId.get_new_id()
+WORLD_NAME = 'world'
+INTERNAL_SOURCE_NAME = 'SceneGraphInternal'  # the source that owns the world frame
+WORLD_FRAME_GROUP = -1  # no GeometryFrame can have it
+
+# The field of a GeometryRecord that holds the properties of a role.
+ROLE_FIELDS = {
+    Role.kProximity: 'proximity',
+    Role.kIllustration: 'illustration',
+    Role.kPerception: 'perception',
+}
+ROLE_OF_PROPERTIES = {
+    ProximityProperties: Role.kProximity,
+    IllustrationProperties: Role.kIllustration,
+    PerceptionProperties: Role.kPerception,
+}
+
+
+@dataclass
+class FrameRecord:
+    """A registered frame; the world is its own parent.
+
+    ``geometry_ids`` are its geometries in the order of their registration: a dictionary for the
+    sake of quick removal, of which only the keys count.
+    """
+
+    id: FrameId
+    name: str
+    source_id: SourceId
+    parent_id: FrameId
+    frame_group: int
+    geometry_ids: dict[GeometryId, None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class GeometryRecord:
+    """A registered geometry; a change makes a new record, so that models may share them.
+
+    ``parent_id`` is the geometry it was registered on, or None; ``X_PG`` its pose in that, or in
+    the frame.
+    """
+
+    id: GeometryId
+    name: str
+    source_id: SourceId
+    frame_id: FrameId
+    parent_id: GeometryId | None
+    X_PG: RigidTransform
+    X_FG: RigidTransform
+    shape: Shape
+    proximity: ProximityProperties | None = None
+    illustration: IllustrationProperties | None = None
+    perception: PerceptionProperties | None = None
+
+    def properties(self, role: Role) -> GeometryProperties | None:
+        """Return the properties of a role, or None."""
+        if role not in ROLE_FIELDS:
+            return None
+        properties: GeometryProperties | None = getattr(self, ROLE_FIELDS[role])
+        return properties
+
+    def roles(self) -> list[Role]:
+        """Return the roles that the geometry has; an empty list is what kUnassigned means."""
+        return [role for role in ROLE_FIELDS if self.properties(role) is not None]
+
+    def has_role(self, role: Role) -> bool:
+        """Return whether the geometry has a role, kUnassigned if it has no other."""
+        return role in (self.roles() or [Role.kUnassigned])
+
+
+@dataclass
+class Versions:
+    """Numbers that grow with every change of a kind."""
+
+    frames: int = 0  # a frame was registered or renamed
+    proximity: int = 0  # what takes part in proximity queries, its shape or its X_FG
+    any: int = 0
+
+
+def named(record: FrameRecord | GeometryRecord) -> str:
+    """Return kind, name and id, for messages."""
+    kind = 'frame' if isinstance(record, FrameRecord) else 'geometry'
+    return f"the {kind} '{record.name}' ({record.id!r})"

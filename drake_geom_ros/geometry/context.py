@@ -1,0 +1,170 @@
+"""A context: a copy of the scene model, with poses, that queries are asked of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._model import Model
+from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
+from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry.errors import ArgumentError, PoseError
+from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.ids import FrameId, SourceId
+
+Indices = NDArray[np.int64]
+
+
+class SceneGraphContext:
+    """What a SceneGraph answers from: its own model, filters and poses.
+
+    Made by ``SceneGraph.CreateDefaultContext()``. Changes of the SceneGraph's model do not reach
+    contexts that exist, and the reverse. A frame that was never posed sits at its parent's origin.
+    """
+
+    def __init__(self, model: Model, filters: FilterState, accuracy: str) -> None:
+        self._model = model
+        self._filters = filters
+        self._accuracy = accuracy
+        self._engine = Engine()
+        self._built = self._versions()
+        self._frames_of: tuple[int, dict[SourceId, Indices]] = (-1, {})
+        self._world = World(*_tables(model))
+
+    def copy(self) -> SceneGraphContext:
+        """Return a context that shares nothing that either could change."""
+        other = SceneGraphContext.__new__(SceneGraphContext)
+        other._model = self._model.copy()
+        other._filters = self._filters.copy()
+        other._accuracy = self._accuracy
+        other._engine = Engine()
+        other._built = other._versions()
+        other._frames_of = (-1, {})
+        other._world = self._up_to_date_world().copy()
+        return other
+
+    def what_if(self) -> SceneGraphContext:
+        """Return a context with poses of its own over the same model and filters.
+
+        For queries only: a change of its model would be one of this context's.
+        """
+        other = SceneGraphContext.__new__(SceneGraphContext)
+        other.__dict__.update(self.__dict__)
+        other._engine = Engine()
+        other._world = self._up_to_date_world().copy()
+        return other
+
+    def set_default_accuracy(self, accuracy: str) -> None:
+        """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
+        self._accuracy = checked_accuracy(accuracy)
+
+    def compile_kernels(self) -> list[str]:
+        """Compile what queries of this scene run, or load it from the cache; return the kernels.
+
+        Queries compile what they miss; a node does it before its first cycle.
+        """
+        world = self._up_to_date_world()
+        names = self._engine.prepare(world)
+        pairs = self._engine.candidates(world, self._filters, 0.0)
+        self._engine.signed_distances(world, pairs, self._accuracy, 0.0)
+        return names
+
+    def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
+        """Pose all frames of a source, or none.
+
+        Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
+        its own; nothing changes then. Values are checked when ``poses`` is made.
+        """
+        own = self._source_frames(source_id)
+        given = np.sort(poses._ids)
+        if not np.array_equal(given, own):
+            problems = []
+            if missing := np.setdiff1d(own, given).tolist():
+                problems.append(f'these frames of it have no pose: {self._describe(missing)}')
+            if foreign := np.setdiff1d(given, own).tolist():
+                problems.append(f'these frames are not its own: {self._describe(foreign)}')
+            raise PoseError(
+                f"Poses for source '{self._model.source_name(source_id)}' were refused, nothing "
+                f"was changed: {'; '.join(problems)}. Each fix needs exactly the source's frames."
+            )
+        self._set(poses)
+
+    def _source_frames(self, source_id: SourceId) -> Indices:
+        """Return the ids of a source's frames, ascending; looked up once a version."""
+        if self._frames_of[0] != self._model.versions.frames:
+            self._frames_of = (self._model.versions.frames, {})
+        known = self._frames_of[1]
+        if source_id not in known:
+            values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
+            known[source_id] = np.array(sorted(values), dtype=np.int64)
+        return known[source_id]
+
+    def UpdateFramePoses(self, poses: FramePoseVector) -> None:
+        """Pose the frames that ``poses`` names, of any source; the others keep their poses.
+
+        Raises PoseError when a frame does not exist; nothing changes then.
+        """
+        known = self._up_to_date_world().has_frames(poses._ids)
+        if not known.all():
+            raise PoseError(
+                'Poses were refused, nothing was changed: these frames are not in this scene: '
+                f'{self._describe(sorted(poses._ids[~known].tolist()))}.'
+            )
+        self._set(poses)
+
+    def _set(self, poses: FramePoseVector) -> None:
+        world = self._up_to_date_world()
+        world.set_poses(world.frame_rows(poses._ids), poses._R_PFs, poses._p_PFs)
+
+    def _describe(self, values: list[int]) -> str:
+        """Name frames for an error message."""
+        names = []
+        for frame in map(FrameId, values[:5]):
+            record = self._model.frames.get(frame)
+            names.append(f"'{record.name}' ({frame!r})" if record else repr(frame))
+        more = f' and {len(values) - 5} more' if len(values) > 5 else ''
+        return ', '.join(names) + more
+
+    def _versions(self) -> tuple[int, int]:
+        return self._model.versions.frames, self._model.versions.proximity
+
+    def _up_to_date_world(self) -> World:
+        """Return the world, rebuilt, poses kept, if frames or shapes changed."""
+        if self._built != self._versions():
+            self._world = self._world.rebuilt(*_tables(self._model))
+            self._built = self._versions()
+        return self._world
+
+
+def checked_accuracy(accuracy: str) -> str:
+    """Return an accuracy level; raises ArgumentError for a name that is none."""
+    if accuracy not in ACCURACY_LEVELS:
+        allowed = ', '.join(ACCURACY_LEVELS)
+        raise ArgumentError(f'accuracy={accuracy!r} was asked for; it must be one of {allowed}.')
+    return accuracy
+
+
+def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
+    """Pack a model: frames with parents first, proximity geometry by ascending id."""
+    # Registration order puts a parent before its children, for it must exist by then.
+    rows = {frame: row for row, frame in enumerate(model.frames)}
+    records = list(model.frames.values())
+    frames = FrameTable(
+        ids=np.array([f.id.get_value() for f in records], dtype=np.int64),
+        parents=np.array([rows[f.parent_id] for f in records], dtype=np.int64),
+    )
+    geometries = sorted(
+        (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
+    )
+    parameters = [g.shape._kernel_parameters() for g in geometries]
+    table = GeometryTable(
+        ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
+        frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
+        R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
+        p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
+        types=np.array([g.shape._type_number() for g in geometries], dtype=np.int64),
+        starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
+        pool=np.concatenate([np.zeros(0), *parameters]),
+    )
+    return frames, table

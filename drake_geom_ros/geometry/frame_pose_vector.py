@@ -1,0 +1,160 @@
+"""Poses of frames, by id."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
+from drake_geom_ros.geometry.ids import FrameId
+from drake_geom_ros.geometry.instances import checked_pose, checked_type
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.batched import matrices_from_poses
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class FramePoseVector:
+    """X_PF, the pose in its parent, of each of some frames.
+
+    Filled one by one as in pydrake, or made of arrays by ``FromArrays``, in which case nothing of
+    it is done frame by frame: the two forms are turned into each other only when asked for.
+
+        >>> poses = FramePoseVector({FrameId(2): RigidTransform([0, 0, 1])})
+        >>> poses.set_value(FrameId(3), RigidTransform())
+        >>> poses.size()
+        2
+    """
+
+    __slots__ = ('_arrays', '_values')
+
+    def __init__(self, poses: Mapping[FrameId, RigidTransform] | None = None) -> None:
+        self._values: dict[FrameId, RigidTransform] | None = {}
+        self._arrays: tuple[Indices, Floats, Floats] | None = None
+        for frame_id, X_PF in (poses or {}).items():
+            self.set_value(frame_id, X_PF)
+
+    @classmethod
+    def FromArrays(
+        cls, frame_ids: Sequence[FrameId] | NDArray[np.integer], poses: ArrayLike
+    ) -> FramePoseVector:
+        """Return the poses (n, 7), x y z [m] qx qy qz qw, of n frames.
+
+        ``frame_ids`` are ids or, quicker, an array of their values. Quaternions are normalised.
+        Raises RuntimeError for another shape, a number that is not finite, a quaternion that is
+        off unit length by more than 1e-3, or a frame that is named twice.
+        """
+        ids = _id_values(frame_ids)
+        try:
+            R_PFs, p_PFs = matrices_from_poses(poses)
+        except RuntimeError as error:
+            raise PoseError(f'FramePoseVector.FromArrays: {error}') from None
+        if len(ids) != len(p_PFs):
+            raise PoseError(
+                f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(p_PFs)} poses'
+            )
+        values, counts = np.unique(ids, return_counts=True)
+        if len(values) != len(ids):
+            twice = values[counts > 1][0]
+            raise PoseError(f'FramePoseVector.FromArrays: frame {twice} is named more than once')
+        vector = cls()
+        vector._values, vector._arrays = None, (ids, R_PFs, p_PFs)
+        return vector
+
+    def set_value(self, id: FrameId, value: RigidTransform) -> None:
+        """Set X_PF of a frame."""
+        checked_type(id, FrameId, 'FramePoseVector.set_value: id')
+        X_PF = checked_pose(value, 'FramePoseVector.set_value: value')
+        self._by_id()[id] = X_PF
+        self._arrays = None
+
+    def value(self, id: FrameId) -> RigidTransform:
+        """Return X_PF of a frame; raises RuntimeError if it has none here."""
+        if id not in self._by_id():
+            raise UnknownIdError(f'FramePoseVector: no pose of {id!r} among {self.size()} frames')
+        return RigidTransform(self._by_id()[id])
+
+    def has_id(self, id: FrameId) -> bool:
+        """Return whether the frame has a pose here."""
+        return id in self._by_id()
+
+    def ids(self) -> list[FrameId]:
+        """Return the ids of the frames, in the order in which they came."""
+        if self._values is None:
+            return [FrameId(value) for value in self._ids.tolist()]
+        return list(self._values)
+
+    def frame_ids(self) -> list[FrameId]:
+        """Return ``ids()``, by the older name."""
+        return self.ids()
+
+    def id_values(self) -> Indices:
+        """Return the values of the frames' ids (n,), in the order in which they came."""
+        return self._ids
+
+    def size(self) -> int:
+        """Return how many frames have a pose here."""
+        return len(self)
+
+    def clear(self) -> None:
+        """Forget all poses."""
+        self._values, self._arrays = {}, None
+
+    def __len__(self) -> int:
+        return len(self._ids if self._values is None else self._values)
+
+    def __repr__(self) -> str:
+        return f'<FramePoseVector of {len(self)} frames>'
+
+    @property
+    def _ids(self) -> Indices:
+        """Values of the frames' ids (n,)."""
+        return self._as_arrays()[0]
+
+    @property
+    def _R_PFs(self) -> Floats:
+        """Orientations (n, 3, 3)."""
+        return self._as_arrays()[1]
+
+    @property
+    def _p_PFs(self) -> Floats:
+        """Positions (n, 3) [m]."""
+        return self._as_arrays()[2]
+
+    def _by_id(self) -> dict[FrameId, RigidTransform]:
+        """Return the poses as a dictionary, made of the arrays when there is none."""
+        if self._values is None:
+            poses = zip(self._R_PFs, self._p_PFs, strict=True)
+            self._values = {
+                id: RigidTransform._make(R.copy(), p.copy())
+                for id, (R, p) in zip(self.ids(), poses, strict=True)
+            }
+        return self._values
+
+    def _as_arrays(self) -> tuple[Indices, Floats, Floats]:
+        """Return the poses as arrays, made of the dictionary when there are none."""
+        if self._arrays is None:
+            X_PFs = list(self._by_id().values())
+            self._arrays = (
+                _id_values(list(self._by_id())),
+                np.array([X.rotation().matrix() for X in X_PFs]).reshape(-1, 3, 3),
+                np.array([X.translation() for X in X_PFs]).reshape(-1, 3),
+            )
+        return self._arrays
+
+
+def _id_values(frame_ids: Sequence[FrameId] | NDArray[np.integer]) -> Indices:
+    """Return the values (n,) of frame ids, which may be values already."""
+    if isinstance(frame_ids, np.ndarray) and frame_ids.dtype.kind in 'iu':
+        values = frame_ids.astype(np.int64)
+        if values.ndim != 1:
+            raise PoseError(f'FramePoseVector.FromArrays: frame_ids has shape {values.shape}')
+        return values
+    try:
+        ids = [checked_type(id, FrameId, 'FramePoseVector: frame id') for id in frame_ids]
+    except TypeError as error:
+        raise PoseError(str(error)) from None
+    return np.array([id.get_value() for id in ids], dtype=np.int64)

@@ -1,0 +1,102 @@
+"""Identifiers: a number with a type, so that a frame is never taken for a geometry."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Iterator
+from typing import ClassVar, TypeVar
+
+from drake_geom_ros.geometry.errors import ArgumentTypeError, GeometryError
+
+_Id = TypeVar('_Id', bound='Identifier')
+
+
+class Identifier:
+    """A number that names one thing of one kind in this process; 0 names nothing.
+
+    Ids of a kind are hashable and ordered by their values; ids of different kinds are never
+    equal. ``FrameId(7)`` wraps a value that came out of ``get_value``, for instance by way of a
+    message; new ones come from ``get_new_id``.
+    """
+
+    __slots__ = ('_value',)
+    _counter: ClassVar[Iterator[int]]
+    _lock: ClassVar[threading.Lock] = threading.Lock()
+
+    def __init_subclass__(cls) -> None:
+        """Give each kind a counter of its own."""
+        super().__init_subclass__()
+        cls._counter = itertools.count(1)
+
+    def __init__(self, value: int) -> None:
+        """Wrap the value of an id; a negative one raises RuntimeError."""
+        try:
+            self._value = value.__index__()
+        except AttributeError:
+            raise ArgumentTypeError(
+                f'{type(self).__name__}: value must be an int, given {value!r}'
+            ) from None
+        if self._value < 0:
+            raise GeometryError(f'{type(self).__name__}: value must be >= 0, given {value}')
+
+    @classmethod
+    def get_new_id(cls: type[_Id]) -> _Id:
+        """Return an id that differs from all ids of its kind so far; safe in any thread."""
+        with cls._lock:
+            return cls(next(cls._counter))
+
+    def get_value(self) -> int:
+        """Return the number; raises RuntimeError for an id that names nothing."""
+        if not self._value:
+            raise GeometryError(f'{type(self).__name__}: an invalid id has no value')
+        return self._value
+
+    def is_valid(self) -> bool:
+        """Return whether the id names something at all (its scene may no longer hold it)."""
+        return self._value != 0
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self._value == other._value
+
+    def __lt__(self: _Id, other: _Id) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self._value < other._value
+
+    def __le__(self: _Id, other: _Id) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self._value <= other._value
+
+    def __hash__(self) -> int:
+        return hash(self._value)
+
+    def __repr__(self) -> str:
+        return f'<{type(self).__name__} value={self._value}>'
+
+
+class SourceId(Identifier):
+    """Names a geometry source: who registered, and therefore owns, frames and geometries."""
+
+    __slots__ = ()
+
+
+class FrameId(Identifier):
+    """Names a frame."""
+
+    __slots__ = ()
+
+
+class GeometryId(Identifier):
+    """Names a geometry."""
+
+    __slots__ = ()
+
+
+class FilterId(Identifier):
+    """Names a transient collision filter declaration."""
+
+    __slots__ = ()

@@ -1,0 +1,223 @@
+"""The queries: penetration, signed distance, candidates, and where things are."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry._proximity.engine import Effects, PairBatch
+from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE
+from drake_geom_ros.geometry._proximity.pair_table import unsupported
+from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
+from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.query_results import (
+    PenetrationResults,
+    PointDistanceResults,
+    SignedDistancePair,
+    SignedDistanceResults,
+)
+from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+
+
+class QueryObject:
+    """Answers geometry queries about a context.
+
+    The one that a SceneGraph's query port gives is live: it sees later poses and changes of its
+    context. A copy of it (``copy.copy``) is baked: it keeps answering for the moment of the copy.
+
+    Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; without it
+    the SceneGraph's default holds.
+    """
+
+    def __init__(self, context: SceneGraphContext | None = None) -> None:
+        self._maybe_context = context
+
+    def __copy__(self) -> QueryObject:
+        return QueryObject(self._context.copy())
+
+    def __deepcopy__(self, memo: dict[int, object]) -> QueryObject:
+        return self.__copy__()
+
+    @property
+    def _context(self) -> SceneGraphContext:
+        if self._maybe_context is None:
+            raise GeometryError(
+                'A default QueryObject was asked a query, and it belongs to no scene: take one '
+                'from scene_graph.get_query_output_port().Eval(context).'
+            )
+        return self._maybe_context
+
+    def inspector(self) -> SceneGraphInspector:
+        """Return the inspector of this context's model."""
+        return SceneGraphInspector(self._context._model, self._context._filters)
+
+    def effects(self) -> Effects:
+        """Return what the last query did and what it skipped, with counts and seconds."""
+        return self._context._engine.effects
+
+    # Where things are.
+
+    def GetPoseInWorld(self, id: FrameId | GeometryId) -> RigidTransform:
+        """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
+        return self.X_WG(id) if isinstance(id, GeometryId) else self.X_WF(id)
+
+    def GetPoseInParent(self, frame_id: FrameId) -> RigidTransform:
+        """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
+        return self.X_PF(frame_id)
+
+    def X_WF(self, id: FrameId) -> RigidTransform:
+        """Return the pose of a frame in the world; raises for an id that is not here."""
+        self._context._model.frame(id)
+        world = self._context._up_to_date_world()
+        world.update()
+        row = world.frame_rows(np.array([id.get_value()]))[0]
+        return _transform(world.R_WFs[row], world.p_WFs[row])
+
+    def X_PF(self, id: FrameId) -> RigidTransform:
+        """Return the pose of a frame in its parent; raises for an id that is not here."""
+        self._context._model.frame(id)
+        world = self._context._up_to_date_world()
+        row = world.frame_rows(np.array([id.get_value()]))[0]
+        return _transform(world.R_PFs[row], world.p_PFs[row])
+
+    def X_WG(self, id: GeometryId) -> RigidTransform:
+        """Return the pose of a geometry in the world; raises for an id that is not here."""
+        record = self._context._model.geometry(id)
+        return self.X_WF(record.frame_id) @ record.X_FG
+
+    # Pairs.
+
+    def ComputePointPairPenetration(self, *, accuracy: str | None = None) -> PenetrationResults:
+        """Return the unfiltered pairs that overlap, with depth and witness points.
+
+        Touching is not penetrating: the depth must exceed ``TOUCHING_DEPTH`` times the pair's
+        size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``.
+        """
+        return PenetrationResults(self._penetrating(accuracy))
+
+    def HasCollisions(self, *, accuracy: str | None = None) -> bool:
+        """Return whether ComputePointPairPenetration would report a pair."""
+        return len(self._penetrating(accuracy).pairs) > 0
+
+    def ComputeSignedDistancePairwiseClosestPoints(
+        self, max_distance: float = math.inf, *, accuracy: str | None = None
+    ) -> SignedDistanceResults:
+        """Return the unfiltered pairs no farther apart than ``max_distance`` [m].
+
+        Overlapping pairs have the negative of the penetration depth as distance. Sorted by
+        (id_A, id_B), and ``id_A < id_B``. Two half spaces have no distance and are left out.
+        Raises ArgumentError for a max_distance that is NaN.
+        """
+        _check_distance('max_distance', max_distance)
+        context = self._context
+        world = context._up_to_date_world()
+        pairs = context._engine.candidates(world, context._filters, max_distance)
+        batch = context._engine.signed_distances(world, pairs, self._level(accuracy), max_distance)
+        return SignedDistanceResults(batch.where(batch.rows[:, DISTANCE] <= max_distance))
+
+    def ComputeSignedDistancePairClosestPoints(
+        self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
+    ) -> SignedDistancePair:
+        """Return the signed distance of two geometries, with ``id_A < id_B`` in the answer.
+
+        Raises GeometryError for an id that is not here, a geometry without the proximity role, a
+        filtered pair, and two half spaces.
+        """
+        return self.signed_distance_of_pair(geometry_id_A, geometry_id_B, accuracy=accuracy)[0]
+
+    def signed_distance_of_pair(
+        self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
+    ) -> SignedDistanceResults:
+        """Return ComputeSignedDistancePairClosestPoints as a result sequence of one pair."""
+        context = self._context
+        records = [context._model.geometry(g) for g in (geometry_id_A, geometry_id_B)]
+        records.sort(key=lambda record: record.id)
+        asked = 'The signed distance of ' + ' and '.join(f"'{r.name}' ({r.id!r})" for r in records)
+        for record in records:
+            if record.proximity is None:
+                raise RoleError(
+                    f"{asked} was asked for, but '{record.name}' has no proximity role: "
+                    'assign it with SceneGraph.AssignRole.'
+                )
+        keys = [record.id.get_value() for record in records]
+        if reasons := context._filters.explain(keys[0], keys[1]):
+            raise FilterError(
+                f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
+                'See CollisionFilterManager for how to allow it.'
+            )
+        world = context._up_to_date_world()
+        world.update()
+        pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
+        batch = context._engine.signed_distances(world, pair, self._level(accuracy), math.inf)
+        if not len(batch.pairs):
+            types = world.geometries.types[pair[0]]
+            why = unsupported(int(types[0]), int(types[1]))
+            raise GeometryError(f'{asked} was asked for: {why}.')
+        return SignedDistanceResults(batch)
+
+    def FindCollisionCandidates(self) -> list[tuple[GeometryId, GeometryId]]:
+        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids."""
+        ids_A, ids_B = self.collision_candidates().T.tolist()
+        return [(GeometryId(a), GeometryId(b)) for a, b in zip(ids_A, ids_B, strict=True)]
+
+    def collision_candidates(self) -> NDArray[np.int64]:
+        """Return FindCollisionCandidates as an array of id values (k, 2)."""
+        context = self._context
+        world = context._up_to_date_world()
+        pairs = context._engine.candidates(world, context._filters, 0.0)
+        return world.geometries.ids[pairs]
+
+    # Points.
+
+    def ComputeSignedDistanceToPoint(
+        self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None
+    ) -> PointDistanceResults:
+        """Return the signed distances from all geometries to a point (3,), or to points (m, 3).
+
+        Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
+        (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
+        Raises ArgumentError for points that are not finite or not of these shapes and for a
+        threshold that is NaN.
+        """
+        _check_distance('threshold', threshold)
+        self._level(accuracy)
+        p_WQs = np.asarray(p_WQ, dtype=np.float64)
+        if p_WQs.ndim not in (1, 2) or p_WQs.shape[-1] != 3:
+            raise ArgumentError(
+                f'ComputeSignedDistanceToPoint was given p_WQ of shape {p_WQs.shape}; '
+                'it must be one point (3,) or points (m, 3), in metres.'
+            )
+        if not np.isfinite(p_WQs).all():
+            raise ArgumentError(
+                'ComputeSignedDistanceToPoint was given a point that is not finite: '
+                f'{p_WQs[~np.isfinite(p_WQs).all(axis=-1)][:1].tolist()}.'
+            )
+        context = self._context
+        world = context._up_to_date_world()
+        points = np.ascontiguousarray(np.atleast_2d(p_WQs))
+        return PointDistanceResults(context._engine.point_distances(world, points, threshold))
+
+    def _penetrating(self, accuracy: str | None) -> PairBatch:
+        """Return the batch of the pairs that overlap."""
+        context = self._context
+        world = context._up_to_date_world()
+        pairs = context._engine.candidates(world, context._filters, 0.0)
+        batch = context._engine.signed_distances(world, pairs, self._level(accuracy), 0.0)
+        return batch.where(batch.penetrating())
+
+    def _level(self, accuracy: str | None) -> str:
+        """Return the accuracy level to use."""
+        return self._context._accuracy if accuracy is None else checked_accuracy(accuracy)
+
+
+def _check_distance(name: str, value: float) -> None:
+    if math.isnan(value):
+        raise ArgumentError(f'{name} must be a distance in metres or infinity, but is NaN.')
+
+
+def _transform(R: NDArray[np.float64], p: NDArray[np.float64]) -> RigidTransform:
+    return RigidTransform(RotationMatrix(R.copy()), p.copy())

@@ -1,0 +1,318 @@
+"""Shapes: immutable values with pydrake's names, checks and accessors.
+
+Every shape is centred on the origin of its geometry frame G; lengths lie along its z axis.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.rotations import as_vector
+from drake_geom_ros.math.tolerances import DIRECTION_NORM
+
+Floats = NDArray[np.float64]
+_S = TypeVar('_S', bound='Shape')
+
+# A mesh is scaled by at least this [-]: Drake's rule, which keeps scales away from zero.
+SMALLEST_SCALE = 1e-8
+
+
+class Shape:
+    """What all shapes share: values that compare, hash and print by their measures."""
+
+    __slots__ = ('_measures',)
+    _TYPE: ClassVar[int] = 0  # as the constants of the Shape message
+    _NAMES: ClassVar[tuple[str, ...]] = ()
+
+    def __init__(self) -> None:
+        if not self._TYPE:
+            raise ArgumentTypeError('Shape: make one of its kinds, for instance Sphere(0.1)')
+        self._measures: tuple[Any, ...] = ()
+
+    def Clone(self: _S) -> _S:
+        """Return the shape itself, which nobody can change."""
+        return self
+
+    def _type_number(self) -> int:
+        """Return the number of the kind, as in the kernels and in messages."""
+        return self._TYPE
+
+    def _kernel_parameters(self) -> Floats:
+        """Return what the kernels need to know, laid out as ``_proximity.kernels`` says."""
+        return np.array(self._measures, dtype=np.float64)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return self._measures == other._measures
+
+    def __hash__(self) -> int:
+        return hash((self._TYPE, self._measures))
+
+    def __repr__(self) -> str:
+        pairs = zip(self._NAMES, self._measures, strict=True)
+        return f'{type(self).__name__}({", ".join(f"{n}={v!r}" for n, v in pairs)})'
+
+
+class Sphere(Shape):
+    """A ball of ``radius`` [m]; 0 is allowed, and makes a point."""
+
+    __slots__ = ()
+    _TYPE = 1
+    _NAMES = ('radius',)
+
+    def __init__(self, radius: float) -> None:
+        self._measures = (_number('Sphere', 'radius', radius),)
+        if self._measures[0] < 0.0:
+            raise ArgumentError(f'Sphere: radius = {radius} must be >= 0')
+
+    def radius(self) -> float:
+        """Return the radius [m]."""
+        return float(self._measures[0])
+
+
+class Box(Shape):
+    """A box of ``width``, ``depth`` and ``height`` [m] along x, y and z, all > 0.
+
+    ``Box([1, 2, 3])`` and ``Box(measures=[1, 2, 3])`` take the three at once.
+    """
+
+    __slots__ = ()
+    _TYPE = 2
+    _NAMES = ('width', 'depth', 'height')
+
+    def __init__(
+        self,
+        width: Any = None,
+        depth: float | None = None,
+        height: float | None = None,
+        *,
+        measures: ArrayLike | None = None,
+    ) -> None:
+        self._measures = _positive(self, (width, depth, height), measures)
+
+    def width(self) -> float:
+        """Return the size [m] along x."""
+        return float(self._measures[0])
+
+    def depth(self) -> float:
+        """Return the size [m] along y."""
+        return float(self._measures[1])
+
+    def height(self) -> float:
+        """Return the size [m] along z."""
+        return float(self._measures[2])
+
+    def size(self) -> Floats:
+        """Return width, depth and height (3,) [m]."""
+        return np.array(self._measures)
+
+    def _kernel_parameters(self) -> Floats:
+        return 0.5 * self.size()
+
+
+class _Swept(Shape):
+    """A shape of a radius and a length along z."""
+
+    __slots__ = ()
+    _NAMES = ('radius', 'length')
+
+    def __init__(
+        self,
+        radius: Any = None,
+        length: float | None = None,
+        *,
+        measures: ArrayLike | None = None,
+    ) -> None:
+        self._measures = _positive(self, (radius, length), measures)
+
+    def radius(self) -> float:
+        """Return the radius [m]."""
+        return float(self._measures[0])
+
+    def length(self) -> float:
+        """Return the length [m]; of a capsule, the length between its two centres."""
+        return float(self._measures[1])
+
+    def _kernel_parameters(self) -> Floats:
+        return np.array([self.radius(), 0.5 * self.length()])
+
+
+class Capsule(_Swept):
+    """All points within ``radius`` [m] of a segment of ``length`` [m] along z, both > 0."""
+
+    __slots__ = ()
+    _TYPE = 3
+
+
+class Cylinder(_Swept):
+    """A cylinder of ``radius`` [m] and ``length`` [m] along z, both > 0."""
+
+    __slots__ = ()
+    _TYPE = 4
+
+
+class Ellipsoid(Shape):
+    """An ellipsoid of semi-axes ``a``, ``b``, ``c`` [m] along x, y and z, all > 0."""
+
+    __slots__ = ()
+    _TYPE = 5
+    _NAMES = ('a', 'b', 'c')
+
+    def __init__(
+        self,
+        a: Any = None,
+        b: float | None = None,
+        c: float | None = None,
+        *,
+        measures: ArrayLike | None = None,
+    ) -> None:
+        self._measures = _positive(self, (a, b, c), measures)
+
+    def a(self) -> float:
+        """Return the semi-axis [m] along x."""
+        return float(self._measures[0])
+
+    def b(self) -> float:
+        """Return the semi-axis [m] along y."""
+        return float(self._measures[1])
+
+    def c(self) -> float:
+        """Return the semi-axis [m] along z."""
+        return float(self._measures[2])
+
+
+class HalfSpace(Shape):
+    """All points with z <= 0 in the geometry's frame: the plane's normal is +z."""
+
+    __slots__ = ()
+    _TYPE = 6
+
+    @staticmethod
+    def MakePose(Hz_dir_F: ArrayLike, p_FB: ArrayLike) -> RigidTransform:
+        """Return X_FH of a half space with normal along ``Hz_dir_F`` and B on its boundary.
+
+        Ho is the point of the boundary nearest to Fo. Raises RuntimeError when the normal, which
+        need not be of unit length, is shorter than 1e-10.
+
+            >>> HalfSpace.MakePose([0, 0, 2], [1, 1, 5]).translation().tolist()
+            [0.0, 0.0, 5.0]
+        """
+        normal = as_vector(Hz_dir_F, 'HalfSpace.MakePose: Hz_dir_F')
+        length = float(np.linalg.norm(normal))
+        if length < DIRECTION_NORM:
+            raise ArgumentError(
+                f'HalfSpace.MakePose: |Hz_dir_F| = {length:g} must be >= {DIRECTION_NORM:g}'
+            )
+        Hz_F = normal / length
+        Hx_F = np.cross(Hz_F, np.eye(3)[np.argmin(np.abs(Hz_F))])
+        Hx_F /= np.linalg.norm(Hx_F)
+        R_FH = np.column_stack((Hx_F, np.cross(Hz_F, Hx_F), Hz_F))
+        offset = Hz_F @ as_vector(p_FB, 'HalfSpace.MakePose: p_FB')
+        return RigidTransform._make(R_FH, offset * Hz_F)
+
+
+class _FromFile(Shape):
+    """A shape that a mesh file describes."""
+
+    __slots__ = ()
+    _NAMES = ('filename', 'scale3')
+
+    def __init__(
+        self,
+        filename: str | os.PathLike[str] | None = None,
+        scale: ArrayLike = 1.0,
+        *,
+        scale3: ArrayLike | None = None,
+        absolute_filename: str | os.PathLike[str] | None = None,
+    ) -> None:
+        kind = type(self).__name__
+        given = absolute_filename if filename is None else filename
+        if not given or not isinstance(given, (str, os.PathLike)):
+            raise ArgumentTypeError(f'{kind}: filename = {given!r} is not the path of a file')
+        factors = np.broadcast_to(np.asarray(scale if scale3 is None else scale3, float), 3)
+        if not (np.abs(factors) >= SMALLEST_SCALE).all() or not np.isfinite(factors).all():
+            raise ArgumentError(
+                f'{kind}: |scale| must be finite and >= {SMALLEST_SCALE:g} on every axis, '
+                f'given {factors.tolist()}'
+            )
+        self._measures = (os.path.abspath(given), tuple(factors.tolist()))
+
+    def filename(self) -> str:
+        """Return the absolute path of the file."""
+        return str(self._measures[0])
+
+    def extension(self) -> str:
+        """Return what the file's name ends in, lower case with the dot, as ``.obj``."""
+        return os.path.splitext(self.filename())[1].lower()
+
+    def scale(self) -> float:
+        """Return the scale [-]; raises RuntimeError when it differs between the axes."""
+        if len(set(self._measures[1])) > 1:
+            raise GeometryError(
+                f'{type(self).__name__}: scale() of {list(self._measures[1])}, which is not '
+                'uniform; see scale3()'
+            )
+        return float(self._measures[1][0])
+
+    def scale3(self) -> Floats:
+        """Return the scale (3,) [-] along x, y and z."""
+        return np.array(self._measures[1])
+
+    def _kernel_parameters(self) -> Floats:
+        raise GeometryError(
+            f'{self!r}: meshes take no part in proximity queries yet; remove the proximity role, '
+            'or use one of Sphere, Box, Capsule, Cylinder, Ellipsoid, HalfSpace'
+        )
+
+
+class Convex(_FromFile):
+    """The convex polyhedron in an .obj file, scaled by ``scale``, a number or one an axis."""
+
+    __slots__ = ()
+    _TYPE = 7
+
+
+class Mesh(_FromFile):
+    """The triangle mesh in a file, scaled by ``scale``, a number or one an axis."""
+
+    __slots__ = ()
+    _TYPE = 8
+
+
+def _number(kind: str, name: str, value: Any) -> float:
+    """Return a finite float, or raise an error that names the argument and its value."""
+    if value is None:
+        raise ArgumentTypeError(f'{kind}: {name} is missing')
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(f'{kind}: {name} = {value!r} must be a number [m]') from None
+    if not math.isfinite(number):
+        raise ArgumentError(f'{kind}: {name} = {number} must be finite')
+    return number
+
+
+def _positive(
+    shape: Shape, values: tuple[Any, ...], measures: ArrayLike | None
+) -> tuple[float, ...]:
+    """Return the measures of a shape, one a name, all finite and > 0."""
+    kind, names = type(shape).__name__, shape._NAMES
+    if measures is None and np.ndim(values[0]) == 1 and values[1:] == (None,) * len(values[1:]):
+        measures = values[0]
+    if measures is not None:
+        if np.shape(measures) != (len(names),):
+            raise ArgumentTypeError(f'{kind}: measures = {measures!r} must be {", ".join(names)}')
+        values = tuple(np.asarray(measures).tolist())
+    numbers = tuple(_number(kind, n, v) for n, v in zip(names, values, strict=True))
+    for name, number in zip(names, numbers, strict=True):
+        if number <= 0.0:
+            raise ArgumentError(f'{kind}: {name} = {number} must be > 0')
+    return numbers

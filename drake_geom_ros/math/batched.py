@@ -1,0 +1,113 @@
+"""Poses of many frames at once: arrays in, arrays out, no Python work a pose.
+
+A pose is either a row of seven numbers, ``x y z qx qy qz qw`` [m, -], or a pair of arrays:
+rotation matrices R (n, 3, 3) and positions p (n, 3) [m]. ``X_AB = (R_AB, p_AB)`` takes a point
+from B's axes to A's: ``p_AQ = R_AB p_BQ + p_AB``.
+
+    >>> Rs, ps = matrices_from_poses([[1, 2, 3, 0, 0, 0, 1]])
+    >>> poses_from_matrices(Rs, ps)
+    array([[1., 2., 3., 0., 0., 0., 1.]])
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.math.tolerances import QUATERNION_NORM
+
+Floats = NDArray[np.float64]
+
+
+def matrices_from_poses(poses: ArrayLike, what: str = 'poses') -> tuple[Floats, Floats]:
+    """Return R (n, 3, 3) and p (n, 3) [m] of ``poses`` (n, 7), x y z qx qy qz qw.
+
+    Quaternions are normalised. Raises RuntimeError, naming the first bad row as ``what[row]``, for
+    another shape, a number that is not finite, or a quaternion that is off unit length by more
+    than ``QUATERNION_NORM``.
+    """
+    rows = checked_rows(poses, 7, what, 'x y z qx qy qz qw')
+    return rotations_from_quaternions(rows[:, 3:], what), rows[:, :3].copy()
+
+
+def poses_from_matrices(Rs: ArrayLike, ps: ArrayLike) -> Floats:
+    """Return poses (n, 7), x y z qx qy qz qw, of R (n, 3, 3) and p (n, 3) [m]; qw >= 0."""
+    return np.hstack((np.asarray(ps, dtype=np.float64), quaternions_from_rotations(Rs)))
+
+
+def rotations_from_quaternions(qxqyqzqw: ArrayLike, what: str = 'quaternions') -> Floats:
+    """Return R (n, 3, 3) of quaternions (n, 4), which are normalised first.
+
+    Raises RuntimeError as ``matrices_from_poses`` does. Formula (Euler-Rodrigues):
+    R = I + 2 w [v]x + 2 [v]x [v]x for q = (v, w).
+    """
+    quaternions = checked_rows(qxqyqzqw, 4, what, 'qx qy qz qw')
+    norms = np.linalg.norm(quaternions, axis=1)
+    bad = np.flatnonzero(np.abs(norms - 1.0) > QUATERNION_NORM)
+    if bad.size:
+        k = bad[0]
+        raise RuntimeError(
+            f'{what}[{k}]: the quaternion {quaternions[k].tolist()} has norm {norms[k]:.6g}; '
+            f'allowed is 1 +- {QUATERNION_NORM:g}, in the order qx qy qz qw'
+        )
+    x, y, z, w = (quaternions / norms[:, None]).T
+    Rs = np.empty((len(quaternions), 3, 3))
+    Rs[:, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    Rs[:, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    Rs[:, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    Rs[:, 0, 1], Rs[:, 1, 0] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
+    Rs[:, 0, 2], Rs[:, 2, 0] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
+    Rs[:, 1, 2], Rs[:, 2, 1] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+    return Rs
+
+
+def quaternions_from_rotations(Rs: ArrayLike) -> Floats:
+    """Return unit quaternions (n, 4), qx qy qz qw with qw >= 0, of R (n, 3, 3).
+
+    The four products 4 q_k q are rows of linear sums of R's elements; the row of the largest q_k
+    is the one that loses no digits (Shepperd, J. Guidance and Control 1(3), 1978).
+    """
+    R = np.asarray(Rs, dtype=np.float64)
+    xx, yy, zz = R[:, 0, 0], R[:, 1, 1], R[:, 2, 2]
+    xy, xz, yz = R[:, 0, 1] + R[:, 1, 0], R[:, 0, 2] + R[:, 2, 0], R[:, 1, 2] + R[:, 2, 1]
+    wx, wy, wz = R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]
+    products = np.stack(
+        (
+            np.stack((1.0 + xx - yy - zz, xy, xz, wx), axis=1),
+            np.stack((xy, 1.0 - xx + yy - zz, yz, wy), axis=1),
+            np.stack((xz, yz, 1.0 - xx - yy + zz, wz), axis=1),
+            np.stack((wx, wy, wz, 1.0 + xx + yy + zz), axis=1),
+        ),
+        axis=1,
+    )
+    largest = np.argmax(np.diagonal(products, axis1=1, axis2=2), axis=1)
+    rows = products[np.arange(len(R)), largest]
+    quaternions: Floats = rows / np.linalg.norm(rows, axis=1)[:, None]
+    quaternions[quaternions[:, 3] < 0.0] *= -1.0
+    return quaternions
+
+
+def compose(R_ABs: Floats, p_ABs: Floats, R_BCs: Floats, p_BCs: Floats) -> tuple[Floats, Floats]:
+    """Return R_AC (n, 3, 3) and p_AC (n, 3) of X_AC = X_AB X_BC; (3, 3) and (3,) broadcast."""
+    return R_ABs @ R_BCs, p_ABs + np.einsum('...ij,...j->...i', R_ABs, p_BCs)
+
+
+def invert(R_ABs: Floats, p_ABs: Floats) -> tuple[Floats, Floats]:
+    """Return R_BA (n, 3, 3) and p_BA (n, 3) of the inverse of X_AB."""
+    return np.swapaxes(R_ABs, -1, -2).copy(), -np.einsum('...ji,...j->...i', R_ABs, p_ABs)
+
+
+def checked_rows(values: ArrayLike, width: int, what: str, layout: str) -> Floats:
+    """Return ``values`` as floats (n, width); RuntimeError for another shape or a NaN or inf."""
+    try:
+        rows = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise RuntimeError(f'{what}: not an array of numbers (n, {width}): {error}') from None
+    if rows.size == 0 and rows.ndim <= 2:
+        rows = rows.reshape(0, width)
+    if rows.ndim != 2 or rows.shape[1] != width:
+        raise RuntimeError(f'{what}: shape {rows.shape} is not (n, {width}), {layout}')
+    bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if bad.size:
+        raise RuntimeError(f'{what}[{bad[0]}]: {rows[bad[0]].tolist()} is not finite')
+    return rows

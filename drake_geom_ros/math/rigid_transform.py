@@ -1,0 +1,189 @@
+"""The pose of one frame in another."""
+
+from __future__ import annotations
+
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
+from drake_geom_ros.math.rotations import RollPitchYaw, RotationMatrix, as_vector
+
+Floats = NDArray[np.float64]
+
+
+class RigidTransform:
+    """A pose X_AB of frame B in frame A: ``p_AQ = X_AB @ p_BQ``.
+
+    Made as in pydrake: of nothing (the identity), a rotation and a position p (3,) [m], either of
+    them, or a matrix (3, 4) or (4, 4). A rotation is a ``RotationMatrix``, a ``RollPitchYaw`` or a
+    quaternion, see ``RotationMatrix``. ``FromArray`` takes seven numbers, x y z qx qy qz qw.
+    Raises RuntimeError for what is no pose, or not finite.
+
+        >>> X_WA = RigidTransform(RollPitchYaw(0, 0, 0.5), [1, 2, 3])
+        >>> (X_WA.inverse() @ X_WA).IsNearlyIdentity(1e-15)
+        True
+    """
+
+    __slots__ = ('_R', '_p')
+
+    def __init__(
+        self,
+        *value: Any,
+        p: ArrayLike | None = None,
+        R: RotationMatrix | None = None,
+        rpy: RollPitchYaw | None = None,
+        quaternion: Any = None,
+        pose: ArrayLike | None = None,
+        other: RigidTransform | None = None,
+    ) -> None:
+        first, p = _split(value, p)
+        given = [v for v in (first, R, rpy, quaternion, pose, other) if v is not None]
+        if len(given) > 1:
+            raise RuntimeError('RigidTransform: give one of R, rpy, quaternion, pose, other')
+        self._R, self._p = _parts(given[0] if given else RotationMatrix(), p)
+
+    @staticmethod
+    def Identity() -> RigidTransform:
+        """Return the pose of a frame in itself."""
+        return RigidTransform()
+
+    @staticmethod
+    def FromArray(xyz_qxqyqzqw: ArrayLike) -> RigidTransform:
+        """Return the pose of seven numbers, x y z [m] and a unit quaternion qx qy qz qw."""
+        Rs, ps = matrices_from_poses(np.asarray(xyz_qxqyqzqw)[None], 'pose')
+        return RigidTransform._make(Rs[0], ps[0])
+
+    def ToArray(self) -> Floats:
+        """Return seven numbers, x y z [m] and a unit quaternion qx qy qz qw with qw >= 0."""
+        return poses_from_matrices(self._R.matrix()[None], self._p[None]).reshape(7)
+
+    @classmethod
+    def _make(cls, R: Floats, p: Floats) -> RigidTransform:
+        """Return the pose of R (3, 3) and p (3,), which are ours and known to be right."""
+        pose = cls.__new__(cls)
+        p.flags.writeable = False
+        pose._R, pose._p = RotationMatrix._make(R), p
+        return pose
+
+    def set(self, R: RotationMatrix, p: ArrayLike) -> None:
+        """Become the pose of rotation R and position p (3,) [m]."""
+        self._R, self._p = _parts(R, p)
+
+    def SetIdentity(self) -> RigidTransform:
+        """Become the identity, and return this."""
+        self._R, self._p = _parts(RotationMatrix(), None)
+        return self
+
+    def set_rotation(self, R: Any) -> None:
+        """Take another rotation: a RotationMatrix, a RollPitchYaw or a quaternion."""
+        self._R = RotationMatrix(R)
+
+    def set_translation(self, p: ArrayLike) -> None:
+        """Take another position p (3,) [m]."""
+        self._R, self._p = _parts(self._R, p)
+
+    def rotation(self) -> RotationMatrix:
+        """Return R_AB."""
+        return self._R
+
+    def translation(self) -> Floats:
+        """Return p_AB (3,) [m], not to be written to."""
+        return self._p
+
+    def GetAsMatrix34(self) -> Floats:
+        """Return [R p], (3, 4)."""
+        return np.column_stack((self._R.matrix(), self._p))
+
+    def GetAsMatrix4(self) -> Floats:
+        """Return [R p; 0 1], (4, 4)."""
+        return np.vstack((self.GetAsMatrix34(), [0.0, 0.0, 0.0, 1.0]))
+
+    def inverse(self) -> RigidTransform:
+        """Return X_BA."""
+        R_BA = self._R.matrix().T.copy()
+        return RigidTransform._make(R_BA, -(R_BA @ self._p))
+
+    def InvertAndCompose(self, other: RigidTransform) -> RigidTransform:
+        """Return X_BC of this X_AB and the other X_AC."""
+        R_BA = self._R.matrix().T
+        return RigidTransform._make(R_BA @ other._R.matrix(), R_BA @ (other._p - self._p))
+
+    @overload
+    def multiply(self, other: RigidTransform) -> RigidTransform: ...
+    @overload
+    def multiply(self, other: ArrayLike) -> Floats: ...
+    def multiply(self, other: RigidTransform | ArrayLike) -> RigidTransform | Floats:
+        """Return X_AC for an X_BC, or p_AQ, of the same shape, for p_BQ (3,) or (3, n) [m]."""
+        R = self._R.matrix()
+        if isinstance(other, RigidTransform):
+            return RigidTransform._make(R @ other._R.matrix(), self._p + R @ other._p)
+        p_BQ = np.asarray(other, dtype=np.float64)
+        if p_BQ.ndim not in (1, 2) or p_BQ.shape[0] != 3:
+            raise RuntimeError(f'RigidTransform: cannot move shape {p_BQ.shape}, (3,) or (3, n)')
+        p_AQ: Floats = (self._p + (R @ p_BQ).T).T
+        return p_AQ
+
+    __matmul__ = multiply
+
+    def IsExactlyIdentity(self) -> bool:
+        """Return whether this is the identity to the last bit."""
+        return self._R.IsExactlyIdentity() and not self._p.any()
+
+    def IsNearlyIdentity(self, translation_tolerance: float) -> bool:
+        """Return whether p is within ``translation_tolerance`` [m] of 0 and R is nearly I."""
+        return self._R.IsNearlyIdentity() and bool(np.abs(self._p).max() <= translation_tolerance)
+
+    def IsExactlyEqualTo(self, other: RigidTransform) -> bool:
+        """Return whether the two poses are the same to the last bit."""
+        return self.GetMaximumAbsoluteDifference(other) == 0.0
+
+    def IsNearlyEqualTo(self, other: RigidTransform, tolerance: float) -> bool:
+        """Return whether no element of [R p] differs by more than ``tolerance``."""
+        return self.GetMaximumAbsoluteDifference(other) <= tolerance
+
+    def GetMaximumAbsoluteDifference(self, other: RigidTransform) -> float:
+        """Return the largest difference of any element of [R p]."""
+        return float(np.abs(self.GetAsMatrix34() - other.GetAsMatrix34()).max())
+
+    def GetMaximumAbsoluteTranslationDifference(self, other: RigidTransform) -> float:
+        """Return the largest difference of any element of p [m]."""
+        return float(np.abs(self._p - other._p).max())
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RigidTransform):
+            return NotImplemented
+        return self._R == other._R and np.array_equal(self._p, other._p)
+
+    def __repr__(self) -> str:
+        R = repr(self._R).replace('\n', '\n  ')
+        return f'RigidTransform(\n  R={R},\n  p={self._p.tolist()},\n)'
+
+
+def _split(value: tuple[Any, ...], p: ArrayLike | None) -> tuple[Any, ArrayLike | None]:
+    """Sort positional arguments into a rotation or pose, and a position."""
+    if len(value) > 2 or (len(value) == 2 and p is not None):
+        raise RuntimeError('RigidTransform: give at most a rotation and one position')
+    if len(value) == 2:
+        return value
+    if len(value) == 1 and p is None and np.shape(value[0]) in ((3,), (3, 1), (1, 3)):
+        return None, value[0]
+    return (value[0] if value else None), p
+
+
+def _parts(value: Any, p: ArrayLike | None) -> tuple[RotationMatrix, Floats]:
+    """Return rotation and position of a rotation, or of a pose when ``p`` is None."""
+    if isinstance(value, RigidTransform) and p is None:
+        return value._R, value._p
+    matrix = None
+    if isinstance(value, (np.ndarray, list, tuple)) and np.shape(value) in ((3, 4), (4, 4)):
+        matrix = np.array(value, dtype=np.float64)
+        if p is not None or (matrix.shape == (4, 4) and matrix[3].tolist() != [0, 0, 0, 1]):
+            raise RuntimeError(f'RigidTransform: {matrix.tolist()} is not [R p; 0 0 0 1]')
+        value, p = matrix[:3, :3], matrix[:3, 3]
+    elif not isinstance(value, (RotationMatrix, RollPitchYaw)) and np.shape(value) == (3, 3):
+        raise RuntimeError('RigidTransform: give the rotation as RotationMatrix(R)')
+    position = np.zeros(3) if p is None else as_vector(p, 'RigidTransform: p')
+    position.flags.writeable = False
+    return RotationMatrix(value), position

@@ -1,0 +1,335 @@
+"""Rotations: as a matrix, and as roll, pitch and yaw."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.math.batched import quaternions_from_rotations, rotations_from_quaternions
+from drake_geom_ros.math.tolerances import DIRECTION_NORM, ROTATION
+
+Floats = NDArray[np.float64]
+
+
+class RotationMatrix:
+    """A rotation R_AB, which takes a vector from B's axes to A's: ``v_A = R_AB @ v_B``.
+
+    Made of nothing (the identity), a matrix (3, 3), a ``RollPitchYaw``, or a unit quaternion: an
+    array w x y z in Drake's order, or an object with ``wxyz()``. Raises RuntimeError for a matrix
+    that is not a rotation or a quaternion that is not of unit length.
+
+        >>> R_WA = RotationMatrix.MakeZRotation(math.pi / 2)
+        >>> (R_WA @ [1, 0, 0]).round(9).tolist()
+        [0.0, 1.0, 0.0]
+    """
+
+    __slots__ = ('_R',)
+
+    def __init__(
+        self,
+        R: RotationMatrix | RollPitchYaw | ArrayLike | None = None,
+        *,
+        quaternion: Any = None,
+        rpy: RollPitchYaw | None = None,
+        other: RotationMatrix | None = None,
+    ) -> None:
+        given = [value for value in (R, quaternion, rpy, other) if value is not None]
+        if len(given) > 1:
+            raise RuntimeError('RotationMatrix: give one of R, quaternion, rpy, other')
+        self._R = _read_only(_matrix_of(given[0]) if given else np.eye(3))
+
+    def set(self, R: ArrayLike) -> None:
+        """Become the matrix R (3, 3)."""
+        self._R = _read_only(_matrix_of(R))
+
+    @staticmethod
+    def Identity() -> RotationMatrix:
+        """Return the rotation that changes nothing."""
+        return RotationMatrix()
+
+    @staticmethod
+    def MakeXRotation(theta: float) -> RotationMatrix:
+        """Return the rotation by ``theta`` [rad] about x."""
+        return RollPitchYaw(theta, 0.0, 0.0).ToRotationMatrix()
+
+    @staticmethod
+    def MakeYRotation(theta: float) -> RotationMatrix:
+        """Return the rotation by ``theta`` [rad] about y."""
+        return RollPitchYaw(0.0, theta, 0.0).ToRotationMatrix()
+
+    @staticmethod
+    def MakeZRotation(theta: float) -> RotationMatrix:
+        """Return the rotation by ``theta`` [rad] about z."""
+        return RollPitchYaw(0.0, 0.0, theta).ToRotationMatrix()
+
+    @staticmethod
+    def MakeFromOneVector(b_A: ArrayLike, axis_index: int) -> RotationMatrix:
+        """Return an R_AB whose column ``axis_index`` is the direction of ``b_A`` (3,).
+
+        The next column is at right angles to the axis that ``b_A`` has least of. Raises
+        RuntimeError for a vector shorter than 1e-10, or an index other than 0, 1, 2.
+        """
+        if axis_index not in (0, 1, 2):
+            raise RuntimeError(f'MakeFromOneVector: axis_index = {axis_index} is not 0, 1 or 2')
+        b = as_vector(b_A, 'MakeFromOneVector: b_A')
+        length = float(np.linalg.norm(b))
+        if not length >= DIRECTION_NORM:
+            raise RuntimeError(
+                f'MakeFromOneVector: |b_A| = {length:g} must be >= {DIRECTION_NORM:g}'
+            )
+        u = b / length
+        v = np.cross(np.eye(3)[np.argmin(np.abs(u))], u)
+        v /= np.linalg.norm(v)
+        R = np.empty((3, 3))
+        R[:, axis_index], R[:, (axis_index + 1) % 3] = u, v
+        R[:, (axis_index + 2) % 3] = np.cross(u, v)
+        return RotationMatrix._make(R)
+
+    @staticmethod
+    def ProjectToRotationMatrix(M: ArrayLike) -> RotationMatrix:
+        """Return the rotation nearest to ``M`` (3, 3) in the Frobenius norm.
+
+        Raises RuntimeError when M is singular or nearest to a reflection. Formula: U V^T of the
+        singular value decomposition (orthogonal Procrustes problem).
+        """
+        matrix = np.asarray(M, dtype=np.float64)
+        if matrix.shape != (3, 3) or not np.isfinite(matrix).all() or np.linalg.det(matrix) <= 0:
+            raise RuntimeError(
+                'ProjectToRotationMatrix: M must be finite, (3, 3), with a positive determinant, '
+                f'given {matrix.tolist()}'
+            )
+        U, _, Vt = np.linalg.svd(matrix)
+        return RotationMatrix._make(U @ Vt)
+
+    @classmethod
+    def _make(cls, R: Floats) -> RotationMatrix:
+        """Return the rotation R (3, 3), which is ours and known to be one."""
+        rotation = cls.__new__(cls)
+        rotation._R = _read_only(R)
+        return rotation
+
+    def matrix(self) -> Floats:
+        """Return the matrix (3, 3), not to be written to."""
+        return self._R
+
+    def row(self, index: int) -> Floats:
+        """Return row ``index`` (3,): an axis of A in B."""
+        row: Floats = self._R[index]
+        return row
+
+    def col(self, index: int) -> Floats:
+        """Return column ``index`` (3,): an axis of B in A."""
+        return self._R[:, index]
+
+    def inverse(self) -> RotationMatrix:
+        """Return R_BA."""
+        return RotationMatrix._make(self._R.T.copy())
+
+    def transpose(self) -> RotationMatrix:
+        """Return R_BA, which is the transpose."""
+        return self.inverse()
+
+    def InvertAndCompose(self, other: RotationMatrix) -> RotationMatrix:
+        """Return R_BC of this R_AB and the other R_AC."""
+        return RotationMatrix._make(self._R.T @ other._R)
+
+    @overload
+    def multiply(self, other: RotationMatrix) -> RotationMatrix: ...
+    @overload
+    def multiply(self, other: ArrayLike) -> Floats: ...
+    def multiply(self, other: RotationMatrix | ArrayLike) -> RotationMatrix | Floats:
+        """Return R_AC for an R_BC, or v_A, of the same shape, for v_B (3,) or (3, n)."""
+        if isinstance(other, RotationMatrix):
+            return RotationMatrix._make(self._R @ other._R)
+        v_B = np.asarray(other, dtype=np.float64)
+        if v_B.ndim not in (1, 2) or v_B.shape[0] != 3:
+            raise RuntimeError(f'RotationMatrix: cannot rotate shape {v_B.shape}, (3,) or (3, n)')
+        v_A: Floats = self._R @ v_B
+        return v_A
+
+    __matmul__ = multiply
+
+    def IsValid(self) -> bool:
+        """Return whether this is a rotation to working precision (True unless unchecked)."""
+        return rotation_error(self._R) <= ROTATION
+
+    def IsExactlyIdentity(self) -> bool:
+        """Return whether this is the identity to the last bit."""
+        return np.array_equal(self._R, np.eye(3))
+
+    def IsNearlyIdentity(self, tolerance: float = ROTATION) -> bool:
+        """Return whether no element is farther than ``tolerance`` from the identity's."""
+        return bool(np.abs(self._R - np.eye(3)).max() <= tolerance)
+
+    def ToRollPitchYaw(self) -> RollPitchYaw:
+        """Return roll, pitch and yaw, with pitch between -pi/2 and pi/2."""
+        return RollPitchYaw(self)
+
+    def ToQuaternionAsVector(self) -> Floats:
+        """Return the unit quaternion (4,) w x y z, Drake's order, with w >= 0."""
+        return np.roll(quaternions_from_rotations(self._R[None])[0], 1)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RotationMatrix):
+            return NotImplemented
+        return np.array_equal(self._R, other._R)
+
+    def __repr__(self) -> str:
+        rows = ',\n'.join(f'  {row}' for row in self._R.tolist())
+        return f'RotationMatrix([\n{rows},\n])'
+
+
+class RollPitchYaw:
+    """A rotation by angles [rad] about fixed axes: roll about x, then pitch about y, yaw about z.
+
+    Made of three angles, an array (3,) of them, a ``RotationMatrix``, a matrix (3, 3), or a unit
+    quaternion as for ``RotationMatrix``. R = Rz(yaw) Ry(pitch) Rx(roll).
+    """
+
+    __slots__ = ('_rpy',)
+
+    def __init__(
+        self,
+        roll: Any = None,
+        pitch: float | None = None,
+        yaw: float | None = None,
+        *,
+        rpy: ArrayLike | None = None,
+        R: RotationMatrix | None = None,
+        quaternion: Any = None,
+        matrix: ArrayLike | None = None,
+        other: RollPitchYaw | None = None,
+    ) -> None:
+        angles = None if pitch is None or yaw is None else [roll, pitch, yaw]
+        single = roll if pitch is None and yaw is None else None
+        given = [
+            value
+            for value in (angles, single, rpy, R, quaternion, matrix, other)
+            if value is not None
+        ]
+        if len(given) != 1:
+            raise RuntimeError(
+                'RollPitchYaw: give roll, pitch, yaw, or one of rpy, R, quaternion, matrix, other'
+            )
+        self._rpy = _read_only(_angles_of(given[0]))
+
+    def vector(self) -> Floats:
+        """Return roll, pitch, yaw (3,) [rad], not to be written to."""
+        return self._rpy
+
+    def roll_angle(self) -> float:
+        """Return the angle [rad] about x."""
+        return float(self._rpy[0])
+
+    def pitch_angle(self) -> float:
+        """Return the angle [rad] about y."""
+        return float(self._rpy[1])
+
+    def yaw_angle(self) -> float:
+        """Return the angle [rad] about z."""
+        return float(self._rpy[2])
+
+    def ToRotationMatrix(self) -> RotationMatrix:
+        """Return R = Rz(yaw) Ry(pitch) Rx(roll)."""
+        (sr, sp, sy), (cr, cp, cy) = np.sin(self._rpy), np.cos(self._rpy)
+        return RotationMatrix._make(
+            np.array(
+                [
+                    [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                    [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                    [-sp, cp * sr, cp * cr],
+                ]
+            )
+        )
+
+    def ToQuaternionAsVector(self) -> Floats:
+        """Return the unit quaternion (4,) w x y z, Drake's order, with w >= 0."""
+        return self.ToRotationMatrix().ToQuaternionAsVector()
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RollPitchYaw):
+            return NotImplemented
+        return np.array_equal(self._rpy, other._rpy)
+
+    def __repr__(self) -> str:
+        roll, pitch, yaw = self._rpy.tolist()
+        return f'RollPitchYaw(roll={roll}, pitch={pitch}, yaw={yaw})'
+
+
+def as_vector(value: ArrayLike, what: str) -> Floats:
+    """Return ``value`` as finite floats (3,), a copy; RuntimeError, naming it, if it is not."""
+    try:
+        vector = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise RuntimeError(f'{what} = {value!r} is not three numbers') from None
+    if vector.shape in ((3, 1), (1, 3)):
+        vector = vector.reshape(3)
+    if vector.shape != (3,) or not np.isfinite(vector).all():
+        raise RuntimeError(f'{what} = {vector.tolist()} is not three finite numbers')
+    return vector
+
+
+def rotation_error(R: Floats) -> float:
+    """Return max |R R^T - I| [-] of R (3, 3), or infinity for a reflection or a NaN."""
+    if not np.isfinite(R).all() or np.linalg.det(R) <= 0.0:
+        return math.inf
+    return float(np.abs(R @ R.T - np.eye(3)).max())
+
+
+def _read_only(array: Floats) -> Floats:
+    """Return the array, closed for writing: values share it without copying."""
+    array.flags.writeable = False
+    return array
+
+
+def _matrix_of(rotation: Any) -> Floats:
+    """Return the matrix (3, 3) of whatever describes a rotation."""
+    if isinstance(rotation, RotationMatrix):
+        return rotation._R
+    if isinstance(rotation, RollPitchYaw):
+        return rotation.ToRotationMatrix()._R
+    try:
+        wxyz_or_R = np.array(
+            rotation.wxyz() if hasattr(rotation, 'wxyz') else rotation, dtype=np.float64
+        )
+    except (TypeError, ValueError):
+        raise RuntimeError(f'RotationMatrix: {rotation!r} is not a rotation') from None
+    if wxyz_or_R.shape == (4,):
+        Rs = rotations_from_quaternions(np.roll(wxyz_or_R, -1)[None], 'quaternion')
+        return np.ascontiguousarray(Rs[0])
+    if wxyz_or_R.shape != (3, 3):
+        raise RuntimeError(f'RotationMatrix: shape {wxyz_or_R.shape} is neither (3, 3) nor (4,)')
+    error = rotation_error(wxyz_or_R)
+    if not error <= ROTATION:
+        raise RuntimeError(
+            f'RotationMatrix: {wxyz_or_R.tolist()} is not a rotation: max |R R^T - I| is '
+            f'{error:.2g}, allowed {ROTATION:g}; see RotationMatrix.ProjectToRotationMatrix'
+        )
+    return wxyz_or_R
+
+
+def _angles_of(value: Any) -> Floats:
+    """Return roll, pitch, yaw (3,) of whatever describes a rotation."""
+    if isinstance(value, RollPitchYaw):
+        return value._rpy
+    if not isinstance(value, RotationMatrix) and np.shape(value) in ((3,), (3, 1), (1, 3)):
+        return as_vector(value, 'RollPitchYaw: rpy')
+    return _angles_of_matrix(_matrix_of(value))
+
+
+def _angles_of_matrix(R: Floats) -> Floats:
+    """Return roll, pitch, yaw (3,) of R (3, 3), as well conditioned as R at every pitch.
+
+    Pitch comes from R's elements, sum and difference of roll and yaw from its quaternion, so that
+    nothing is divided by cos(pitch) (P. Mitiguy's algorithm, in Drake's RollPitchYaw).
+    """
+    cos_pitch = math.sqrt(0.5 * (R[2, 2] ** 2 + R[2, 1] ** 2 + R[1, 0] ** 2 + R[0, 0] ** 2))
+    pitch = math.atan2(-R[2, 0], cos_pitch)
+    x, y, z, w = quaternions_from_rotations(R[None])[0].tolist()
+    half_sum = math.atan2(x + z, w - y)
+    half_difference = math.atan2(z - x, w + y)
+    roll, yaw = half_sum - half_difference, half_sum + half_difference
+    return np.array([math.remainder(roll, math.tau), pitch, math.remainder(yaw, math.tau)])

@@ -1,0 +1,55 @@
+"""Scene files without ROS: YAML, URDF and SRDF to registrations, and a scene back to YAML.
+
+``load_scene`` is all that most callers need::
+
+    scene_graph = SceneGraph()
+    loaded = load_scene('scenes/two_pandas.yaml', scene_graph)
+    hand = loaded.frames['left', 'panda_hand']
+
+``read_scene`` returns the description alone (robots with their URDF and base pose, frames with
+their first poses), ``register`` registers one, ``save_scene`` writes a scene graph as text.
+"""
+
+from drake_geom_ros.scene_files.description import (
+    CliqueDescription,
+    DeactivationDescription,
+    DeclarationDescription,
+    FrameDescription,
+    GeometryDescription,
+    GroupDescription,
+    Member,
+    Operation,
+    RobotDescription,
+    SceneDescription,
+    Statement,
+)
+from drake_geom_ros.scene_files.errors import Location, SceneFileError
+from drake_geom_ros.scene_files.registration import LoadedScene, register
+from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
+from drake_geom_ros.scene_files.schema import scene_schema
+
+__all__ = [
+    'load_scene',
+    'read_scene',
+    'save_scene',
+    'register',
+    'describe',
+    'scene_schema',
+    'LoadedScene',
+    'SceneDescription',
+    'RobotDescription',
+    'FrameDescription',
+    'GeometryDescription',
+    'GroupDescription',
+    'CliqueDescription',
+    'DeclarationDescription',
+    'DeactivationDescription',
+    'Statement',
+    'Operation',
+    'Member',
+    'ResourceResolver',
+    'SceneFileError',
+    'Location',
+]

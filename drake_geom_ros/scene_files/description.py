@@ -1,0 +1,154 @@
+"""What scene files say, as plain records: read from a file, registered elsewhere.
+
+Every record knows the place it was read from (``where``), so that whoever finds it wrong later
+can still name file, line and key. Places do not count when records are compared.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+
+from drake_geom_ros.geometry import GeometryProperties, Role, Shape
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.errors import Location
+
+WORLD = 'world'
+_NOWHERE = Location('<scene>')
+
+
+@dataclass(frozen=True)
+class Member:
+    """An element of a geometry set: a frame, or one geometry with the proximity role.
+
+    The world frame has no source; a geometry on it has one.
+    """
+
+    source: str
+    frame: str
+    geometry: str | None = None
+
+
+@dataclass(frozen=True)
+class FrameDescription:
+    """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say."""
+
+    source: str
+    name: str
+    parent: str = WORLD
+    group: int = 0
+    X_PF: RigidTransform | None = None
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class GeometryDescription:
+    """A geometry, its pose in its frame, and its roles with their properties."""
+
+    source: str
+    frame: str
+    name: str
+    shape: Shape
+    X_FG: RigidTransform
+    roles: Mapping[Role, GeometryProperties]
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class RobotOptions:
+    """Which of a robot's own pairs are kept from colliding."""
+
+    filter_adjacent_links: bool = True
+    filter_self_collisions: bool = False
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """A robot: the source of its name holds its links; X_WB is the pose of its root link.
+
+    ``urdf`` is None where the URDF came as text.
+    """
+
+    name: str
+    urdf: Path | None
+    X_WB: RigidTransform
+    srdf: Path | None = None
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class GroupDescription:
+    """A collision filter group: members, and the groups (there or not) that they ignore."""
+
+    name: str
+    members: tuple[Member, ...]
+    ignores: tuple[str, ...] = ()
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class CliqueDescription:
+    """A clique: no two of its members collide."""
+
+    name: str
+    members: tuple[Member, ...]
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+class Operation(Enum):
+    """What a statement does to its pairs; values are CollisionFilterDeclaration's methods."""
+
+    EXCLUDE_WITHIN = 'ExcludeWithin'
+    EXCLUDE_BETWEEN = 'ExcludeBetween'
+    ALLOW_WITHIN = 'AllowWithin'
+    ALLOW_BETWEEN = 'AllowBetween'
+
+    @property
+    def takes_two_sets(self) -> bool:
+        """Whether the pairs are those between two sets."""
+        return self in (Operation.EXCLUDE_BETWEEN, Operation.ALLOW_BETWEEN)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One statement of a declaration; ``set_b`` is empty for the *within* kinds."""
+
+    operation: Operation
+    set_a: tuple[Member, ...]
+    set_b: tuple[Member, ...] = ()
+
+
+@dataclass(frozen=True)
+class DeclarationDescription:
+    """A persistent declaration: statements of which later ones win."""
+
+    statements: tuple[Statement, ...]
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class DeactivationDescription:
+    """Geometries that take part in no pair."""
+
+    members: tuple[Member, ...]
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+FilterDescription = (
+    GroupDescription | CliqueDescription | DeclarationDescription | DeactivationDescription
+)
+
+
+@dataclass(frozen=True)
+class SceneDescription:
+    """A whole scene, robots expanded to frames, geometries and filters.
+
+    Each part is in the order in which it is registered; of filters the last word counts.
+    """
+
+    file: str = '<scene>'
+    sources: tuple[str, ...] = ()
+    robots: tuple[RobotDescription, ...] = ()
+    frames: tuple[FrameDescription, ...] = ()
+    geometries: tuple[GeometryDescription, ...] = ()
+    filters: tuple[FilterDescription, ...] = ()

@@ -1,0 +1,35 @@
+"""Errors of scene files: each one names the file, the line and the key."""
+
+from dataclasses import dataclass
+
+from drake_geom_ros.geometry.errors import GeometryError
+
+
+class SceneFileError(GeometryError):
+    """A scene, URDF or SRDF file that cannot be loaded, or a scene that cannot be saved.
+
+    ``str(error)`` reads ``arms.yaml:12: geometries[3].shape.radius: -1.0 must be > 0``; the same
+    parts are the attributes ``file``, ``line`` (None where no line is to blame), ``key`` and
+    ``reason``.
+    """
+
+    def __init__(self, reason: str, file: str, line: int | None = None, key: str = ''):
+        where = file if line is None else f'{file}:{line}'
+        super().__init__(': '.join(part for part in (where, key, reason) if part))
+        self.reason = reason
+        self.file = file
+        self.line = line
+        self.key = key
+
+
+@dataclass(frozen=True)
+class Location:
+    """A place in a file: what an error about it names."""
+
+    file: str
+    line: int | None = None
+    key: str = ''
+
+    def error(self, reason: str) -> SceneFileError:
+        """Return the error that blames this place for ``reason``."""
+        return SceneFileError(reason, self.file, self.line, self.key)

@@ -1,0 +1,81 @@
+"""Names of frames and geometries in filters: text to member and back."""
+
+import difflib
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+
+from drake_geom_ros.geometry import Role
+from drake_geom_ros.scene_files.description import (
+    WORLD,
+    FrameDescription,
+    GeometryDescription,
+    Member,
+)
+from drake_geom_ros.scene_files.errors import Location
+
+MemberName = str | Mapping[str, str]
+
+
+class NameTable:
+    """All names of a scene's frames, and of its geometries with the proximity role.
+
+    A frame is ``frame`` or ``source::frame``, a geometry ``frame/geometry`` or
+    ``source::frame/geometry``. Names may themselves hold ``::`` and ``/``: a text is looked up,
+    never split, and where it stands for several members it is refused. The parts given by key
+    (``source``, ``frame``, ``geometry``) are never ambiguous.
+    """
+
+    def __init__(
+        self, frames: Iterable[FrameDescription], geometries: Iterable[GeometryDescription]
+    ):
+        self._members: defaultdict[str, dict[Member, None]] = defaultdict(dict)
+        self._members[WORLD] = {Member('', WORLD): None}
+        for frame in frames:
+            self._add(frame.name, Member(frame.source, frame.name))
+        for geometry in geometries:
+            if Role.kProximity in geometry.roles:
+                member = Member(geometry.source, geometry.frame, geometry.name)
+                self._add(f'{geometry.frame}/{geometry.name}', member)
+
+    def _add(self, short: str, member: Member) -> None:
+        self._members[short][member] = None
+        self._members[f'{member.source}::{short}'][member] = None
+
+    def find(self, name: MemberName, place: Location) -> Member:
+        """Return the member that a name stands for; SceneFileError where none or several do."""
+        if isinstance(name, Mapping):
+            return self._find_parts(name, place)
+        found = list(self._members.get(name, ()))
+        if len(found) == 1:
+            return found[0]
+        if not found:
+            near = difflib.get_close_matches(name, self._members, n=1)
+            hint = f'; is meant: {near[0]!r}?' if near else ''
+            raise place.error(
+                f'{name!r} is no frame, and no geometry with the proximity role, of this scene'
+                + hint
+            )
+        longer = ', '.join(f'{_full_name(member)!r}' for member in found)
+        raise place.error(
+            f'{name!r} stands for several: {longer}; give the source, or the parts as '
+            '{source: ..., frame: ..., geometry: ...}'
+        )
+
+    def _find_parts(self, parts: Mapping[str, str], place: Location) -> Member:
+        member = Member(parts['source'], parts['frame'], parts.get('geometry'))
+        if member in self._members.get(_full_name(member), ()):
+            return member
+        raise place.error(f'{_full_name(member)!r} is not in this scene')
+
+    def name(self, member: Member) -> MemberName:
+        """Return the name that ``find`` turns back into the member."""
+        text = _full_name(member)
+        if len(self._members[text]) == 1:
+            return text
+        parts = {'source': member.source, 'frame': member.frame}
+        return parts if member.geometry is None else {**parts, 'geometry': member.geometry}
+
+
+def _full_name(member: Member) -> str:
+    frame = f'{member.source}::{member.frame}' if member.source else member.frame
+    return frame if member.geometry is None else f'{frame}/{member.geometry}'

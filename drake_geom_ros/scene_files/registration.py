@@ -1,0 +1,185 @@
+"""Scene description -> registrations, through the public interface of SceneGraph only."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FrameId,
+    GeometryFrame,
+    GeometryId,
+    GeometryInstance,
+    GeometrySet,
+    Role,
+    SceneGraph,
+    SourceId,
+)
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.description import (
+    WORLD,
+    CliqueDescription,
+    DeactivationDescription,
+    DeclarationDescription,
+    FilterDescription,
+    FrameDescription,
+    GeometryDescription,
+    GroupDescription,
+    Member,
+    RobotDescription,
+    SceneDescription,
+)
+from drake_geom_ros.scene_files.errors import Location
+
+
+@dataclass(frozen=True)
+class LoadedScene:
+    """What a description became: ids by name, and what the scene graph does not keep.
+
+    ``sources`` by name; ``frames`` by (source, frame); ``geometries``, those with the proximity
+    role, by (source, frame, geometry), on the world frame with ``world`` as frame;
+    ``geometry_ids`` of all geometries in the order of the description; ``robots`` by name, with
+    the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
+    parent of each frame that the description gives one.
+    """
+
+    sources: Mapping[str, SourceId] = field(default_factory=dict)
+    frames: Mapping[tuple[str, str], FrameId] = field(default_factory=dict)
+    geometries: Mapping[tuple[str, str, str], GeometryId] = field(default_factory=dict)
+    geometry_ids: tuple[GeometryId, ...] = ()
+    robots: Mapping[str, RobotDescription] = field(default_factory=dict)
+    X_PFs: Mapping[FrameId, RigidTransform] = field(default_factory=dict)
+
+
+def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
+    """Register all of a description, or nothing, and return the ids.
+
+    It is rehearsed on a context, a copy that refuses whatever the scene graph would refuse.
+    Raises SceneFileError that names the place of the description, for what the scene graph
+    refuses: a source or a geometry name that is taken, an unknown parent, persistent filters
+    while transient ones are active, and so on.
+    """
+    _Registration(scene_graph, description, scene_graph.CreateDefaultContext()).run()
+    return _Registration(scene_graph, description).run()
+
+
+class _Registration:
+    """One run through a description, into a scene graph or a context of it."""
+
+    def __init__(
+        self,
+        scene_graph: SceneGraph,
+        description: SceneDescription,
+        context: Any = None,
+    ):
+        self._scene_graph = scene_graph
+        self._description = description
+        self._on = () if context is None else (context,)
+        self._sources: dict[str, SourceId] = {}
+        self._frames: dict[tuple[str, str], FrameId] = {}
+        self._geometries: dict[tuple[str, str, str], GeometryId] = {}
+        self._geometry_ids: list[GeometryId] = []
+
+    def run(self) -> LoadedScene:
+        description = self._description
+        for name in description.sources:
+            with _blame(Location(description.file, key=f'source {name}')):
+                self._sources[name] = self._scene_graph.RegisterSource(*self._on, name)
+        for frame in description.frames:
+            with _blame(frame.where):
+                self._register_frame(frame)
+        for geometry in description.geometries:
+            with _blame(geometry.where):
+                self._register_geometry(geometry)
+        for entry in description.filters:
+            with _blame(entry.where):
+                self._apply(entry)
+        return LoadedScene(
+            self._sources,
+            self._frames,
+            self._geometries,
+            tuple(self._geometry_ids),
+            {robot.name: robot for robot in description.robots},
+            {
+                self._frames[frame.source, frame.name]: frame.X_PF
+                for frame in description.frames
+                if frame.X_PF is not None
+            },
+        )
+
+    def _frame_id(self, source: str, name: str) -> FrameId:
+        if name == WORLD:
+            return self._scene_graph.world_frame_id()
+        if (source, name) not in self._frames:
+            known = ', '.join(frame for owner, frame in self._frames if owner == source)
+            raise RuntimeError(
+                f'source {source!r} has no frame {name!r} so far; it has {known or "none"}, '
+                f'and there is {WORLD!r}'
+            )
+        return self._frames[source, name]
+
+    def _register_frame(self, frame: FrameDescription) -> None:
+        if frame.name == WORLD:
+            raise RuntimeError(f'a frame cannot be called {WORLD!r}: that is the world frame')
+        self._frames[frame.source, frame.name] = self._scene_graph.RegisterFrame(
+            *self._on,
+            self._sources[frame.source],
+            self._frame_id(frame.source, frame.parent),
+            GeometryFrame(frame.name, frame.group),
+        )
+
+    def _register_geometry(self, geometry: GeometryDescription) -> None:
+        source_id = self._sources[geometry.source]
+        geometry_id = self._scene_graph.RegisterGeometry(
+            *self._on,
+            source_id,
+            self._frame_id(geometry.source, geometry.frame),
+            GeometryInstance(geometry.X_FG, geometry.shape, geometry.name),
+        )
+        for properties in geometry.roles.values():
+            self._scene_graph.AssignRole(*self._on, source_id, geometry_id, properties)
+        self._geometry_ids.append(geometry_id)
+        if Role.kProximity in geometry.roles:
+            self._geometries[geometry.source, geometry.frame, geometry.name] = geometry_id
+
+    def _set(self, members: tuple[Member, ...]) -> GeometrySet:
+        geometry_ids = [
+            self._geometries[member.source, member.frame, member.geometry]
+            for member in members
+            if member.geometry is not None
+        ]
+        frame_ids = [
+            self._frame_id(member.source, member.frame)
+            for member in members
+            if member.geometry is None
+        ]
+        return GeometrySet(geometry_ids=geometry_ids, frame_ids=frame_ids)
+
+    def _apply(self, entry: FilterDescription) -> None:
+        manager = self._scene_graph.collision_filter_manager(*self._on)
+        if isinstance(entry, GroupDescription):
+            manager.AddGroup(entry.name, self._set(entry.members), entry.ignores)
+        elif isinstance(entry, CliqueDescription):
+            manager.AddClique(entry.name, self._set(entry.members))
+        elif isinstance(entry, DeactivationDescription):
+            manager.Deactivate(self._set(entry.members))
+        else:
+            manager.Apply(self._declaration(entry))
+
+    def _declaration(self, entry: DeclarationDescription) -> CollisionFilterDeclaration:
+        declaration = CollisionFilterDeclaration()
+        for statement in entry.statements:
+            say = getattr(declaration, statement.operation.value)
+            sets = (statement.set_a, statement.set_b)
+            say(*map(self._set, sets if statement.operation.takes_two_sets else sets[:1]))
+        return declaration
+
+
+@contextmanager
+def _blame(where: Location) -> Iterator[None]:
+    """Turn a refusal by the scene graph into an error that names the place in the file."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise where.error(str(error)) from error

@@ -1,0 +1,69 @@
+"""Where the files that a scene or a URDF names are: ``package://``, ``file://`` and paths."""
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+
+class ResourceResolver:
+    """Finds files by URI.
+
+    ``package://NAME/path`` is looked for in these folders, the first that exists is taken:
+    ``ROOT/NAME`` (or ROOT itself where that is its name) for each of ``package_roots``,
+    ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and
+    ``cmeel.prefix/share/NAME`` beside the Python packages, where pip puts robot descriptions
+    such as ``example-robot-data``.
+    """
+
+    def __init__(self, package_roots: Iterable[str | os.PathLike[str]] = ()):
+        self._package_roots = [Path(root).absolute() for root in package_roots]
+
+    def resolve(self, uri: str, folder: Path) -> Path:
+        """Return the absolute path of the file that ``uri`` names; a bare path is from ``folder``.
+
+        Raises ValueError for another scheme, an unknown package, a path that leaves its package,
+        and a file that does not exist.
+        """
+        scheme, _, rest = uri.partition('://')
+        if not rest:
+            path = folder / uri
+        elif scheme == 'package':
+            path = self._in_package(uri, rest)
+        elif scheme == 'file':
+            path = Path(unquote(urlsplit(uri).path))
+        else:
+            raise ValueError(f'{uri!r}: scheme {scheme!r}; use package://, file:// or a path')
+        path = Path(os.path.normpath(path.absolute()))
+        if not path.is_file():
+            raise ValueError(f'{uri!r}: there is no file {path}')
+        return path
+
+    def _in_package(self, uri: str, rest: str) -> Path:
+        name, _, inner = rest.partition('/')
+        inner = inner.lstrip('/')
+        if not name or name in ('.', '..') or os.path.normpath(inner).split(os.sep)[0] == '..':
+            raise ValueError(f'{uri!r} must stay inside its package')
+        folders = list(self._candidates(name))
+        for folder in folders:
+            if folder.is_dir():
+                return folder / inner
+        searched = ', '.join(map(str, folders)) or 'no folder'
+        raise ValueError(
+            f'{uri!r}: there is no package {name!r}; searched {searched}; '
+            'source its workspace, install it with pip, or name its folder in package_roots'
+        )
+
+    def _candidates(self, name: str) -> Iterator[Path]:
+        for root in self._package_roots:
+            yield root if root.name == name else root / name
+        for prefix in _paths(os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)):
+            yield prefix / 'share' / name
+        for entry in _paths(sys.path):
+            if entry.name in ('site-packages', 'dist-packages'):
+                yield entry / 'cmeel.prefix' / 'share' / name
+
+
+def _paths(entries: Sequence[str]) -> list[Path]:
+    return [Path(entry) for entry in entries if entry]

@@ -1,0 +1,132 @@
+"""Scene graph -> scene description, through the public interface of SceneGraph only."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+
+from drake_geom_ros.geometry import FrameId, GeometryId, Role, SceneGraph
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.description import (
+    WORLD,
+    CliqueDescription,
+    DeactivationDescription,
+    DeclarationDescription,
+    FilterDescription,
+    FrameDescription,
+    GeometryDescription,
+    GroupDescription,
+    Member,
+    Operation,
+    RobotDescription,
+    SceneDescription,
+    Statement,
+)
+from drake_geom_ros.scene_files.errors import SceneFileError
+
+_ROLES = (Role.kProximity, Role.kIllustration, Role.kPerception)
+
+
+def describe(
+    scene_graph: SceneGraph,
+    X_PFs: Mapping[FrameId, RigidTransform] | None = None,
+    robots: Iterable[RobotDescription] = (),
+) -> SceneDescription:
+    """Return the description of a scene: what ``register`` makes the same scene from.
+
+    Left out are transient declarations, robots whose URDF came as text, and that a geometry was
+    registered on another one: it is described on their frame, in the same place.
+    ``X_PFs`` are poses of frames in their parents; frames without one stay without.
+
+    Raises SceneFileError for a frame that is called as the world frame.
+    """
+    return _Describer(scene_graph).describe(X_PFs or {}, robots)
+
+
+class _Describer:
+    """Reads one scene graph."""
+
+    def __init__(self, scene_graph: SceneGraph):
+        self._inspector = scene_graph.model_inspector()
+        self._manager = scene_graph.collision_filter_manager()
+        self._world = self._inspector.world_frame_id()
+
+    def describe(
+        self, X_PFs: Mapping[FrameId, RigidTransform], robots: Iterable[RobotDescription]
+    ) -> SceneDescription:
+        inspector = self._inspector
+        internal = inspector.GetOwningSourceId(self._world)
+        source_ids = [id for id in inspector.GetAllSourceIds() if id != internal]
+        frame_ids = [id for id in inspector.GetAllFrameIds() if id != self._world]
+        return SceneDescription(
+            sources=tuple(inspector.GetName(id) for id in source_ids),
+            robots=tuple(robot for robot in robots if robot.urdf is not None),
+            frames=tuple(self._frame(id, X_PFs.get(id)) for id in frame_ids),
+            geometries=tuple(self._geometry(id) for id in inspector.GetAllGeometryIds()),
+            filters=tuple(self._filters()),
+        )
+
+    def _frame_name(self, frame_id: FrameId) -> str:
+        if frame_id == self._world:
+            return WORLD
+        name = self._inspector.GetName(frame_id)
+        if name == WORLD:
+            source = self._inspector.GetOwningSourceName(frame_id)
+            raise SceneFileError(
+                f'source {source!r} has a frame {name!r}, which in a scene file is the world '
+                'frame; rename it with RenameFrame',
+                '<scene>',
+            )
+        return name
+
+    def _frame(self, frame_id: FrameId, X_PF: RigidTransform | None) -> FrameDescription:
+        inspector = self._inspector
+        return FrameDescription(
+            inspector.GetOwningSourceName(frame_id),
+            self._frame_name(frame_id),
+            self._frame_name(inspector.GetParentFrame(frame_id)),
+            inspector.GetFrameGroup(frame_id),
+            X_PF,
+        )
+
+    def _geometry(self, geometry_id: GeometryId) -> GeometryDescription:
+        inspector = self._inspector
+        roles = {role: inspector.GetProperties(geometry_id, role) for role in _ROLES}
+        return GeometryDescription(
+            inspector.GetOwningSourceName(geometry_id),
+            self._frame_name(inspector.GetFrameId(geometry_id)),
+            inspector.GetName(geometry_id),
+            inspector.GetShape(geometry_id),
+            inspector.GetPoseInFrame(geometry_id),
+            {role: properties for role, properties in roles.items() if properties is not None},
+        )
+
+    def _filters(self) -> Iterator[FilterDescription]:
+        manager = self._manager
+        for name, group in manager.filter_groups().items():
+            yield GroupDescription(name, self._members(group.members), tuple(group.ignored))
+        for name, ids in manager.cliques().items():
+            yield CliqueDescription(name, self._members(ids))
+        for declaration in manager.declarations():
+            statements = (
+                Statement(Operation(operation), self._members(set_A), self._members(set_B))
+                for operation, set_A, set_B in declaration
+            )
+            yield DeclarationDescription(tuple(statements))
+        if inactive := manager.deactivated_geometries():
+            yield DeactivationDescription(self._members(inactive))
+
+    def _members(self, ids: Iterable[GeometryId]) -> tuple[Member, ...]:
+        """Return a set, by frame where all geometries of a frame are in it."""
+        by_frame: defaultdict[FrameId, list[GeometryId]] = defaultdict(list)
+        for geometry_id in ids:
+            by_frame[self._inspector.GetFrameId(geometry_id)].append(geometry_id)
+        members: list[Member] = []
+        for frame_id, inside in by_frame.items():
+            frame = self._frame_name(frame_id)
+            count = self._inspector.NumGeometriesForFrameWithRole(frame_id, Role.kProximity)
+            if frame != WORLD and len(inside) == count:
+                members.append(Member(self._inspector.GetOwningSourceName(frame_id), frame))
+                continue
+            for geometry_id in inside:
+                source = self._inspector.GetOwningSourceName(geometry_id)
+                members.append(Member(source, frame, self._inspector.GetName(geometry_id)))
+        return tuple(members)

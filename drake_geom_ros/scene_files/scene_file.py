@@ -1,0 +1,145 @@
+"""Scene files from the outside: read one, load one into a scene graph, save a scene graph."""
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from drake_geom_ros.geometry import FrameId, SceneGraph
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.description import (
+    RobotDescription,
+    RobotOptions,
+    SceneDescription,
+)
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.registration import LoadedScene, register
+from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
+from drake_geom_ros.scene_files.urdf_filters import read_srdf
+from drake_geom_ros.scene_files.yaml_scene import parse_scene
+from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, read_yaml
+from drake_geom_ros.scene_files.yaml_writer import to_yaml
+
+PathLike = str | os.PathLike[str]
+
+FORMATS = ('yaml', 'urdf')
+
+
+def read_scene(
+    path_or_text: PathLike,
+    format: str = '',
+    srdf: PathLike = '',
+    package_roots: Iterable[PathLike] = (),
+) -> SceneDescription:
+    r"""Return what a scene file describes; nothing is registered.
+
+    ``path_or_text`` is a path, or the text itself: a str with a line break in it, or one that
+    begins with ``{`` or ``<``. Paths in a text count from the working folder.
+    ``format`` is ``yaml`` or ``urdf``; left empty, it is told by the suffix ``.urdf`` or by a text
+    that begins with ``<``. ``srdf``, a path or a text too, goes with a URDF. ``package_roots``:
+    see ``ResourceResolver``.
+    A URDF alone is a scene of one robot at the world's origin, with its own name, adjacent links
+    filtered.
+
+    Raises SceneFileError that names file, line and key of what is wrong.
+
+    >>> scene = read_scene('geometries:\n- {name: floor, shape: {type: half_space}}')
+    >>> scene.geometries[0].source
+    'scene'
+    """
+    text = _as_text(path_or_text)
+    if format not in ('', *FORMATS):
+        raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
+    data, file, folder = _content(path_or_text)
+    looks_like_urdf = text.lstrip().startswith('<') if text else file.endswith('.urdf')
+    resolver = ResourceResolver(package_roots)
+    if format == 'urdf' or (not format and looks_like_urdf):
+        path = None if text else Path(file).absolute()
+        return _urdf_scene(data, file, folder, path, srdf, resolver)
+    if srdf:
+        raise SceneFileError('srdf goes with a URDF; in YAML a robot has the key `srdf`', file)
+    try:
+        return parse_scene(read_yaml(data.decode(), file), folder, resolver)
+    except UnicodeDecodeError as error:
+        raise SceneFileError(f'not UTF-8: {error.reason} at byte {error.start}', file) from error
+
+
+def load_scene(
+    path_or_text: PathLike,
+    scene_graph: SceneGraph,
+    format: str = '',
+    srdf: PathLike = '',
+    package_roots: Iterable[PathLike] = (),
+) -> LoadedScene:
+    """Register all that a scene file describes, and return the ids by name.
+
+    Arguments and errors are those of ``read_scene`` and ``register``; after an error the scene
+    graph is as it was.
+    """
+    return register(scene_graph, read_scene(path_or_text, format, srdf, package_roots))
+
+
+def save_scene(
+    scene_graph: SceneGraph,
+    X_PFs: Mapping[FrameId, RigidTransform] | None = None,
+    robots: Iterable[RobotDescription] = (),
+) -> str:
+    """Return the YAML text of a scene, from which ``load_scene`` makes the same scene.
+
+    The same are names and order of sources, frames and geometries, poses, shapes, roles,
+    properties, and the persistent filters (transient declarations are not saved).
+    ``X_PFs`` and ``robots`` are what a scene graph does not keep: poses of frames, and the robots
+    of ``LoadedScene``. Meshes are saved by path.
+
+    Raises SceneFileError for what the format cannot say.
+    """
+    return to_yaml(describe(scene_graph, X_PFs, robots))
+
+
+def _urdf_scene(
+    data: bytes,
+    file: str,
+    folder: Path,
+    path: Path | None,
+    srdf: PathLike,
+    resolver: ResourceResolver,
+) -> SceneDescription:
+    name = robot_name(data, file)
+    parts = read_urdf(data, file, name, folder, resolver, RobotOptions())
+    filters = parts.filters
+    srdf_path = None
+    if srdf:
+        srdf_data, srdf_file, _ = _content(srdf)
+        srdf_path = None if _as_text(srdf) else Path(srdf_file).absolute()
+        filters = (*filters, read_srdf(srdf_data, srdf_file, name, parts.link_names))
+    robot = RobotDescription(name, path, RigidTransform(), srdf_path)
+    return SceneDescription(file, (name,), (robot,), parts.frames, parts.geometries, filters)
+
+
+def _as_text(path_or_text: PathLike) -> str:
+    """Return the text itself, empty where a path was given."""
+    if not isinstance(path_or_text, str):
+        return ''
+    is_text = '\n' in path_or_text or path_or_text.lstrip().startswith(('{', '<'))
+    return path_or_text if is_text else ''
+
+
+def _file(path_or_text: PathLike) -> str:
+    return '<text>' if _as_text(path_or_text) else os.fspath(path_or_text)
+
+
+def _content(path_or_text: PathLike) -> tuple[bytes, str, Path]:
+    """Return content, name and folder of a file or a text."""
+    text, file = _as_text(path_or_text), _file(path_or_text)
+    if text:
+        return text.encode(errors='surrogatepass'), file, Path.cwd()
+    path = Path(file)
+    try:
+        with path.open('rb') as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise SceneFileError(f'cannot be read: {error.strerror}', file) from error
+    if len(data) > MAX_BYTES:
+        raise SceneFileError(f'more than {MAX_BYTES} bytes', file)
+    return data, file, path.absolute().parent

@@ -1,0 +1,90 @@
+"""Checks a document against ``scene.schema.json``: the first fault becomes an error."""
+
+import json
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import jsonschema
+
+from drake_geom_ros.scene_files.yaml_text import Document
+
+_TYPE_NAMES = {
+    'object': 'a mapping',
+    'array': 'a list',
+    'string': 'text (in quotes where it reads as a number)',
+    'number': 'a number',
+    'integer': 'an integer',
+    'boolean': 'true or false',
+}
+# Longest value that a message quotes.
+_QUOTED = 60
+
+
+@cache
+def scene_schema() -> dict[str, Any]:
+    """Return the JSON schema (draft 7) of scene files."""
+    folder = resources.files('drake_geom_ros.scene_files')
+    schema: dict[str, Any] = json.loads((folder / 'scene.schema.json').read_text('utf-8'))
+    return schema
+
+
+def check_schema(document: Document) -> None:
+    """Raise SceneFileError for the first line at which the document breaks the schema."""
+    validator = jsonschema.Draft7Validator(scene_schema())
+    faults = [
+        document.at(*_blamed_path(error)).error(_reason(error))
+        for error in validator.iter_errors(document.value)
+    ]
+    if faults:
+        raise min(faults, key=lambda fault: fault.line or 0)
+
+
+def _blamed_path(error: Any) -> tuple[str | int, ...]:
+    """Return the path of the key to blame: an unknown key itself, not the mapping around it."""
+    path = tuple(error.absolute_path)
+    if error.validator == 'additionalProperties':
+        return (*path, _unknown_keys(error)[0])
+    return path
+
+
+def _unknown_keys(error: Any) -> list[str]:
+    return [key for key in error.instance if key not in error.schema.get('properties', {})]
+
+
+def _reason(error: Any) -> str:
+    """Return what is wrong, with the value and what is allowed."""
+    kind, limit, value = error.validator, error.validator_value, error.instance
+    if kind == 'required':
+        missing = [f'`{key}`' for key in limit if key not in value]
+        return f'misses {", ".join(missing)}'
+    if kind == 'additionalProperties':
+        return f'is no key here; allowed are {", ".join(error.schema["properties"])}'
+    if kind == 'not':
+        return str(limit['description'])
+    if kind in ('minProperties', 'maxProperties'):
+        known = ', '.join(error.schema['properties'])
+        one = 'exactly' if 'maxProperties' in error.schema else 'at least'
+        return f'has {len(value)} keys; give {one} one of {known}'
+    if kind in ('minItems', 'maxItems'):
+        return f'has {len(value)} items; {limit} are needed'
+    if kind == 'pattern':
+        return f'{value!r}: a name has at least one character that is not blank'
+    return f'{_quote(value)} must be {_wanted(kind, limit)}'
+
+
+def _wanted(kind: str, limit: Any) -> str:
+    if kind == 'type':
+        names = [limit] if isinstance(limit, str) else limit
+        return ' or '.join(_TYPE_NAMES[name] for name in names)
+    if kind == 'enum':
+        return f'one of {", ".join(limit)}'
+    relation = {'exclusiveMinimum': '>', 'minimum': '>=', 'maximum': '<='}[kind]
+    return f'{relation} {limit}'
+
+
+def _quote(value: Any) -> str:
+    if value is None:
+        return 'nothing (null)'
+    text = repr(value)
+    return text if len(text) <= _QUOTED else f'{text[:_QUOTED]}...'

@@ -1,0 +1,55 @@
+"""XML of URDF and SRDF files -> an element tree with line numbers, safely."""
+
+from typing import Any
+
+from lxml import etree
+
+from drake_geom_ros.scene_files.errors import Location, SceneFileError
+
+# A URDF of a humanoid takes 0.2 MB.
+MAX_BYTES = 16_000_000
+
+
+def read_robot_xml(data: bytes, file: str) -> Any:
+    """Return the ``<robot>`` element of a URDF or SRDF file, comments left out.
+
+    Raises SceneFileError for text that is not XML, another root element, text over ``MAX_BYTES``,
+    and a document type: entities are defined there, and neither format has use for them.
+    """
+    if len(data) > MAX_BYTES:
+        raise SceneFileError(f'{len(data)} bytes; at most {MAX_BYTES} are read', file)
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True
+    )
+    try:
+        root = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        raise SceneFileError(f'not XML: {error.msg}', file, error.lineno) from error
+    if root.getroottree().docinfo.doctype:
+        raise SceneFileError('a document type (<!DOCTYPE ...>); take it out', file)
+    if root.tag != 'robot':
+        raise place_of(root, file).error(f'root element <{root.tag}>; must be <robot>')
+    return root
+
+
+def local_name(element: Any) -> str:
+    """Return an element's name without namespace: ``capsule`` for ``drake:capsule``."""
+    return str(etree.QName(element).localname)
+
+
+def place_of(element: Any, file: str) -> Location:
+    """Return the place of an element: its line, and its name or that of the nearest named one."""
+    path = []
+    for node in [element, *element.iterancestors()]:
+        if local_name(node) != 'robot':
+            name = node.get('name')
+            path.append(local_name(node) + (f'[{name}]' if name else ''))
+    return Location(file, element.sourceline, '.'.join(reversed(path)))
+
+
+def attribute(element: Any, name: str, file: str) -> str:
+    """Return an attribute that must be there; SceneFileError where it is not."""
+    value = element.get(name)
+    if not value:
+        raise place_of(element, file).error(f'misses the attribute `{name}`')
+    return str(value)

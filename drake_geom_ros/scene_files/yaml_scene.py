@@ -1,0 +1,201 @@
+"""YAML document -> scene description (the format is ``scene.schema.json``)."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from drake_geom_ros.scene_files import urdf, urdf_filters
+from drake_geom_ros.scene_files.description import (
+    WORLD,
+    CliqueDescription,
+    DeactivationDescription,
+    DeclarationDescription,
+    FilterDescription,
+    FrameDescription,
+    GeometryDescription,
+    GroupDescription,
+    Member,
+    Operation,
+    RobotDescription,
+    RobotOptions,
+    SceneDescription,
+    Statement,
+)
+from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.schema import check_schema
+from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
+from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
+
+_DEFAULT_NAME = 'scene'
+_BLANKS = ' \t'
+
+
+def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
+    """Return what a document describes; paths in it count from ``folder``.
+
+    Raises SceneFileError for a document that breaks the schema, for values that a pose, a shape
+    or a property refuses, for files that cannot be found or read, and for unknown names.
+    """
+    check_schema(document)
+    return _SceneParser(document, folder, resolver).parse()
+
+
+class _SceneParser:
+    """Reads the keys of one document in their order."""
+
+    def __init__(self, document: Document, folder: Path, resolver: ResourceResolver):
+        self._document = document
+        self._plain: Plain = document.value
+        self._folder = folder
+        self._resolver = resolver
+        self._robots: list[RobotDescription] = []
+        self._frames: list[FrameDescription] = []
+        self._geometries: list[GeometryDescription] = []
+        self._filters: list[FilterDescription] = []
+
+    def parse(self) -> SceneDescription:
+        for index, plain in enumerate(self._plain.get('robots', ())):
+            self._read_robot(index, plain)
+        for index, plain in enumerate(self._plain.get('frames', ())):
+            self._frames.append(self._frame(index, plain))
+        for index, plain in enumerate(self._plain.get('geometries', ())):
+            self._geometries.append(self._geometry(index, plain))
+        names = NameTable(self._frames, self._geometries)
+        for index, plain in enumerate(self._plain.get('filters', ())):
+            self._filters.append(self._filter(index, plain, names))
+        return SceneDescription(
+            self._document.file,
+            self._sources(),
+            tuple(self._robots),
+            tuple(self._frames),
+            tuple(self._geometries),
+            tuple(self._filters),
+        )
+
+    def _source(self, plain: Plain) -> str:
+        name = plain.get('source', self._plain.get('name', _DEFAULT_NAME))
+        return str(name).strip(_BLANKS)
+
+    def _sources(self) -> tuple[str, ...]:
+        listed = (name.strip(_BLANKS) for name in self._plain.get('sources', ()))
+        robots = (robot.name for robot in self._robots)
+        users: Iterable[FrameDescription | GeometryDescription] = (
+            *self._frames,
+            *self._geometries,
+        )
+        named = (user.source for user in users)
+        return tuple(dict.fromkeys((*listed, *robots, *named)))
+
+    def _read_robot(self, index: int, plain: Plain) -> None:
+        path = ('robots', index)
+        name = plain['name'].strip(_BLANKS)
+        where = self._document.at(*path)
+        urdf_path = self._file(plain['urdf'], *path, 'urdf')
+        srdf_path = self._file(plain['srdf'], *path, 'srdf') if 'srdf' in plain else None
+        X_WB = self._pose(plain, *path)
+        self._robots.append(RobotDescription(name, urdf_path, X_WB, srdf_path, where))
+        if plain.get('loaded', False):
+            return
+        options = RobotOptions(
+            plain.get('adjacent_links') != 'kept', plain.get('self_collisions') == 'filtered'
+        )
+        parts = urdf.read_urdf(
+            urdf_path.read_bytes(),
+            str(urdf_path),
+            name,
+            urdf_path.parent,
+            self._resolver,
+            options,
+        )
+        self._frames += parts.frames
+        self._geometries += parts.geometries
+        self._filters += parts.filters
+        if srdf_path:
+            declaration = urdf_filters.read_srdf(
+                srdf_path.read_bytes(), str(srdf_path), name, parts.link_names
+            )
+            self._filters.append(declaration)
+
+    def _frame(self, index: int, plain: Plain) -> FrameDescription:
+        path = ('frames', index)
+        return FrameDescription(
+            self._source(plain),
+            plain['name'].strip(_BLANKS),
+            plain.get('parent', WORLD).strip(_BLANKS),
+            int(plain.get('group', 0)),
+            self._pose(plain, *path) if 'pose' in plain else None,
+            self._document.at(*path),
+        )
+
+    def _geometry(self, index: int, plain: Plain) -> GeometryDescription:
+        path = ('geometries', index)
+        place = self._document.at(*path, 'shape')
+        try:
+            shape = shape_of(
+                plain['shape'],
+                lambda uri: str(self._resolver.resolve(uri, self._folder)),
+            )
+            place = self._document.at(*path, 'roles')
+            roles = roles_of(plain.get('roles'))
+        except (ValueError, RuntimeError) as error:
+            raise place.error(str(error)) from error
+        return GeometryDescription(
+            self._source(plain),
+            plain.get('frame', WORLD).strip(_BLANKS),
+            plain['name'].strip(_BLANKS),
+            shape,
+            self._pose(plain, *path),
+            roles,
+            self._document.at(*path),
+        )
+
+    def _file(self, uri: str, *path: str | int) -> Path:
+        try:
+            return self._resolver.resolve(uri, self._folder)
+        except ValueError as error:
+            raise self._document.at(*path).error(str(error)) from error
+
+    def _pose(self, plain: Plain, *path: str | int) -> Any:
+        try:
+            return pose_of(plain.get('pose'))
+        except RuntimeError as error:
+            raise self._document.at(*path, 'pose').error(str(error)) from error
+
+    def _filter(self, index: int, plain: Plain, names: NameTable) -> FilterDescription:
+        ((kind, value),) = plain.items()
+        path = ('filters', index, kind)
+        where = self._document.at(*path)
+        if kind == 'declaration':
+            statements = (
+                self._statement(item, (*path, i), names)
+                for i, statement in enumerate(value)
+                for item in statement.items()
+            )
+            return DeclarationDescription(tuple(statements), where)
+        if kind in ('group', 'clique'):
+            name = value['name'].strip(_BLANKS)
+            members = self._members(value['members'], (*path, 'members'), names)
+            if kind == 'clique':
+                return CliqueDescription(name, members, where)
+            ignores = tuple(other.strip(_BLANKS) for other in value.get('ignores', ()))
+            return GroupDescription(name, members, ignores, where)
+        if kind == 'deactivate':
+            return DeactivationDescription(self._members(value, path, names), where)
+        statement = self._statement((kind, value), path[:-1], names)
+        return DeclarationDescription((statement,), where)
+
+    def _statement(self, item: tuple[str, Any], path: KeyPath, names: NameTable) -> Statement:
+        kind, value = item
+        operation = Operation[kind.upper()]
+        if not operation.takes_two_sets:
+            return Statement(operation, self._members(value, (*path, kind), names))
+        set_a, set_b = (self._members(s, (*path, kind, i), names) for i, s in enumerate(value))
+        return Statement(operation, set_a, set_b)
+
+    def _members(
+        self, plain: Sequence[Any], path: KeyPath, names: NameTable
+    ) -> tuple[Member, ...]:
+        return tuple(
+            names.find(name, self._document.at(*path, index)) for index, name in enumerate(plain)
+        )

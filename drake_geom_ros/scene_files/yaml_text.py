@@ -1,0 +1,218 @@
+"""YAML text -> plain values, with the line of each; nothing in the text can run or blow up.
+
+The text is read as a stream of events with a stack of our own, so depth costs no recursion.
+Refused, each with its line: aliases (a few lines can stand for gigabytes), tags (they name
+Python types), duplicate keys (the last would win silently), numbers that are not finite, a
+second document, text over ``MAX_BYTES`` and nesting over ``MAX_DEPTH``.
+
+Plain scalars follow the core schema of YAML 1.2: ``on`` and ``1:30`` are text, ``1e-3`` is a
+number. PyYAML's own rules are those of 1.1, where they are true, 90 and text.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from drake_geom_ros.scene_files.errors import Location, SceneFileError
+
+# A scene of 5000 geometries takes 1.5 MB.
+MAX_BYTES = 16_000_000
+# The format nests 6 deep.
+MAX_DEPTH = 32
+# Longest integer that is converted: one digit more than a 64-bit one can have, and its sign.
+MAX_INTEGER_CHARACTERS = 21
+
+_LOADER = getattr(yaml, 'CBaseLoader', yaml.BaseLoader)
+_DEFAULT_TAGS = (None, '', '!')
+_INTEGER = re.compile(r'[-+]?[0-9]+')
+_FLOAT = re.compile(r'[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?')
+_NOT_FINITE = re.compile(r'[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)')
+_NUMBER_LIKE = re.compile(r'[-+.0-9]')  # how all numbers start
+_WORDS = {
+    **dict.fromkeys(('', '~', 'null', 'Null', 'NULL'), None),
+    **dict.fromkeys(('true', 'True', 'TRUE'), True),
+    **dict.fromkeys(('false', 'False', 'FALSE'), False),
+}
+
+KeyPath = tuple[str | int, ...]
+
+
+def key_text(path: KeyPath) -> str:
+    """Return a path as it is written in messages, for example ``geometries[3].shape.radius``."""
+    text = ''
+    for step in path:
+        if isinstance(step, int):
+            text += f'[{step}]'
+        else:
+            text += f'.{step}' if text else step
+    return text
+
+
+@dataclass(frozen=True)
+class Document:
+    """The value of a YAML text, and the line of each part of it."""
+
+    file: str
+    value: Any
+    lines: dict[KeyPath, int]
+
+    def at(self, *path: str | int) -> Location:
+        """Return the place of a part; of its nearest enclosing one where the part is missing."""
+        known = path
+        while known not in self.lines:
+            known = known[:-1]
+        return Location(self.file, self.lines[known], key_text(path))
+
+
+@dataclass
+class _Open:
+    """A mapping or a sequence whose end has not been read."""
+
+    path: KeyPath
+    value: dict[str, Any] | list[Any]
+    key: str | None = None  # of a mapping: read, its value not yet
+
+
+def read_yaml(text: str, file: str) -> Document:
+    r"""Return the one document of ``text``; errors call it ``file``.
+
+    Raises SceneFileError for text that is not YAML and for everything refused above.
+
+    >>> document = read_yaml('frames:\n- {name: cup, group: 2}', 'cups.yaml')
+    >>> document.value
+    {'frames': [{'name': 'cup', 'group': 2}]}
+    >>> str(document.at('frames', 0, 'group').error('...'))
+    'cups.yaml:2: frames[0].group: ...'
+    """
+    size = len(text.encode(errors='surrogatepass'))
+    if size > MAX_BYTES:
+        raise SceneFileError(f'{size} bytes; at most {MAX_BYTES} are read', file)
+    builder = _Builder(file)
+    try:
+        for event in yaml.parse(text, Loader=_LOADER):
+            builder.take(event)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        # At the end of the text libyaml counts one line more than there is.
+        line = min(mark.line, text.count('\n')) + 1 if mark else None
+        raise SceneFileError(f'not YAML: {error.problem or error.context}', file, line) from error
+    except (yaml.YAMLError, UnicodeError) as error:
+        reason = ' '.join(str(error).split())
+        raise SceneFileError(f'not YAML: {reason}', file) from error
+    if not builder.documents:
+        raise SceneFileError('is empty; a scene has at least one of its keys', file)
+    return Document(file, builder.root, builder.lines)
+
+
+class _Builder:
+    """Builds the value from the parser's events."""
+
+    def __init__(self, file: str):
+        self.file = file
+        self.root: Any = None
+        self.lines: dict[KeyPath, int] = {}
+        self.documents = 0
+        self._open: list[_Open] = []
+
+    def take(self, event: yaml.Event) -> None:
+        """Take the next event."""
+        line = event.start_mark.line + 1
+        if isinstance(event, yaml.DocumentStartEvent):
+            self.documents += 1
+            if self.documents > 1:
+                raise Location(self.file, line).error('a second document; a file holds one scene')
+        elif isinstance(event, yaml.AliasEvent):
+            raise self._place(line).error(f'alias *{event.anchor}; write the value out')
+        elif isinstance(event, yaml.ScalarEvent):
+            self._take_scalar(event, line)
+        elif isinstance(event, yaml.MappingStartEvent):
+            self._start(event, {}, line)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            self._start(event, [], line)
+        elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
+            self._open.pop()
+
+    def _place(self, line: int) -> Location:
+        """Return the place of what comes next, for an error."""
+        return Location(self.file, line, key_text(self._next_path()))
+
+    def _next_path(self) -> KeyPath:
+        if not self._open:
+            return ()
+        top = self._open[-1]
+        if isinstance(top.value, list):
+            return (*top.path, len(top.value))
+        return top.path if top.key is None else (*top.path, top.key)
+
+    def _expects_key(self) -> bool:
+        return (
+            bool(self._open)
+            and isinstance(self._open[-1].value, dict)
+            and (self._open[-1].key is None)
+        )
+
+    def _start(self, event: yaml.Event, value: dict[str, Any] | list[Any], line: int) -> None:
+        place = self._place(line)
+        if event.tag not in _DEFAULT_TAGS:
+            raise place.error(f'tag {event.tag}; a scene has no tags')
+        if self._expects_key():
+            raise place.error('a key must be text, not a list or a mapping')
+        if len(self._open) == MAX_DEPTH:
+            raise place.error(f'nested more than {MAX_DEPTH} deep')
+        path = self._next_path()
+        self._add(value, line)
+        self._open.append(_Open(path, value))
+
+    def _take_scalar(self, event: yaml.ScalarEvent, line: int) -> None:
+        place = self._place(line)
+        if event.tag not in _DEFAULT_TAGS:
+            raise place.error(f'tag {event.tag}; a scene has no tags')
+        if self._expects_key():
+            self._take_key(event.value, line, place)
+        else:
+            plain = event.implicit[0]  # neither quoted nor tagged
+            self._add(_plain_value(event.value, place) if plain else event.value, line)
+
+    def _take_key(self, key: str, line: int, place: Location) -> None:
+        top = self._open[-1]
+        if key in top.value:
+            first = self.lines[(*top.path, key)]
+            raise place.error(f'key {key!r} is there twice, first in line {first}')
+        self.lines[(*top.path, key)] = line
+        top.key = key
+
+    def _add(self, value: Any, line: int) -> None:
+        # Of an entry of a mapping the line of its key is known already.
+        self.lines.setdefault(self._next_path(), line)
+        if not self._open:
+            self.root = value
+            return
+        top = self._open[-1]
+        if isinstance(top.value, list):
+            top.value.append(value)
+        elif top.key is not None:
+            top.value[top.key] = value
+            top.key = None
+
+
+def is_text_without_quotes(text: str) -> bool:
+    """Return whether this text, written without quotes, is read as the text that it is."""
+    return text.isprintable() and text not in _WORDS and not _NUMBER_LIKE.match(text)
+
+
+def _plain_value(text: str, place: Location) -> Any:
+    """Return what a scalar without quotes stands for."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INTEGER.fullmatch(text):
+        if len(text) > MAX_INTEGER_CHARACTERS or not -(2**63) <= int(text) < 2**63:
+            raise place.error(f'{text[:MAX_INTEGER_CHARACTERS]}... does not fit into 64 bits')
+        return int(text)
+    if _FLOAT.fullmatch(text) and math.isfinite(float(text)):
+        return float(text)
+    if _FLOAT.fullmatch(text) or _NOT_FINITE.fullmatch(text):
+        raise place.error(f'{text} must be a finite number')
+    return text

@@ -1,0 +1,179 @@
+"""Poses, shapes and properties: their form in YAML, in both directions.
+
+``..._of`` turns plain values that keep the schema into ours, ``plain_...`` turns ours back.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    GeometryProperties,
+    HalfSpace,
+    IllustrationProperties,
+    Mesh,
+    PerceptionProperties,
+    ProximityProperties,
+    Rgba,
+    Role,
+    Shape,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
+
+Plain = Mapping[str, Any]
+
+ROLE_NAMES = {
+    Role.kProximity: 'proximity',
+    Role.kIllustration: 'illustration',
+    Role.kPerception: 'perception',
+}
+_PROPERTIES = {
+    'proximity': (Role.kProximity, ProximityProperties),
+    'illustration': (Role.kIllustration, IllustrationProperties),
+    'perception': (Role.kPerception, PerceptionProperties),
+}
+
+
+def pose_of(plain: Plain | None) -> RigidTransform:
+    """Return a pose; a missing one, position or orientation is the identity's.
+
+    Raises RuntimeError for a quaternion that is not of unit length, and a matrix that does not
+    rotate.
+    """
+    plain = plain or {}
+    position = plain.get('position', (0.0, 0.0, 0.0))
+    if 'rpy' in plain:
+        return RigidTransform(RollPitchYaw(plain['rpy']), position)
+    if 'rotation' in plain:
+        return RigidTransform(RotationMatrix(plain['rotation']), position)
+    return RigidTransform.FromArray([*position, *plain.get('quaternion', (0.0, 0.0, 0.0, 1.0))])
+
+
+def plain_pose(X: RigidTransform) -> dict[str, Any]:
+    """Return the plain form of a pose, which gives back the very same numbers.
+
+    What is the identity's is left out. The rotation is a quaternion where the way there and back
+    changes nothing, else the matrix. Zeros lose their sign.
+    """
+    plain: dict[str, Any] = {}
+    if X.translation().any():
+        plain['position'] = (X.translation() + 0.0).tolist()
+    if X.rotation().IsExactlyIdentity():
+        return plain
+    with_quaternion = {**plain, 'quaternion': (X.ToArray()[3:] + 0.0).tolist()}
+    if pose_of(with_quaternion).IsExactlyEqualTo(X):
+        return with_quaternion
+    return {**plain, 'rotation': (X.rotation().matrix() + 0.0).tolist()}
+
+
+def shape_of(plain: Plain, find_file: Callable[[str], str]) -> Shape:
+    """Return a shape; ``find_file`` gives the path of a mesh's URI.
+
+    Raises RuntimeError or ValueError for dimensions and files that the shape refuses.
+    """
+    kind = plain['type']
+    if kind == 'sphere':
+        return Sphere(plain['radius'])
+    if kind == 'box':
+        return Box(*plain['size'])
+    if kind == 'capsule':
+        return Capsule(plain['radius'], plain['length'])
+    if kind == 'cylinder':
+        return Cylinder(plain['radius'], plain['length'])
+    if kind == 'ellipsoid':
+        return Ellipsoid(*plain['semi_axes'])
+    if kind == 'half_space':
+        return HalfSpace()
+    make = Convex if kind == 'convex' else Mesh
+    return make(find_file(plain['uri']), plain.get('scale', 1.0))
+
+
+def plain_shape(shape: Shape) -> dict[str, Any]:
+    """Return the plain form of a shape; TypeError for a kind that the format does not have."""
+    if isinstance(shape, Sphere):
+        return {'type': 'sphere', 'radius': shape.radius()}
+    if isinstance(shape, Box):
+        return {'type': 'box', 'size': [shape.width(), shape.depth(), shape.height()]}
+    if isinstance(shape, Capsule):
+        return {'type': 'capsule', 'radius': shape.radius(), 'length': shape.length()}
+    if isinstance(shape, Cylinder):
+        return {'type': 'cylinder', 'radius': shape.radius(), 'length': shape.length()}
+    if isinstance(shape, Ellipsoid):
+        return {'type': 'ellipsoid', 'semi_axes': [shape.a(), shape.b(), shape.c()]}
+    if isinstance(shape, HalfSpace):
+        return {'type': 'half_space'}
+    if isinstance(shape, Convex | Mesh):
+        kind = 'convex' if isinstance(shape, Convex) else 'mesh'
+        scales = shape.scale3().tolist()
+        return {'type': kind, 'uri': shape.filename(), 'scale': scales}
+    raise TypeError(f'{type(shape).__name__} has no form in a scene file')
+
+
+def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:
+    """Return roles with their properties; without an entry the proximity role alone."""
+    roles: dict[Role, GeometryProperties] = {}
+    for name, groups in ({'proximity': {}} if plain is None else plain).items():
+        role, make = _PROPERTIES[name]
+        roles[role] = make()
+        for group, values in groups.items():
+            for key, value in values.items():
+                roles[role].AddProperty(group, key, _property_of(value))
+    return roles
+
+
+def _property_of(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Rgba(*value['rgba']) if 'rgba' in value else np.array(value['array'], dtype=float)
+    return value
+
+
+def plain_roles(roles: Mapping[Role, GeometryProperties]) -> dict[str, Any] | None:
+    """Return the plain form of roles, None for the proximity role alone without properties.
+
+    Raises TypeError for a property whose value has no form in a scene file.
+    """
+    plain = {
+        ROLE_NAMES[role]: _plain_groups(properties)
+        for role, properties in sorted(roles.items(), key=lambda item: int(item[0]))
+    }
+    return None if plain == {'proximity': {}} else plain
+
+
+def _plain_groups(properties: GeometryProperties) -> dict[str, dict[str, Any]]:
+    groups = {}
+    for group in sorted(properties.GetGroupNames()):
+        values = properties.GetPropertiesInGroup(group)
+        if values:
+            groups[group] = {key: _plain_property(values[key], key) for key in sorted(values)}
+    return groups
+
+
+def _plain_property(value: Any, key: str) -> Any:
+    if isinstance(value, Rgba):
+        return {'rgba': [value.r(), value.g(), value.b(), value.a()]}
+    if _is_scalar(value) or (isinstance(value, list) and all(map(_is_scalar, value))):
+        return value
+    if isinstance(value, np.ndarray) and value.dtype == float and value.ndim in (1, 2):
+        plain = value.tolist()
+        if np.isfinite(value).all():
+            return {'array': plain}
+    raise TypeError(
+        f'property {key!r} = {value!r}; a scene file holds bool, int of 64 bits, finite float, '
+        'str, lists of these, Rgba, and finite float arrays of one or two dimensions'
+    )
+
+
+def _is_scalar(value: Any) -> bool:
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, int):
+        return -(2**63) <= value < 2**63
+    return isinstance(value, str)

@@ -1,0 +1,140 @@
+"""Scene description -> YAML text that ``yaml_scene`` reads back."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import yaml
+
+from drake_geom_ros.scene_files.description import (
+    WORLD,
+    CliqueDescription,
+    DeactivationDescription,
+    FilterDescription,
+    FrameDescription,
+    GeometryDescription,
+    GroupDescription,
+    Member,
+    RobotDescription,
+    SceneDescription,
+    Statement,
+)
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.yaml_text import is_text_without_quotes
+from drake_geom_ros.scene_files.yaml_values import plain_pose, plain_roles, plain_shape
+
+_NO_WRAP = 2**30
+
+
+class _Dumper(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):  # type: ignore[misc]
+    """Writes text in quotes unless our reader takes it for text without them."""
+
+
+def _represent_text(dumper: Any, text: str) -> Any:
+    style = None if is_text_without_quotes(text) else '"'
+    return dumper.represent_scalar('tag:yaml.org,2002:str', text, style=style)
+
+
+_Dumper.add_representer(str, _represent_text)
+
+
+def to_yaml(description: SceneDescription) -> str:
+    """Return the text of a scene: one line for each source, robot, frame, geometry and filter.
+
+    Robots are written as loaded: what they consist of is among the frames and geometries.
+    Raises SceneFileError for what the format cannot say, such as a property that is an object.
+    """
+    names = NameTable(description.frames, description.geometries)
+    try:
+        sections: dict[str, list[Any]] = {
+            'sources': list(description.sources),
+            'robots': [_robot(robot) for robot in description.robots],
+            'frames': [_frame(frame) for frame in description.frames],
+            'geometries': [_geometry(geometry) for geometry in description.geometries],
+            'filters': [_filter(entry, names) for entry in description.filters],
+        }
+        return ''.join(_section(key, items) for key, items in sections.items())
+    except TypeError as error:
+        raise SceneFileError(f'cannot be saved: {error}', description.file) from error
+
+
+def _section(key: str, items: list[Any]) -> str:
+    if not items:
+        # The reader takes no empty text: a scene of nothing still has its list of sources.
+        return 'sources: []\n' if key == 'sources' else ''
+    lines = ''.join(f'- {_flow(item)}' for item in items)
+    return f'{key}:\n{lines}'
+
+
+def _flow(item: Any) -> str:
+    text = yaml.dump(
+        item,
+        Dumper=_Dumper,
+        default_flow_style=True,
+        allow_unicode=True,
+        sort_keys=False,
+        width=_NO_WRAP,
+    )
+    # A scalar of its own is a document that ends with dots.
+    return str(text).removesuffix('...\n')
+
+
+def _present(**entries: Any) -> dict[str, Any]:
+    """Return the entries that say something."""
+    return {key: value for key, value in entries.items() if value is not None}
+
+
+def _robot(robot: RobotDescription) -> dict[str, Any]:
+    return _present(
+        name=robot.name,
+        urdf=str(robot.urdf),
+        srdf=str(robot.srdf) if robot.srdf else None,
+        pose=plain_pose(robot.X_WB) or None,
+        loaded=True,
+    )
+
+
+def _frame(frame: FrameDescription) -> dict[str, Any]:
+    return _present(
+        name=frame.name,
+        source=frame.source,
+        parent=None if frame.parent == WORLD else frame.parent,
+        group=frame.group or None,
+        pose=None if frame.X_PF is None else plain_pose(frame.X_PF),
+    )
+
+
+def _geometry(geometry: GeometryDescription) -> dict[str, Any]:
+    return _present(
+        name=geometry.name,
+        source=geometry.source,
+        frame=None if geometry.frame == WORLD else geometry.frame,
+        pose=plain_pose(geometry.X_FG) or None,
+        shape=plain_shape(geometry.shape),
+        roles=plain_roles(geometry.roles),
+    )
+
+
+def _filter(entry: FilterDescription, names: NameTable) -> dict[str, Any]:
+    if isinstance(entry, GroupDescription):
+        ignores = list(entry.ignores) or None
+        members = list(_members(entry.members, names))
+        return {'group': _present(name=entry.name, members=members, ignores=ignores)}
+    if isinstance(entry, CliqueDescription):
+        return {'clique': {'name': entry.name, 'members': list(_members(entry.members, names))}}
+    if isinstance(entry, DeactivationDescription):
+        return {'deactivate': list(_members(entry.members, names))}
+    statements = [_statement(statement, names) for statement in entry.statements]
+    return statements[0] if len(statements) == 1 else {'declaration': statements}
+
+
+def _statement(statement: Statement, names: NameTable) -> dict[str, Any]:
+    key = statement.operation.name.lower()
+    set_a = list(_members(statement.set_a, names))
+    if not statement.operation.takes_two_sets:
+        return {key: set_a}
+    return {key: [set_a, list(_members(statement.set_b, names))]}
+
+
+def _members(members: Iterable[Member], names: NameTable) -> Iterator[Any]:
+    return (names.name(member) for member in members)

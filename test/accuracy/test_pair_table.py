@@ -1,0 +1,109 @@
+"""Every row of the pair table against the support-function maximum, through the engine.
+
+The poses are those that robots meet: apart, 2 mm apart, touching, 2 cm deep, deep and contained;
+the offsets from the world's origin and the scales are those that NUMERICS promises. The figure in
+each row of the table is the worst error allowed here, for bodies of about 0.2 m.
+"""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from oracles.support_function import signed_distance
+from oracles.worlds import PARAMETER_COUNTS, geometry_table, random_rotations
+
+from drake_geom_ros.geometry._proximity.engine import Engine
+from drake_geom_ros.geometry._proximity.kernels.calling import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.world import FrameTable, World
+
+ORACLE = 1e-12  # what the oracle, a search over directions, may be off by [m]
+DISTANCES = (0.2, 2e-3, 0.0, -2e-3, -0.02, -0.08)
+ROWS = [pytest.param(row, id=row.kernel_name) for row in PAIR_TABLE]
+
+
+def pair_world(row, sizes, Rs, ps):
+    """Return a world of the row's two shapes at poses Rs (2, 3, 3), ps (2, 3)."""
+    frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
+    world = World(frames, geometry_table([1, 2], [row.type_a, row.type_b], sizes))
+    world.set_poses(np.array([1, 2]), Rs, ps)
+    world.update()
+    return world
+
+
+def answer(world, accuracy='exact'):
+    """Return the result row of the world's only pair."""
+    pair = np.array([[0, 1]])
+    return Engine().signed_distances(world, pair, accuracy, math.inf).rows[0]
+
+
+@functools.cache
+def cases(row):
+    """Return sizes, rotations, positions and the truth of pairs about DISTANCES apart."""
+    rng = np.random.default_rng(1)
+    found = []
+    for wanted in DISTANCES:
+        kinds = (row.type_a, row.type_b)
+        sizes = [rng.uniform(0.05, 0.2, PARAMETER_COUNTS[t]) for t in kinds]
+        shapes = list(zip(kinds, sizes, strict=True))
+        Rs = random_rotations(rng, 2)
+        direction = rng.normal(size=3)
+        ps = np.array([[0.0, 0.0, 0.0], direction / np.linalg.norm(direction)])
+        # Slide B along the normal until it is about as far as wanted. The engine says where that
+        # is, for it is quick; how far it is indeed, the oracle says.
+        guess = answer(pair_world(row, sizes, Rs, ps))
+        ps[1] += (guess[DISTANCE] - wanted) * guess[NORMAL : NORMAL + 3]
+        # On a grid that float64 holds far from the origin too.
+        ps[1] = np.round(ps[1] * 2**20) / 2**20
+        phi, _ = signed_distance(shapes[0], (Rs[0], ps[0]), shapes[1], (Rs[1], ps[1]))
+        found.append((sizes, Rs, ps, phi))
+    return found
+
+
+@pytest.mark.parametrize('scale', [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize('row', ROWS)
+def test_error_and_certificate(row, scale):
+    for sizes, Rs, ps, phi in cases(row):
+        result = answer(pair_world(row, [scale * s for s in sizes], Rs, scale * ps))
+        error = abs(result[DISTANCE] - scale * phi)
+        assert error <= max(row.worst_error, ORACLE) * scale
+        assert error <= result[ERROR_BOUND] + ORACLE * scale
+        gap = result[WITNESS_A : WITNESS_A + 3] - result[WITNESS_B : WITNESS_B + 3]
+        normal = result[NORMAL : NORMAL + 3]
+        assert abs(np.linalg.norm(normal) - 1.0) <= 1e-12
+        np.testing.assert_allclose(gap, result[DISTANCE] * normal, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize('offset', [1e3, 1e6])
+@pytest.mark.parametrize('row', ROWS)
+def test_far_from_the_origin(row, offset):
+    for sizes, Rs, ps, phi in cases(row):
+        near = answer(pair_world(row, sizes, Rs, ps))
+        far = answer(pair_world(row, sizes, Rs, ps + np.array([offset, -offset, offset])))
+        assert abs(far[DISTANCE] - phi) <= far[ERROR_BOUND] + ORACLE
+        assert far[ERROR_BOUND] <= near[ERROR_BOUND] + 16 * EPS * offset
+
+
+@pytest.mark.parametrize('level', ['bound', 'fast', 'balanced', 'exact'])
+@pytest.mark.parametrize('row', ROWS)
+def test_the_certificate_of_every_level_contains_the_truth(row, level):
+    gaps = {'bound': math.inf, 'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
+    for sizes, Rs, ps, phi in cases(row):
+        result = answer(pair_world(row, sizes, Rs, ps), level)
+        assert abs(result[DISTANCE] - phi) <= result[ERROR_BOUND] + ORACLE
+        assert result[ERROR_BOUND] <= gaps[level]
+
+
+def test_the_table_holds_every_pair_of_primitives_but_two_half_spaces():
+    pairs = {(row.type_a, row.type_b) for row in PAIR_TABLE}
+    primitives = [t for t, name in SHAPE_NAMES.items() if name not in ('Convex', 'Mesh')]
+    expected = {(a, b) for a in primitives for b in primitives if a <= b} - {(6, 6)}
+    assert pairs == expected

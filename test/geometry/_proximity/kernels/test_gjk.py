@@ -1,0 +1,70 @@
+import numpy as np
+import pytest
+from oracles.pairs import random_rotation
+from oracles.support_function import signed_distance
+
+from drake_geom_ros.geometry._proximity.kernels import gjk
+from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CAPSULE, CONVEX, CYLINDER
+
+I = np.eye(3)
+
+
+def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):
+    shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
+    size = np.abs(shape_A).max() + np.abs(shape_B).max() + np.linalg.norm(p)
+    arguments = kind_A, shape_A, R_WA, kind_B, shape_B, R_WB
+    return gjk.distance_of_cores(*arguments, tuple(map(float, p)), size, tolerance, cutoff)
+
+
+def _hull(rng, count):
+    return np.concatenate(([count], rng.normal(size=3 * count)))
+
+
+def test_aligned_cubes_are_three_apart():
+    end, upper, lower, n, a, b = _walk(BOX, [0.5] * 3, I, BOX, [0.5] * 3, I, (0, 4, 0))
+    assert (end, upper, lower) == (gjk.CLOSED, 3.0, 3.0)
+    assert tuple(n) == (0.0, 1.0, 0.0)
+    assert np.subtract(b, a) == pytest.approx([0, 3, 0], abs=0)
+
+
+def test_polytopes_end_exactly():
+    rng = np.random.default_rng(1)
+    for _ in range(25):
+        hulls = _hull(rng, 12), _hull(rng, 20)
+        R, p = random_rotation(rng), 6.0 * rng.normal(size=3)
+        phi, _ = signed_distance((CONVEX, hulls[0]), (I, [0, 0, 0]), (CONVEX, hulls[1]), (R, p))
+        if phi < 0.01:
+            continue
+        end, upper, lower, _, a, b = _walk(CONVEX, hulls[0], I, CONVEX, hulls[1], R, p)
+        assert end == gjk.CLOSED
+        assert upper - lower <= 1e-14 * (10 + np.linalg.norm(p))
+        assert upper == pytest.approx(phi, abs=1e-11)
+        assert np.linalg.norm(np.subtract(a, b)) == pytest.approx(upper, rel=1e-15)
+
+
+@pytest.mark.parametrize('gap', [1e-15, 1e-12, 1e-9, 1e-3, 1.0, 1e6])
+def test_bounds_hold_for_every_gap(gap):
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        R, n = random_rotation(rng), rng.normal(size=3)
+        n /= np.linalg.norm(n)
+        shape_A, shape_B = np.array([0.3, 0.7]), np.array([0.2, 0.4, 0.1])
+        none = (0.0, 0.0, 0.0)
+        a, b = gjk.support_points(CYLINDER, shape_A, R, BOX, shape_B, I, none, tuple(n), 0.0)
+        p = np.subtract(a, b) + gap * n
+        _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, I, p)
+        noise = 1e-15 * (1 + gap)
+        assert lower - noise <= gap <= upper + noise
+
+
+def test_overlap_is_told_with_the_origin_on_or_in_the_difference():
+    for p in ((0, 0, 0), (0.9, 0, 0), (1.0, 0, 0)):
+        end, upper, *_ = _walk(BOX, [0.5] * 3, I, BOX, [0.5] * 3, I, p)
+        assert end == gjk.OVERLAP
+        assert upper <= 1e-15
+
+
+def test_beyond_the_cutoff_the_walk_ends_early_with_a_bound():
+    end, upper, lower, *_ = _walk(CAPSULE, [0.1, 1], I, CYLINDER, [1, 1], I, (7, 3, 2), cutoff=2.0)
+    assert end == gjk.BEYOND_CUTOFF
+    assert 2.0 < lower <= upper

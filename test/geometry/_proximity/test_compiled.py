@@ -1,0 +1,67 @@
+"""The cache of compiled code: used again, never stale, and not needed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import drake_geom_ros
+
+ROOT = Path(drake_geom_ros.__file__).parents[1]
+SCRIPT = """
+import math
+from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot
+assert dot((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)) == 32.0
+stats = dot.stats
+print(CACHE_FOLDER, sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+"""
+
+
+def run(**environment):
+    """Run SCRIPT in a fresh interpreter; return cache folder, hits and misses."""
+    env = {k: v for k, v in os.environ.items() if not k.startswith('NUMBA_')}
+    env.update(PYTHONPATH=str(ROOT), **environment)
+    out = subprocess.run([sys.executable, '-c', SCRIPT], env=env, capture_output=True, text=True)
+    assert out.returncode == 0, out.stderr
+    *folder, hits, misses = out.stdout.split(' ')
+    return ' '.join(folder), int(hits), int(misses)
+
+
+def test_a_second_process_finds_what_the_first_compiled(tmp_path):
+    folder, hits, misses = run(XDG_CACHE_HOME=str(tmp_path))
+    assert folder.startswith(str(tmp_path / 'drake_geom_ros'))
+    assert (hits, misses) == (0, 1)
+    assert run(XDG_CACHE_HOME=str(tmp_path)) == (folder, 1, 0)
+    assert run(NUMBA_CACHE_DIR=str(tmp_path / 'mine'))[0].startswith(str(tmp_path / 'mine'))
+
+
+def test_no_place_for_a_cache_is_no_obstacle(tmp_path):
+    blocked = tmp_path / 'a file'
+    blocked.write_text('')
+    assert run(XDG_CACHE_HOME=str(blocked), TMPDIR=str(tmp_path)) != ('', 0, 0)
+    assert run(NUMBA_CACHE_DIR=str(blocked)) == ('', 0, 0)
+
+
+def test_another_source_is_another_cache(tmp_path):
+    copy = tmp_path / 'package'
+    subprocess.run(['cp', '-r', str(ROOT / 'drake_geom_ros'), str(copy)], check=True)
+    script = 'import runpy, sys; print(runpy.run_path(sys.argv[1])["_digest"]())'
+    path = str(copy / 'geometry/_proximity/compiled.py')
+
+    def digest():
+        return subprocess.check_output([sys.executable, '-c', script, path], text=True)
+
+    before = digest()
+    assert digest() == before
+    source = copy / 'geometry/_proximity/kernels/vectors.py'
+    source.write_text(source.read_text() + '\n')
+    assert digest() != before
+
+
+def test_old_versions_are_removed(tmp_path):
+    base = tmp_path / 'drake_geom_ros'
+    for k in range(8):
+        (base / f'{k:016x}').mkdir(parents=True)
+    run(XDG_CACHE_HOME=str(tmp_path))
+    assert len(list(base.iterdir())) == 5

@@ -1,0 +1,119 @@
+"""FramePoseVector: filled by id or from arrays, it is the same."""
+
+import math
+
+import numpy as np
+import pytest
+from oracles.random_poses import random_poses
+
+from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, PoseError
+from drake_geom_ros.math import RigidTransform
+
+POSES = random_poses(20, seed=5)
+IDS = [FrameId(k) for k in range(40, 0, -2)]
+VALUES = np.array([id.get_value() for id in IDS])
+
+
+def by_id():
+    return FramePoseVector(
+        {id: RigidTransform.FromArray(pose) for id, pose in zip(IDS, POSES, strict=True)}
+    )
+
+
+@pytest.mark.parametrize(
+    'vector',
+    [
+        by_id(),
+        FramePoseVector.FromArrays(IDS, POSES),
+        FramePoseVector.FromArrays(VALUES, POSES),
+        FramePoseVector.FromArrays(VALUES.astype(np.uint64), POSES.tolist()),
+    ],
+)
+def test_all_ways_give_the_same(vector):
+    assert vector.size() == len(vector) == 20
+    assert vector.ids() == vector.frame_ids() == IDS
+    assert vector._ids.tolist() == VALUES.tolist()
+    assert vector._ids.dtype == np.int64
+    for k, (id, pose) in enumerate(zip(IDS, POSES, strict=True)):
+        X_PF = RigidTransform.FromArray(pose)
+        assert vector.has_id(id)
+        assert vector.value(id) == X_PF
+        assert np.array_equal(vector._R_PFs[k], X_PF.rotation().matrix())
+        assert np.array_equal(vector._p_PFs[k], X_PF.translation())
+    assert not vector.has_id(FrameId(1))
+
+
+def test_from_arrays_makes_no_python_object_for_a_frame():
+    vector = FramePoseVector.FromArrays(VALUES, POSES)
+    assert len(vector) == 20
+    assert len(vector._R_PFs) == 20
+    assert vector._values is None
+
+
+def test_values_can_be_set_on_either():
+    for vector in (by_id(), FramePoseVector.FromArrays(VALUES, POSES)):
+        vector.set_value(IDS[3], RigidTransform([7, 8, 9]))
+        vector.set_value(id=FrameId(1), value=RigidTransform([1, 1, 1]))
+        assert vector.ids() == [*IDS, FrameId(1)]
+        assert vector._p_PFs[3].tolist() == [7, 8, 9]
+        assert vector._p_PFs[20].tolist() == [1, 1, 1]
+        np.testing.assert_array_equal(vector._p_PFs[:3], POSES[:3, :3])
+        vector.clear()
+        assert vector.size() == 0
+        assert vector._R_PFs.shape == (0, 3, 3)
+
+
+def test_poses_are_copies():
+    poses, mine = POSES.copy(), RigidTransform([1, 2, 3])
+    vector = FramePoseVector.FromArrays(VALUES, poses)
+    poses[:] = 0.0
+    assert np.array_equal(vector._p_PFs, POSES[:, :3])
+    vector.set_value(IDS[0], mine)
+    mine.set_translation([0, 0, 0])
+    vector.value(IDS[0]).set_translation([0, 0, 0])
+    assert vector.value(IDS[0]) == RigidTransform([1, 2, 3])
+
+
+def test_none_at_all():
+    for vector in (FramePoseVector(), FramePoseVector.FromArrays([], np.zeros((0, 7)))):
+        assert vector.size() == 0
+        assert vector.ids() == []
+        assert vector._p_PFs.shape == (0, 3)
+        with pytest.raises(RuntimeError, match='no pose of <FrameId value=3> among 0 frames'):
+            vector.value(FrameId(3))
+
+
+def with_row(row):
+    poses = POSES.copy()
+    poses[7] = row
+    return poses
+
+
+@pytest.mark.parametrize(
+    ('ids', 'poses', 'words'),
+    [
+        (VALUES, POSES[:, :6], r'shape \(20, 6\)'),
+        (VALUES, POSES[:19], '20 frame_ids for 19 poses'),
+        (VALUES, with_row([0, 0, math.nan, 0, 0, 0, 1]), r'poses\[7\].*not finite'),
+        (VALUES, with_row([0, 0, math.inf, 0, 0, 0, 1]), r'poses\[7\].*not finite'),
+        (VALUES, with_row([0, 0, 0, 1, 0, 0, 1]), r'poses\[7\].*norm 1.414'),
+        (VALUES, with_row([0, 0, 0, 0, 0, 0, 0]), r'poses\[7\].*norm 0'),
+        (VALUES // 8, POSES, 'frame 0 is named more than once'),
+        (VALUES[None], POSES, r'shape \(1, 20\)'),
+        (VALUES.astype(float), POSES, r'frame id = .*40.0.* must be of type FrameId'),
+        ([GeometryId(1)], POSES[:1], 'must be of type FrameId'),
+        (3, POSES[:1], 'iterable'),
+    ],
+)
+def test_bad_arrays_are_refused_as_a_whole(ids, poses, words):
+    with pytest.raises(PoseError, match=words):
+        FramePoseVector.FromArrays(ids, poses)
+
+
+def test_wrong_kinds_are_refused():
+    vector = FramePoseVector()
+    with pytest.raises(RuntimeError, match='FrameId'):
+        vector.set_value(GeometryId(1), RigidTransform())
+    with pytest.raises(RuntimeError, match='RigidTransform'):
+        vector.set_value(FrameId(1), np.eye(4))
+    assert vector.size() == 0

@@ -1,0 +1,116 @@
+"""Frames and geometries before they are registered."""
+
+import copy
+
+import pytest
+
+from drake_geom_ros.geometry import (
+    GeometryFrame,
+    GeometryInstance,
+    IllustrationProperties,
+    PerceptionProperties,
+    ProximityProperties,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform
+
+X = RigidTransform([1, 2, 3])
+
+
+def test_frame():
+    frame = GeometryFrame(frame_name=' hand\t', frame_group_id=3)
+    assert frame.name() == 'hand'
+    assert frame.frame_group() == 3
+    assert GeometryFrame('a').frame_group() == 0
+    assert frame.id() != GeometryFrame('hand').id()
+    assert copy.copy(frame).id() == frame.id()
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
+        (('a', -1), 'frame_group_id = -1'),
+        (('a', 1.5), 'frame_group_id = 1.5'),
+        (('',), 'empty'),
+        (('\t ',), 'empty'),
+        ((3,), 'must be of type str'),
+    ],
+)
+def test_bad_frames(arguments, words):
+    with pytest.raises(RuntimeError, match=words):
+        GeometryFrame(*arguments)
+
+
+@pytest.mark.parametrize(
+    ('given', 'canonical'),
+    [(' ball', 'ball'), ('\t my ball \t', 'my ball'), ('\n', '\n'), ('ball\n ', 'ball\n')],
+)
+def test_names_are_trimmed_of_spaces_and_tabs_only(given, canonical):
+    instance = GeometryInstance(X, Sphere(1), given)
+    assert instance.name() == canonical
+    instance.set_name('other')
+    instance.set_name(given)
+    assert instance.name() == canonical
+
+
+def test_an_empty_name_is_refused_and_the_old_one_stays():
+    with pytest.raises(RuntimeError, match='empty'):
+        GeometryInstance(X, Sphere(1), ' \t')
+    instance = GeometryInstance(X, Sphere(1), 'ball')
+    with pytest.raises(RuntimeError, match='empty'):
+        instance.set_name('')
+    assert instance.name() == 'ball'
+
+
+def test_instance():
+    instance = GeometryInstance(X_PG=X, shape=Sphere(1), name='ball')
+    assert instance.pose() == X
+    assert instance.shape() == instance.release_shape() == Sphere(1)
+    assert instance.id() != GeometryInstance(X, Sphere(1), 'ball').id()
+    assert copy.copy(instance).id() == instance.id()
+    instance.set_pose(RigidTransform())
+    assert instance.pose().IsExactlyIdentity()
+
+
+def test_the_pose_is_a_copy():
+    mine = RigidTransform([1, 2, 3])
+    instance = GeometryInstance(mine, Sphere(1), 'ball')
+    mine.set_translation([9, 9, 9])
+    instance.pose().set_translation([9, 9, 9])
+    assert instance.pose() == X
+
+
+@pytest.mark.parametrize(
+    ('role', 'kind'),
+    [
+        ('proximity', ProximityProperties),
+        ('illustration', IllustrationProperties),
+        ('perception', PerceptionProperties),
+    ],
+)
+def test_properties_of_each_role(role, kind):
+    instance = GeometryInstance(X, Sphere(1), 'ball')
+    read, change = (getattr(instance, f'{prefix}{role}_properties') for prefix in ('', 'mutable_'))
+    assert read() is None
+    assert change() is None
+    properties = kind()
+    getattr(instance, f'set_{role}_properties')(properties)
+    properties.AddProperty('g', 'late', 1)
+    change().AddProperty('g', 'n', 1)
+    assert read().GetPropertiesInGroup('g') == {'n': 1}
+    wrong = IllustrationProperties() if kind is ProximityProperties else ProximityProperties()
+    with pytest.raises(RuntimeError, match=f'must be of type {kind.__name__}'):
+        getattr(instance, f'set_{role}_properties')(wrong)
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
+        ((None, Sphere(1), 'a'), 'X_PG = None must be of type RigidTransform'),
+        ((X, 'ball', 'a'), 'shape'),
+        ((X, Sphere(1), 3), 'name'),
+    ],
+)
+def test_wrong_kinds(arguments, words):
+    with pytest.raises(RuntimeError, match=words):
+        GeometryInstance(*arguments)

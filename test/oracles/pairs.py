@@ -1,0 +1,251 @@
+"""Pairs of shapes, and the laws that every result row of a kernel obeys."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from oracles import closed_forms
+
+from drake_geom_ros.geometry._proximity.kernels import calling
+
+NAMES = {1: 'sphere', 2: 'box', 3: 'capsule', 4: 'cylinder', 5: 'ellipsoid', 6: 'half_space'}
+PARAMETERS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+EPS = np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two shapes at their poses, as a kernel takes them."""
+
+    kind_A: int
+    size_A: np.ndarray
+    R_WA: np.ndarray
+    kind_B: int
+    size_B: np.ndarray
+    R_WB: np.ndarray
+    p_AB_W: np.ndarray
+
+    @property
+    def extent(self):
+        return self.size_A.sum() + self.size_B.sum() + np.linalg.norm(self.p_AB_W)
+
+    def moved(self, R):
+        """The pair under a common rotation."""
+        return replace(self, R_WA=R @ self.R_WA, R_WB=R @ self.R_WB, p_AB_W=R @ self.p_AB_W)
+
+    def scaled(self, s):
+        return replace(
+            self, size_A=s * self.size_A, size_B=s * self.size_B, p_AB_W=s * self.p_AB_W
+        )
+
+    def swapped(self):
+        return Pair(
+            self.kind_B, self.size_B, self.R_WB,
+            self.kind_A, self.size_A, self.R_WA, -self.p_AB_W,
+        )  # fmt: skip
+
+    def truth(self):
+        """The signed distance, rounded once."""
+        return float(
+            closed_forms.signed_distance(
+                self.kind_A, self.size_A, self.R_WA,
+                self.kind_B, self.size_B, self.R_WB, self.p_AB_W,
+            )
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Row:
+    """One result row, by name."""
+
+    distance: float
+    nhat: np.ndarray
+    p_ACa: np.ndarray
+    p_ACb: np.ndarray
+    error_bound: float
+    unique: bool
+    method: int
+
+
+def height(kind, size, q):
+    """Signed distance of a point close to a shape's surface, quickly."""
+    if kind == closed_forms.ELLIPSOID:
+        level = np.linalg.norm(q / size)
+        return level * (level - 1) / np.linalg.norm(q / size**2)
+    return float(closed_forms.point_distance(kind, size, q))
+
+
+def evaluate(kernel, pair):
+    """Call a kernel and check the laws that need no truth; return the row."""
+    out = np.full(calling.PAIR_WIDTH, np.nan)
+    kernel(
+        pair.size_A, np.ascontiguousarray(pair.R_WA),
+        pair.size_B, np.ascontiguousarray(pair.R_WB),
+        pair.p_AB_W, 1e-9, np.inf, out,
+    )  # fmt: skip
+    assert np.all(np.isfinite(out)), pair
+    row = Row(out[0], out[1:4], out[4:7], out[7:10], out[10], bool(out[11]), int(out[12]))
+    rounding = 32 * EPS * pair.extent
+    assert abs(np.linalg.norm(row.nhat) - 1) <= 1e-14, pair
+    assert np.allclose(row.p_ACa - row.p_ACb, row.distance * row.nhat, rtol=0, atol=rounding), (
+        pair,
+        row,
+    )
+    for kind, size, R, p in (
+        (pair.kind_A, pair.size_A, pair.R_WA, row.p_ACa),
+        (pair.kind_B, pair.size_B, pair.R_WB, row.p_ACb - pair.p_AB_W),
+    ):
+        assert abs(height(kind, size, R.T @ p)) <= rounding, (pair, row)
+    return row
+
+
+def support(kind, size, R, n):
+    """Support value of a shape along the unit n."""
+    d = R.T @ n
+    if kind == closed_forms.SPHERE:
+        return size[0]
+    if kind == closed_forms.BOX:
+        return float(np.abs(d) @ size)
+    if kind == closed_forms.CAPSULE:
+        return size[0] + size[1] * abs(d[2])
+    if kind == closed_forms.CYLINDER:
+        return size[0] * np.hypot(d[0], d[1]) + size[1] * abs(d[2])
+    if kind == closed_forms.ELLIPSOID:
+        return float(np.linalg.norm(size * d))
+    return 0.0 if d[2] > 0.5 else np.inf
+
+
+def width_along_normal(pair, nhat):
+    """Gap between the supporting planes along a unit normal; no normal has a wider one."""
+    n = -nhat
+    h_A = support(pair.kind_A, pair.size_A, pair.R_WA, n)
+    h_B = support(pair.kind_B, pair.size_B, pair.R_WB, -n)
+    return float(pair.p_AB_W @ n) - h_A - h_B
+
+
+def random_rotation(rng, near=None):
+    """A random rotation matrix, at an angle of ``near`` [rad] to the identity if given."""
+    q = rng.normal(size=4)
+    if near is not None:
+        q[1:] *= np.sin(near / 2) / np.linalg.norm(q[1:])
+        q[0] = np.cos(near / 2)
+    w, x, y, z = q / np.linalg.norm(q)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def random_pairs(rng, kinds, count, scale=1.0):
+    """Pairs of about 20 cm times scale: 0.2 and 2e-3 apart, touching, 2e-2 deep, deep, contained.
+
+    Every fourth is almost aligned, every fourth flat or thin.
+    """
+    a, b = kinds
+    for k in range(count):
+        shrink = 10 ** rng.uniform(-3, 0) if k % 6 == 5 else 1.0
+        spread = 2.0 if k % 4 == 3 else 0.5
+        size_A = scale * shrink * 0.2 * 10 ** rng.uniform(-spread, 0, PARAMETERS[a])
+        size_B = scale * 0.2 * 10 ** rng.uniform(-spread, 0, PARAMETERS[b])
+        R_WA = random_rotation(rng)
+        R_WB = R_WA @ random_rotation(rng, 10 ** rng.uniform(-17, -2) if k % 4 == 2 else None)
+        p = rng.normal(size=3)
+        n = -R_WB[:, 2] if b == closed_forms.HALF_SPACE else p / np.linalg.norm(p)
+        pair = Pair(a, size_A, R_WA, b, size_B, R_WB, np.zeros(3))
+        if k % 6 < 4:
+            gap = scale * (0.2, 2e-3, 0.0, -2e-2)[k % 6]
+            yield replace(pair, p_AB_W=(gap - width_along_normal(pair, -n)) * n)
+        else:
+            yield replace(pair, p_AB_W=p * scale * rng.uniform(0, 0.1))
+
+
+def _feature_point(rng, kind, size):
+    """A random vertex, edge or face point of a box or segment, and a direction out of it."""
+    at = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], size=3)
+    at[rng.integers(3)] = rng.choice([-1.0, 1.0])
+    half = np.array([0.0, 0.0, size[1]]) if kind == closed_forms.CAPSULE else size
+    out = np.where(np.abs(at) == 1.0, at, 0.0)
+    return at * half, out / np.linalg.norm(out)
+
+
+def feature_pairs(rng, kinds, count):
+    """Boxes and capsules whose cores meet at vertices, edges or faces, or miss by 1e-16 to 0.1.
+
+    Most are parallel, turned by right angles or about one axis, but for 1e-17 to 0.1 rad.
+    """
+    a, b = kinds
+    for _ in range(count):
+        spread = rng.choice([0.0, 0.5, 3.0])
+        size_A, size_B = (10 ** rng.uniform(-spread, 0, PARAMETERS[k]) for k in kinds)
+        R_WA = random_rotation(rng) if rng.random() < 0.7 else np.eye(3)
+        turn = np.eye(3)[rng.permutation(3)]
+        turn *= np.linalg.det(turn)
+        if rng.random() < 0.3:
+            angle = rng.uniform(0, np.pi)
+            c, s = np.cos(angle), np.sin(angle)
+            turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        tilt = random_rotation(rng, 10 ** rng.uniform(-17, -1) if rng.random() < 0.8 else None)
+        R_WB = R_WA @ turn @ tilt
+        point_A, n = _feature_point(rng, a, size_A)
+        point_B, _ = _feature_point(rng, b, size_B)
+        gap = rng.choice([0.0, 1e-16, 1e-14, 1e-12, 1e-9, 1e-6, 1e-3, 0.1]) * rng.choice([-1, 1])
+        p_AB_W = R_WA @ (point_A + gap * n) - R_WB @ point_B
+        pair = Pair(a, size_A, R_WA, b, size_B, R_WB, p_AB_W)
+        yield pair.scaled(rng.choice([1e-6, 1.0, 1e6]))
+
+
+def special_pairs(kinds):
+    """Unit-sized pairs in special position: axes parallel or crossing, concentric, touching."""
+    a, b = kinds
+    quarter = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    sizes = {1: [0.5], 2: [0.5, 0.25, 0.5], 3: [0.25, 0.5], 4: [0.25, 0.5], 5: [0.5, 0.25, 0.5]}
+    for R_WB in (np.eye(3), quarter):
+        pair = Pair(
+            a, np.array(sizes[a]), np.eye(3), b, np.array(sizes.get(b, [])), R_WB, np.zeros(3)
+        )
+        for offset in (0.0, 1e-300, 1e-17, 1e-12, 1e-6, 0.1, 0.25, 0.5, 1e6):
+            for direction in ([1, 0, 0], [0, 0, -1], [0, 1, 1], [1, 1, 1]):
+                yield replace(pair, p_AB_W=offset * np.array(direction, dtype=float))
+        for n in [-R_WB[:, 2]] if b == closed_forms.HALF_SPACE else np.eye(3):
+            for gap in (1e-3, 1e-9, 1e-15, 0.0, -1e-15, -1e-9, -1e-3):
+                at = (gap - width_along_normal(pair, -n)) * n
+                yield replace(pair, p_AB_W=at)
+                yield replace(pair, p_AB_W=at + 0.125 * np.roll(n, 1))
+
+
+def check(kernel, pair):
+    """Check a kernel's row for a pair against the truth; return the row."""
+    row = evaluate(kernel, pair)
+    truth = pair.truth()
+    assert row.method == calling.CLOSED_FORM
+    assert abs(row.distance - truth) <= row.error_bound, (truth, pair, row)
+    assert row.error_bound <= 100 * EPS * pair.extent
+    # The normal is one of those that attain the signed distance; how well it can be known
+    # depends on how far the cores (what remains without the radii) are apart.
+    radii = sum(
+        size[0] for kind, size in ((pair.kind_A, pair.size_A), (pair.kind_B, pair.size_B))
+        if kind in (closed_forms.SPHERE, closed_forms.CAPSULE)
+    )  # fmt: skip
+    core = abs(truth + radii)
+    attained = width_along_normal(pair, row.nhat)
+    slack = row.error_bound * (1 + pair.extent / max(core, row.error_bound))
+    assert abs(attained - truth) <= slack, (attained, truth, pair, row)
+    return row
+
+
+def check_kernel(kernel, kinds, seed, samples, special_step=1):
+    """Check a kernel on random and special pairs, scaled, turned and (two of a kind) swapped."""
+    rng = np.random.default_rng(seed)
+    pairs = [q for scale in (1e-3, 1.0, 1e3) for q in random_pairs(rng, kinds, samples, scale)]
+    pairs += list(special_pairs(kinds))[::special_step]
+    pairs += [pair.scaled(s) for s in (1e-6, 1e6) for pair in pairs[:6]]
+    for pair in pairs:
+        row = check(kernel, pair)
+        turned = evaluate(kernel, pair.moved(random_rotation(rng)))
+        bound = row.error_bound + turned.error_bound
+        assert abs(turned.distance - row.distance) <= bound, pair
+        if pair.kind_A == pair.kind_B:
+            swapped = check(kernel, pair.swapped())
+            assert abs(swapped.distance - row.distance) <= 2 * row.error_bound, pair

@@ -1,0 +1,57 @@
+"""Small random worlds for the tests of the engine, built from plain arrays."""
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+
+PARAMETER_COUNTS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+
+
+def random_rotations(rng, n):
+    """Return n uniformly random rotation matrices (n, 3, 3)."""
+    q = rng.normal(size=(n, 4))
+    w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
+    return np.stack(
+        [
+            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1),
+            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1),
+            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1),
+        ],
+        axis=-2,
+    )
+
+
+def geometry_table(frames, types, parameters, R_FGs=None, p_FGs=None):
+    """Pack geometries: one frame row, type and parameter list each."""
+    n = len(types)
+    return GeometryTable(
+        ids=np.arange(10, 10 + n, dtype=np.int64),
+        frames=np.asarray(frames, dtype=np.int64),
+        R_FGs=np.tile(np.eye(3), (n, 1, 1)) if R_FGs is None else R_FGs,
+        p_FGs=np.zeros((n, 3)) if p_FGs is None else p_FGs,
+        types=np.asarray(types, dtype=np.int64),
+        starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
+        pool=np.concatenate([np.zeros(0), *map(np.asarray, parameters)]),
+    )
+
+
+def random_world(rng, n, types=(1, 2, 3, 4, 5), anchored=0, spread=1.0):
+    """Return a world of n posed geometries, the last ``anchored`` of them on the world frame."""
+    moving = n - anchored
+    frames = FrameTable(np.arange(1, moving + 2), np.zeros(moving + 1, dtype=np.int64))
+    kinds = rng.choice(types, n)
+    parameters = [rng.uniform(0.05, 0.2, PARAMETER_COUNTS[k]) for k in kinds.tolist()]
+    on = [*range(1, moving + 1), *[0] * anchored]
+    R_FGs, p_FGs = random_rotations(rng, n), rng.uniform(-0.1, 0.1, (n, 3))
+    p_FGs[moving:] = rng.uniform(-spread, spread, (anchored, 3))
+    world = World(frames, geometry_table(on, kinds, parameters, R_FGs, p_FGs))
+    shuffle(rng, world, spread)
+    return world
+
+
+def shuffle(rng, world, spread=1.0):
+    """Pose every frame of the world anew and bring it up to date."""
+    n = len(world.frames.ids) - 1
+    rows = np.arange(1, n + 1)
+    world.set_poses(rows, random_rotations(rng, n), rng.uniform(-spread, spread, (n, 3)))
+    world.update()

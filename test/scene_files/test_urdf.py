@@ -1,0 +1,150 @@
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry import Box, Capsule, Cylinder, Ellipsoid, Mesh, Role, Sphere
+from drake_geom_ros.math import RollPitchYaw
+from drake_geom_ros.scene_files.description import (
+    CliqueDescription,
+    GroupDescription,
+    RobotOptions,
+)
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
+
+ARM = b"""<?xml version="1.0"?>
+<robot name="arm" xmlns:drake="http://drake.mit.edu">
+  <link name="base">
+    <visual><geometry><mesh filename="package://not/there.dae"/></geometry></visual>
+    <collision name="foot">
+      <origin xyz="1 2 3" rpy="0.1 0.2 0.3"/>
+      <geometry><box size="1 2 3"/></geometry>
+    </collision>
+    <collision name="foot"><geometry><sphere radius="0.5"/></geometry></collision>
+    <collision><geometry><!-- thin --><cylinder radius="0.1" length="2"/></geometry></collision>
+  </link>
+  <link name="empty"/>
+  <link name="tip">
+    <collision><geometry><drake:capsule radius="0.1" length="2"/></geometry></collision>
+    <collision><geometry><drake:ellipsoid a="1" b="2" c="3"/></geometry></collision>
+    <collision><geometry><mesh filename="meshes/tip.obj" scale="2 2 -2"/></geometry></collision>
+  </link>
+  <joint name="j1" type="revolute">
+    <parent link="base"/><child link="empty"/><limit effort="1" velocity="1" lower="0" upper="1"/>
+  </joint>
+  <joint name="j2" type="prismatic">
+    <parent link="base"/><child link="tip"/><limit effort="1" velocity="1" lower="0" upper="1"/>
+  </joint>
+  <collision_filter_group name="g"><member link="tip"/></collision_filter_group>
+</robot>
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / 'meshes').mkdir()
+    (tmp_path / 'meshes' / 'tip.obj').write_text('v 0 0 0')
+    return tmp_path
+
+
+def read(data, folder, **options):
+    return read_urdf(data, 'r.urdf', 'left', folder, ResourceResolver(), RobotOptions(**options))
+
+
+def test_the_name_of_a_robot():
+    assert robot_name(ARM, 'r.urdf') == 'arm'
+
+
+def test_every_link_is_a_frame_on_the_world(folder):
+    parts = read(ARM, folder)
+    assert parts.link_names == ['base', 'empty', 'tip']
+    assert {(frame.source, frame.parent) for frame in parts.frames} == {('left', 'world')}
+
+
+def test_every_collision_element_is_a_geometry_with_its_own_name(folder):
+    geometries = read(ARM, folder).geometries
+    assert [(g.frame, g.name) for g in geometries] == [
+        ('base', 'foot'),
+        ('base', 'foot_1'),
+        ('base', 'collision_2'),
+        ('tip', 'collision_0'),
+        ('tip', 'collision_1'),
+        ('tip', 'collision_2'),
+    ]
+    assert [g.shape for g in geometries] == [
+        Box(1, 2, 3),
+        Sphere(0.5),
+        Cylinder(0.1, 2),
+        Capsule(0.1, 2),
+        Ellipsoid(1, 2, 3),
+        Mesh(str(folder / 'meshes' / 'tip.obj'), [2, 2, -2]),
+    ]
+    assert all(set(g.roles) == {Role.kProximity} for g in geometries)
+
+
+def test_a_pose_has_rotation_and_position(folder):
+    X = read(ARM, folder).geometries[0].X_FG
+    np.testing.assert_array_equal(X.translation(), [1, 2, 3])
+    expected = RollPitchYaw(0.1, 0.2, 0.3).ToRotationMatrix().matrix()
+    np.testing.assert_allclose(X.rotation().matrix(), expected, atol=1e-15)
+
+
+def test_filters_are_cliques_of_adjacent_links_and_groups(folder):
+    clique, group = read(ARM, folder).filters
+    assert isinstance(clique, CliqueDescription)
+    assert isinstance(group, GroupDescription)
+    (group,) = read(ARM, folder, filter_adjacent_links=False).filters
+    assert group.name == 'left::g'
+
+
+def test_places_have_lines(folder):
+    parts = read(ARM, folder)
+    assert parts.frames[2].where.line == 13
+    assert parts.geometries[2].where.line == 10
+    assert parts.geometries[0].where.key == 'link[base].collision[foot]'
+
+
+@pytest.mark.parametrize(
+    ('old', 'new', 'message'),
+    [
+        (b'<sphere radius="0.5"/>', b'<sphere radius="-0.5"/>',
+         'r.urdf:9: link[base].collision[foot]: Sphere: radius = -0.5 must be >= 0'),
+        (b'<sphere radius="0.5"/>', b'<sphere radius="nan"/>',
+         'r.urdf:9: link[base].collision[foot]: Sphere: radius = nan must be finite'),
+        (b'<sphere radius="0.5"/>', b'<sphere radius="big"/>',
+         "r.urdf:3: link[base]: cannot be read: could not convert string to float: 'big'"),
+        (b'<sphere radius="0.5"/>', b'<sphere/>',
+         "r.urdf:3: link[base]: cannot be read: misses 'radius'"),
+        (b'<sphere radius="0.5"/>', b'<cone radius="0.5"/>',
+         'r.urdf:9: link[base].collision[foot].geometry.cone: unknown shape <cone>; known are '
+         'box, capsule, cylinder, ellipsoid, mesh, sphere'),
+        (b'<sphere radius="0.5"/>', b'',
+         'r.urdf:9: link[base].collision[foot]: misses <geometry> with one shape in it'),
+        (b'<sphere radius="0.5"/>', b'<box size="1 2"/>',
+         'r.urdf:9: link[base].collision[foot]: box size [1.0, 2.0] must have 3 numbers'),
+        (b'xyz="1 2 3"', b'xyz="1 2 inf"',
+         'r.urdf:5: link[base].collision[foot]: origin: xyz and rpy must be finite numbers'),
+        (b'xyz="1 2 3"', b'xyz="1 2"', 'r.urdf:3: link[base]: cannot be read'),
+        (b'meshes/tip.obj', b'tip.obj',
+         "r.urdf:16: link[tip].collision: 'tip.obj': there is no file"),
+        (b' filename="meshes/tip.obj"', b'',
+         'r.urdf:16: link[tip].collision: mesh misses the attribute `filename`'),
+        (b'meshes/tip.obj', b'package://nowhere/tip.obj',
+         "r.urdf:16: link[tip].collision: 'package://nowhere/tip.obj': there is no package"),
+        (b'<link name="empty"/>', b'<link name="base"/>',
+         "r.urdf:12: link[base]: link 'base' is there twice, see line 3"),
+        (b'<link name="empty"/>', b'<link/>', 'r.urdf:12: link: misses the attribute `name`'),
+        (b'<parent link="base"/><child link="tip"/>', b'<parent link="bas"/><child link="tip"/>',
+         "r.urdf:22: joint[j2].parent: link 'bas' is not in the file"),
+        (b'<child link="tip"/>', b'', 'r.urdf:21: joint[j2]: misses <child link="..."/>'),
+        (b'<joint name="j2"', b'<joint', "r.urdf:21: joint: cannot be read: misses 'name'"),
+        (b'<robot name="arm"', b'<robot', 'r.urdf:2: misses the attribute `name`'),
+        (b'member link="tip"', b'member link="top"',
+         "r.urdf:24: collision_filter_group[g].member: link 'top' is not in the file"),
+    ],
+)  # fmt: skip
+def test_each_fault_names_its_line(folder, old, new, message):
+    assert old in ARM
+    with pytest.raises(SceneFileError) as caught:
+        read(ARM.replace(old, new), folder)
+    assert str(caught.value).startswith(message)

@@ -1,0 +1,69 @@
+import pytest
+from lxml import etree
+
+from drake_geom_ros.geometry import Convex, Mesh
+from drake_geom_ros.scene_files.description import RobotOptions
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.urdf import read_urdf
+from drake_geom_ros.scene_files.urdf_shapes import KNOWN_SHAPES, put_stand_ins
+
+
+def robot(shape):
+    return (
+        '<robot name="r" xmlns:drake="d"><link name="a"><visual/><collision><geometry>'
+        f'{shape}</geometry></collision></link></robot>'
+    )
+
+
+def shape(text, folder):
+    data = robot(text).encode()
+    parts = read_urdf(data, 'r.urdf', 'r', folder, ResourceResolver(), RobotOptions())
+    return parts.geometries[0].shape
+
+
+@pytest.mark.parametrize(
+    ('given', 'stand_in'),
+    [
+        ('<capsule radius="1" length="2"/>', '<cylinder radius="1" length="2"/>'),
+        ('<drake:capsule radius="1" length="2"/>', '<cylinder radius="1" length="2"/>'),
+        ('<drake:ellipsoid a="1" b="2" c="3"/>', '<box size="1 2 3"/>'),
+        ('<sphere radius="1"/>', '<sphere radius="1"/>'),
+    ],
+)
+def test_what_the_library_does_not_know_gets_a_stand_in(given, stand_in):
+    root = etree.fromstring(robot(given))
+    put_stand_ins(root, 'r.urdf')
+    (link,) = root
+    assert [child.tag for child in link] == ['collision']
+    (found,) = link[0][0]
+    expected = etree.fromstring(stand_in)
+    assert (found.tag, dict(found.attrib)) == (expected.tag, dict(expected.attrib))
+
+
+def test_an_ellipsoid_needs_all_its_axes():
+    with pytest.raises(SceneFileError, match='misses the attribute `b`'):
+        put_stand_ins(etree.fromstring(robot('<drake:ellipsoid a="1"/>')), 'r.urdf')
+
+
+def test_the_message_about_unknown_shapes_lists_those_that_are_read(tmp_path):
+    with pytest.raises(SceneFileError) as caught:
+        shape('<torus/>', tmp_path)
+    assert str(caught.value).endswith(', '.join(KNOWN_SHAPES))
+
+
+@pytest.mark.parametrize(
+    ('inside', 'kind'),
+    [('', Mesh), ('<drake:declare_convex/>', Convex), ('<declare_convex/>', Convex)],
+)
+def test_a_mesh_is_convex_where_it_is_declared_so(tmp_path, inside, kind):
+    (tmp_path / 'm.obj').write_text('v 0 0 0')
+    expected = kind(str(tmp_path / 'm.obj'), 1.0)
+    assert shape(f'<mesh filename="m.obj">{inside}</mesh>', tmp_path) == expected
+
+
+@pytest.mark.parametrize('scale', ['0 1 1', '1 2', 'x'])
+def test_a_bad_scale_is_refused(tmp_path, scale):
+    (tmp_path / 'm.obj').write_text('v 0 0 0')
+    with pytest.raises(SceneFileError, match=r'r\.urdf:1: link\[a\]'):
+        shape(f'<mesh filename="m.obj" scale="{scale}"/>', tmp_path)

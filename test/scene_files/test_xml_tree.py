@@ -1,0 +1,63 @@
+import pytest
+
+from drake_geom_ros.scene_files import xml_tree
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of, read_robot_xml
+
+
+def fault(data):
+    with pytest.raises(SceneFileError) as caught:
+        read_robot_xml(data, 'r.urdf')
+    return str(caught.value)
+
+
+def test_elements_keep_their_lines_and_lose_comments():
+    root = read_robot_xml(b'<robot name="r">\n<!-- c -->\n<link name="a"/>\n</robot>', 'r.urdf')
+    (link,) = root
+    assert str(place_of(link, 'r.urdf').error('x')) == 'r.urdf:3: link[a]: x'
+
+
+def test_a_place_names_all_elements_around():
+    text = b'<robot>\n<link name="a"><collision>\n<geometry/></collision></link></robot>'
+    geometry = read_robot_xml(text, 'r.urdf')[0][0][0]
+    assert place_of(geometry, 'r.urdf').key == 'link[a].collision.geometry'
+
+
+def test_a_prefix_is_no_part_of_the_local_name():
+    root = read_robot_xml(b'<robot xmlns:drake="d"><drake:capsule/><box/></robot>', 'r.urdf')
+    assert [local_name(element) for element in root] == ['capsule', 'box']
+
+
+def test_an_attribute_must_be_there():
+    root = read_robot_xml(b'<robot name="r" empty=""/>', 'r.urdf')
+    assert attribute(root, 'name', 'r.urdf') == 'r'
+    for name in ('other', 'empty'):
+        with pytest.raises(SceneFileError, match=f'r.urdf:1: misses the attribute `{name}`'):
+            attribute(root, name, 'r.urdf')
+
+
+@pytest.mark.parametrize(
+    ('data', 'message'),
+    [
+        (b'', 'r.urdf:1: not XML'),
+        (b'<robot>\n<link></robot>', 'r.urdf:2: not XML: Opening and ending tag mismatch'),
+        (b'<sdf/>', 'r.urdf:1: sdf: root element <sdf>; must be <robot>'),
+        (b'<robot><drake:capsule/></robot>', 'r.urdf:1: not XML: Namespace prefix drake'),
+    ],
+)
+def test_what_is_no_robot_file_is_refused(data, message):
+    assert fault(data).startswith(message)
+
+
+def test_entities_are_refused_whatever_they_stand_for(tmp_path):
+    (tmp_path / 'secret').write_text('s')
+    outside = f'<!DOCTYPE r [<!ENTITY e SYSTEM "file://{tmp_path}/secret">]><robot>&e;</robot>'
+    laughs = '<!DOCTYPE r [<!ENTITY a "ha"><!ENTITY b "&a;&a;">]><robot>&b;</robot>'
+    for text in (outside, laughs):
+        assert 'a document type' in fault(text.encode())
+
+
+def test_size_is_bounded(monkeypatch):
+    monkeypatch.setattr(xml_tree, 'MAX_BYTES', 8)
+    assert read_robot_xml(b'<robot/>', 'r.urdf') is not None
+    assert fault(b'<robot />') == 'r.urdf: 9 bytes; at most 8 are read'
