@@ -96,10 +96,15 @@ def _fixed_bodies(joints: Sequence[Any]) -> list[list[str]]:
 
 
 def read_srdf(
-    data: bytes, file: str, source: str, links: Collection[str]
+    data: bytes,
+    file: str,
+    source: str,
+    links: Collection[str],
+    filter_adjacent_links: bool = True,
 ) -> DeclarationDescription:
     """Return the ``<disable_collisions link1= link2=>`` elements of an SRDF as one declaration.
 
+    Those that give ``Adjacent`` as their reason count only with ``filter_adjacent_links``.
     Raises SceneFileError for a link that the robot does not have.
     """
     statements = []
@@ -110,6 +115,8 @@ def read_srdf(
             if link not in links:
                 reason = f'link {link!r} is not in the robot {source!r}'
                 raise place_of(element, file).error(reason)
+        if element.get('reason') == 'Adjacent' and not filter_adjacent_links:
+            continue
         first, second = ((Member(source, link),) for link in ends)
         statements.append(Statement(Operation.EXCLUDE_BETWEEN, first, second))
     return DeclarationDescription(tuple(statements), place_of(root, file))

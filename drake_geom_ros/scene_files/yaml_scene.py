@@ -113,7 +113,11 @@ class _SceneParser:
         self._filters += parts.filters
         if srdf_path:
             declaration = urdf_filters.read_srdf(
-                srdf_path.read_bytes(), str(srdf_path), name, parts.link_names
+                srdf_path.read_bytes(),
+                str(srdf_path),
+                name,
+                parts.link_names,
+                options.filter_adjacent_links,
             )
             self._filters.append(declaration)
 

@@ -27,7 +27,10 @@ from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 ORACLE = 1e-12  # what the oracle, a search over directions, may be off by [m]
 DISTANCES = (0.2, 2e-3, 0.0, -2e-3, -0.02, -0.08)
-ROWS = [pytest.param(row, id=row.kernel_name) for row in PAIR_TABLE]
+ROWS = [
+    pytest.param(row, id=f'{SHAPE_NAMES[row.type_a]}-{SHAPE_NAMES[row.type_b]}')
+    for row in PAIR_TABLE
+]
 
 
 def pair_world(row, sizes, Rs, ps):

@@ -78,8 +78,8 @@ def evaluate(kernel, pair):
     """Call a kernel and check the laws that need no truth; return the row."""
     out = np.full(calling.PAIR_WIDTH, np.nan)
     kernel(
-        pair.size_A, np.ascontiguousarray(pair.R_WA),
-        pair.size_B, np.ascontiguousarray(pair.R_WB),
+        pair.kind_A, pair.size_A, np.ascontiguousarray(pair.R_WA),
+        pair.kind_B, pair.size_B, np.ascontiguousarray(pair.R_WB),
         pair.p_AB_W, 1e-9, np.inf, out,
     )  # fmt: skip
     assert np.all(np.isfinite(out)), pair

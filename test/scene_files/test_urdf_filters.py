@@ -116,6 +116,8 @@ def test_an_srdf_is_one_declaration():
         Statement(Operation.EXCLUDE_BETWEEN, a, b),
         Statement(Operation.EXCLUDE_BETWEEN, b, c),
     )
+    kept = read_srdf(SRDF, 'r.srdf', 'left', 'abc', filter_adjacent_links=False)
+    assert kept.statements == declaration.statements[1:]
 
 
 @pytest.mark.parametrize(

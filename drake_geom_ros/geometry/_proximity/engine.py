@@ -136,7 +136,10 @@ class Engine:
         else:
             gap = LEVEL_GAPS[accuracy]
             swapped = types[:, 0] > types[:, 1]
-            narrow_phase(ADDRESSES, rows, pairs, swapped, scene, sizes, gap, cutoff, results)
+            narrow_phase(
+                *(ADDRESSES, rows, pairs, swapped, table.types, scene, sizes),
+                *(gap, cutoff, results),
+            )
         self._note(names, results, start, compiled)
         return PairBatch(world, pairs, results)
 
@@ -155,7 +158,8 @@ class Engine:
         scene = (table.starts, table.pool, world.R_WGs, world.p_WGs)
         sizes = (world.outer_radii, world.inner_radii)
         count = point_phase(
-            ADDRESSES, rows, p_WQs, scene, sizes, threshold, results, points, geometries
+            *(ADDRESSES, rows, table.types, p_WQs, scene, sizes),
+            *(threshold, results, points, geometries),
         )
         self._note(names, results[:count], start, compiled)
         return PointBatch(world, p_WQs, points[:count], geometries[:count], results[:count])

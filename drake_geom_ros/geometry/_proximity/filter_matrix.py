@@ -14,8 +14,9 @@ number of at least 0 for each slot, equal where the pair is invariant, and its c
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
 
 Slots = NDArray[np.int64]
 Bits = NDArray[np.uint8]
@@ -48,7 +49,7 @@ def clear_slot(bits: Bits, slot: int) -> None:
     bits[:, :, slot >> 3] &= np.uint8(0xFF ^ (1 << (slot & 7)))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def write_pairs(
     bits: Bits, first_layer: int, slots_a: Slots, slots_b: Slots, excludes: bool
 ) -> bool:
@@ -60,7 +61,7 @@ def write_pairs(
     return changed
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def write_rows(bits: Bits, layer: int, rows: Slots, columns: Slots, excludes: bool) -> bool:
     """Exclude or allow the pairs (row, column) in these rows only; return if any bit changed."""
     if columns.size == 0:
@@ -84,7 +85,7 @@ def write_rows(bits: Bits, layer: int, rows: Slots, columns: Slots, excludes: bo
     return bool(difference != 0)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def reportable(bits: Bits, bodies: Slots, slots_a: Slots, slots_b: Slots) -> Flags:
     """Return for each pair whether it may be reported."""
     answer = np.empty(slots_a.size, dtype=np.bool_)
@@ -98,7 +99,7 @@ def reportable(bits: Bits, bodies: Slots, slots_a: Slots, slots_b: Slots) -> Fla
     return answer
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def count_filtered(bits: Bits, bodies: Slots, slots: Slots) -> int:
     """Return how many pairs of ``slots`` are filtered without being invariant."""
     count = 0

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 from drake_geom_ros.geometry._proximity.pair_table import (
     PAIR_TABLE,
     ROW_OF_TYPES,
+    SPHERE,
     TYPE_COUNT,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
@@ -40,13 +41,13 @@ def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArra
 
 def compile_rows(rows: NDArray[np.int64]) -> list[str]:
     """Compile the kernels of table rows that are not compiled yet; return their names."""
-    names = []
+    names: dict[str, None] = {}
     for row in np.unique(rows[rows >= 0]).tolist():
         if row not in _COMPILED:
             ADDRESSES[row] = compiled_address(PAIR_TABLE[row].load_kernel())
             _COMPILED.add(row)
-            names.append(PAIR_TABLE[row].kernel_name)
-    return names
+            names[PAIR_TABLE[row].kernel] = None
+    return list(names)
 
 
 @compiled
@@ -60,7 +61,7 @@ def _pose_rounding(p_WGs, i, j):  # type: ignore[no-untyped-def]
 
 @compiled
 def narrow_phase(  # type: ignore[no-untyped-def]
-    addresses, rows, pairs, swapped, scene, sizes, gap, cutoff, results
+    addresses, rows, pairs, swapped, types, scene, sizes, gap, cutoff, results
 ):
     """Call the kernel of each pair; the only place where the order of A and B is exchanged."""
     starts, pool, R_WGs, p_WGs = scene
@@ -77,8 +78,10 @@ def narrow_phase(  # type: ignore[no-untyped-def]
         out = results[k]
         call_kernel(
             addresses[rows[k]],
+            types[a],
             pool[starts[a] : starts[a + 1]],
             R_WGs[a],
+            types[b],
             pool[starts[b] : starts[b + 1]],
             R_WGs[b],
             p_AB_W,
@@ -117,7 +120,7 @@ def bound_phase(pairs, types, scene, sizes, results):  # type: ignore[no-untyped
 
 @compiled
 def point_phase(  # type: ignore[no-untyped-def]
-    addresses, rows, p_WQs, scene, sizes, threshold, results, points, geometries
+    addresses, rows, types, p_WQs, scene, sizes, threshold, results, points, geometries
 ):
     """Call the kernel of a sphere without radius for each point and geometry within reach.
 
@@ -140,9 +143,18 @@ def point_phase(  # type: ignore[no-untyped-def]
             if math.sqrt(squared) - outer[g] > threshold + rounding:
                 continue
             out = results[count]
-            shape = pool[starts[g] : starts[g + 1]]
             call_kernel(
-                addresses[rows[g]], nothing, identity, shape, R_WGs[g], p_QG_W, 0.0, math.inf, out
+                addresses[rows[g]],
+                SPHERE,
+                nothing,
+                identity,
+                types[g],
+                pool[starts[g] : starts[g + 1]],
+                R_WGs[g],
+                p_QG_W,
+                0.0,
+                math.inf,
+                out,
             )
             if out[DISTANCE] <= threshold:
                 out[ERROR_BOUND] += rounding

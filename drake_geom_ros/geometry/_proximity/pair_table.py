@@ -34,43 +34,40 @@ class PairRow:
 
     type_a: int
     type_b: int
-    room: str  # the module under ``kernels`` that holds the kernel
+    kernel: str  # ``module.function`` under ``kernels``
     method: str
     worst_error: float  # [m] for bodies of about 0.2 m, kept true by test/accuracy
 
-    @property
-    def kernel_name(self) -> str:
-        """The kernel's name, from the names of its shapes."""
-        names = ('', 'sphere', 'box', 'capsule', 'cylinder', 'ellipsoid', 'half_space')
-        return f'{names[self.type_a]}_{names[self.type_b]}'
-
     def load_kernel(self) -> Any:
-        """Import the kernel; only rows that a scene has are ever imported."""
-        module = import_module(f'drake_geom_ros.geometry._proximity.kernels.{self.room}')
-        return getattr(module, self.kernel_name)
+        """Import the kernel; only those that a scene needs are ever imported."""
+        module, function = self.kernel.split('.')
+        return getattr(import_module(f'{_KERNELS}.{module}'), function)
 
+
+_KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
+_CORES = 'convex.signed_distance_of_cores'
 
 PAIR_TABLE = (
-    PairRow(SPHERE, SPHERE, 'spheres', CLOSED_FORM, 1e-15),
-    PairRow(SPHERE, BOX, 'spheres', CLOSED_FORM, 1e-15),
-    PairRow(SPHERE, CAPSULE, 'spheres', CLOSED_FORM, 1e-15),
-    PairRow(SPHERE, CYLINDER, 'spheres', CLOSED_FORM, 1e-15),
-    PairRow(SPHERE, ELLIPSOID, 'spheres', CLOSED_FORM, 1e-15),
-    PairRow(SPHERE, HALF_SPACE, 'spheres', CLOSED_FORM, 1e-15),
-    PairRow(BOX, BOX, 'boxes', CLOSED_FORM, 1e-15),
-    PairRow(BOX, CAPSULE, 'segments', CLOSED_FORM, 1e-15),
-    PairRow(BOX, CYLINDER, 'convex', ITERATIVE, 1e-9),
-    PairRow(BOX, ELLIPSOID, 'convex', ITERATIVE, 1e-9),
-    PairRow(BOX, HALF_SPACE, 'half_spaces', CLOSED_FORM, 1e-15),
-    PairRow(CAPSULE, CAPSULE, 'segments', CLOSED_FORM, 1e-15),
-    PairRow(CAPSULE, CYLINDER, 'convex', ITERATIVE, 1e-9),
-    PairRow(CAPSULE, ELLIPSOID, 'convex', ITERATIVE, 1e-9),
-    PairRow(CAPSULE, HALF_SPACE, 'half_spaces', CLOSED_FORM, 1e-15),
-    PairRow(CYLINDER, CYLINDER, 'convex', ITERATIVE, 1e-9),
-    PairRow(CYLINDER, ELLIPSOID, 'convex', ITERATIVE, 1e-9),
-    PairRow(CYLINDER, HALF_SPACE, 'half_spaces', CLOSED_FORM, 1e-15),
-    PairRow(ELLIPSOID, ELLIPSOID, 'convex', ITERATIVE, 1e-9),
-    PairRow(ELLIPSOID, HALF_SPACE, 'half_spaces', CLOSED_FORM, 1e-15),
+    PairRow(SPHERE, SPHERE, 'spheres.sphere_sphere', CLOSED_FORM, 1e-15),
+    PairRow(SPHERE, BOX, 'spheres.sphere_box', CLOSED_FORM, 1e-15),
+    PairRow(SPHERE, CAPSULE, 'spheres.sphere_capsule', CLOSED_FORM, 1e-15),
+    PairRow(SPHERE, CYLINDER, 'spheres.sphere_cylinder', CLOSED_FORM, 1e-15),
+    PairRow(SPHERE, ELLIPSOID, 'spheres.sphere_ellipsoid', CLOSED_FORM, 1e-15),
+    PairRow(SPHERE, HALF_SPACE, 'spheres.sphere_half_space', CLOSED_FORM, 1e-15),
+    PairRow(BOX, BOX, 'boxes.box_box', CLOSED_FORM, 1e-15),
+    PairRow(BOX, CAPSULE, 'segments.box_capsule', CLOSED_FORM, 1e-15),
+    PairRow(BOX, CYLINDER, _CORES, ITERATIVE, 1e-9),
+    PairRow(BOX, ELLIPSOID, _CORES, ITERATIVE, 1e-9),
+    PairRow(BOX, HALF_SPACE, 'half_spaces.box_half_space', CLOSED_FORM, 1e-15),
+    PairRow(CAPSULE, CAPSULE, 'segments.capsule_capsule', CLOSED_FORM, 1e-15),
+    PairRow(CAPSULE, CYLINDER, _CORES, ITERATIVE, 1e-9),
+    PairRow(CAPSULE, ELLIPSOID, _CORES, ITERATIVE, 1e-9),
+    PairRow(CAPSULE, HALF_SPACE, 'half_spaces.capsule_half_space', CLOSED_FORM, 1e-15),
+    PairRow(CYLINDER, CYLINDER, _CORES, ITERATIVE, 1e-9),
+    PairRow(CYLINDER, ELLIPSOID, _CORES, ITERATIVE, 1e-9),
+    PairRow(CYLINDER, HALF_SPACE, 'half_spaces.cylinder_half_space', CLOSED_FORM, 1e-15),
+    PairRow(ELLIPSOID, ELLIPSOID, _CORES, ITERATIVE, 1e-9),
+    PairRow(ELLIPSOID, HALF_SPACE, 'half_spaces.ellipsoid_half_space', CLOSED_FORM, 1e-15),
 )
 
 # Row number by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is no row.

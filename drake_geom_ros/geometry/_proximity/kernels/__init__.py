@@ -2,9 +2,10 @@
 
 Conventions, for every pair kernel (A, B)::
 
-    kernel(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out)
+    kernel(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out)
 
 ========== ========================================================================
+kind_A     shape type number of A, for the kernel that serves many pairs
 shape_A    parameters of A, see *Shape parameters* (float64, 1-D)
 R_WA       orientation of A (3, 3), C order
 p_AB_W     position of Bo from Ao, in World axes (3,) [m]: a kernel never sees how far

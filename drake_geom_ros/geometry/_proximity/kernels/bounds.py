@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX = 1, 2, 3, 4, 5, 6, 7
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def half_width(shape_type, shape, n_G):
     """Return the larger of the support values h(n) and h(-n) [m] about Go; n a unit vector in G.
 
@@ -47,7 +47,7 @@ def half_width(shape_type, shape, n_G):
     return math.inf
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def box_half_extents(shape_type, shape, R_WG, half_extents):
     """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
     for k in range(3):
@@ -55,7 +55,7 @@ def box_half_extents(shape_type, shape, R_WG, half_extents):
         half_extents[k] = half_width(shape_type, shape, e_G)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _outer_radius(shape_type, shape):
     """Return the largest distance of a point of the shape from Go."""
     if shape_type == SPHERE:
@@ -77,7 +77,7 @@ def _outer_radius(shape_type, shape):
     return math.inf
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _inner_radius(shape_type, shape):
     """Return the radius of a ball about Go that lies in the shape."""
     if shape_type == SPHERE or shape_type == CAPSULE:
@@ -89,7 +89,7 @@ def _inner_radius(shape_type, shape):
     return 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def shape_radii(types, starts, pool):
     """Return outer and inner radii (n,), (n,) [m] about each Go."""
     outer, inner = np.empty(types.size), np.empty(types.size)
@@ -100,7 +100,7 @@ def shape_radii(types, starts, pool):
     return outer, inner
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def bounding_interval(A, B, p_AB_W, out):
     """Write the middle and the half width of a certified interval of phi from bounds alone.
 

@@ -6,8 +6,7 @@ sizes g, axes ``b = (b_x, b_y, b_z)`` and centre c. ``seen_from_other`` swaps th
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.points import along, excess
 from drake_geom_ros.geometry._proximity.kernels.segments import nearest_parameter
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -21,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def to_first(b, v):
     """Return v, given along the second box's axes, along those of the first."""
     return (
@@ -31,13 +30,13 @@ def to_first(b, v):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def to_second(b, v):
     """Return v, given along the first box's axes, along those of the second."""
     return dot(b[0], v), dot(b[1], v), dot(b[2], v)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def seen_from_other(b, c):
     """Return the axes and the centre of the first box in the frame of the second."""
     a = (
@@ -48,7 +47,7 @@ def seen_from_other(b, c):
     return a, scale(-1.0, to_second(b, c))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _closest_edge(h, g, b, c, enough):
     """Return distance, gap vector and edge point of the second box's edge nearest to the first.
 
@@ -79,7 +78,7 @@ def _closest_edge(h, g, b, c, enough):
     return best, gap, p
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def closest_points(h, g, b, c, enough):
     """Return the gap vector from the first box to the second, and its starting point.
 
@@ -95,7 +94,7 @@ def closest_points(h, g, b, c, enough):
     return scale(-1.0, to_first(b, gap_back)), add(c, to_first(b, q))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _clip(c, d, h, half_length):
     """Return the interval of t, |t| <= half_length, with c + t d in the rectangle h, all in 2D.
 
@@ -111,7 +110,7 @@ def _clip(c, d, h, half_length):
     return low, high
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _outline(h, g, u, v, c):
     """Return length and moment of the edges of rectangle g (axes u, v, centre c) within h, 2D."""
     length, x, y = 0.0, 0.0, 0.0
@@ -129,7 +128,7 @@ def _outline(h, g, u, v, c):
     return length, x, y
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _patch_centre(h, g, u, v, c, slack):
     """Return whether two rectangles in a plane overlap, and the centre of the overlap's outline.
 
@@ -151,7 +150,7 @@ def _patch_centre(h, g, u, v, c, slack):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def common_point(h, g, b, c, n, is_face, slack):
     """Return a point of both boxes, which touch, and by how much [m] the second misses it.
 

@@ -15,8 +15,7 @@ face lies on face, the witness points are at the centre of the outline of the pa
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.box_contact import (
     closest_points,
     common_point,
@@ -47,7 +46,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 AXES = 15
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _axis(b, m):
     """Return candidate m for the separating axis, in A: a unit vector, or 0 if there is none."""
     if m < 3:
@@ -61,7 +60,7 @@ def _axis(b, m):
     return scale(1.0 / sine, n)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _separation(h, g, b, c, n, slack):
     """Return the gap between the boxes along n or -n, whichever is larger, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
@@ -70,7 +69,7 @@ def _separation(h, g, b, c, n, slack):
     return side * dot(c, n) - size_A - size_B, side
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _separating_axis(h, g, b, c, slack):
     """Return the largest separation, its unit normal out of A, the axis's number, uniqueness."""
     phi, n, best, tie = -math.inf, (1.0, 0.0, 0.0), 0, False
@@ -86,7 +85,7 @@ def _separating_axis(h, g, b, c, slack):
     return phi, n, best, not tie and abs(dot(c, n)) > slack
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _witness_on_first(h, g, b, c, phi, n, axis, slack):
     """Return the point of A, in A, that meets B moved by -phi n, and how far it misses it."""
     moved = add_scaled(c, -phi, n)
@@ -97,7 +96,7 @@ def _witness_on_first(h, g, b, c, phi, n, axis, slack):
     return common_point(h, g, b, moved, n, axis < 3, slack)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _signed_distance(h, g, b, c, slack):
     """Return (phi, n, p_ACa, unique) in A; n is unit and points out of A."""
     phi, n, axis, unique = _separating_axis(h, g, b, c, slack)
@@ -117,8 +116,8 @@ def _signed_distance(h, g, b, c, slack):
     return phi, n, p, apart or unique
 
 
-@njit(cache=True, nogil=True)
-def box_box(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def box_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two boxes."""
     h, g = (shape_A[0], shape_A[1], shape_A[2]), (shape_B[0], shape_B[1], shape_B[2])
     c = unrotate(R_WA, p_AB_W)

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import config, njit, types
+from numba import config, types
 from numba.extending import intrinsic
 
 # Columns of a result row.
+from drake_geom_ros.geometry._proximity.compiled import compiled
+
 DISTANCE = 0
 NORMAL = 1  # 3: nhat_BA_W
 WITNESS_A = 4  # 3: p_ACa_W
@@ -34,11 +36,20 @@ BOUND_ONLY = 4
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]
 PAIR_SIGNATURE = types.void(
-    _vector, _matrix, _vector, _matrix, _vector, types.float64, types.float64, _vector
+    types.int64,
+    _vector,
+    _matrix,
+    types.int64,
+    _vector,
+    _matrix,
+    _vector,
+    types.float64,
+    types.float64,
+    _vector,
 )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, error_bound, unique, method):
     """Fill one result row."""
     out[DISTANCE] = distance
@@ -76,9 +87,26 @@ if config.DISABLE_JIT:
 else:
 
     @intrinsic
-    def call_kernel(typingctx, address, shape_A, R_WA, shape_B, R_WB, p_AB_W, tol, cutoff, out):
+    def call_kernel(
+        typingctx,
+        address,
+        kind_A,
+        shape_A,
+        R_WA,
+        kind_B,
+        shape_B,
+        R_WB,
+        p_AB_W,
+        tolerance,
+        cutoff,
+        out,
+    ):
         """Call the kernel at ``address`` through its C wrapper, arguments as in PAIR_SIGNATURE."""
-        arguments = (shape_A, R_WA, shape_B, R_WB, p_AB_W, tol, cutoff, out)
+        arguments = (
+            *(kind_A, shape_A, R_WA),
+            *(kind_B, shape_B, R_WB),
+            *(p_AB_W, tolerance, cutoff, out),
+        )
 
         def codegen(context, builder, signature, values):
             argument_types = [context.get_value_type(t) for t in signature.args[1:]]
@@ -87,4 +115,6 @@ else:
             builder.call(function, values[1:])
             return context.get_dummy_value()
 
+        if arguments != PAIR_SIGNATURE.args:
+            return None
         return types.void(address, *arguments), codegen

@@ -9,8 +9,7 @@ exclude every direction more than 8 degrees away, so with a loose tolerance it m
 answer that is unique.
 """
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, ITERATIVE, write
 from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
@@ -20,10 +19,6 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import (
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution import common_axis, depth_of_revolution
 from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
     bounding_radius,
     core_radius,
 )
@@ -38,7 +33,7 @@ SHARPER = 1e-3
 MOST_VERTICES = 3000
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def depth_and_bounds(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance):
     """Return what ``epa.depth_of_cores`` does, by the cheaper way."""
     u, move = common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB)
@@ -51,7 +46,7 @@ def depth_and_bounds(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tole
     )
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def signed_distance_of_cores(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
 ):
@@ -96,60 +91,4 @@ def signed_distance_of_cores(
         error_bound,
         unique,
         method,
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def box_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Box against cylinder."""
-    signed_distance_of_cores(
-        BOX, shape_A, R_WA, CYLINDER, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def box_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Box against ellipsoid."""
-    signed_distance_of_cores(
-        BOX, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def capsule_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Capsule against cylinder."""
-    signed_distance_of_cores(
-        CAPSULE, shape_A, R_WA, CYLINDER, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def capsule_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Capsule against ellipsoid."""
-    signed_distance_of_cores(
-        CAPSULE, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def cylinder_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Cylinder against cylinder."""
-    signed_distance_of_cores(
-        CYLINDER, shape_A, R_WA, CYLINDER, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def cylinder_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Cylinder against ellipsoid."""
-    signed_distance_of_cores(
-        CYLINDER, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def ellipsoid_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
-    """Ellipsoid against ellipsoid."""
-    signed_distance_of_cores(
-        ELLIPSOID, shape_A, R_WA, ELLIPSOID, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
     )

@@ -19,8 +19,7 @@ mirror images (or a circle) are nearest: the medial set.
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, unit
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
@@ -31,7 +30,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _image(w, f, u):
     """Return x_i / e_i at the parameter u, for weights w = e q and poles at -f."""
     return (
@@ -41,7 +40,7 @@ def _image(w, f, u):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _newton_step(w, f, u):
     """Return Newton's step for 1 / sqrt(S) = 1 at u, or 0 where S <= 1 to rounding."""
     y = _image(w, f, u)
@@ -55,7 +54,7 @@ def _newton_step(w, f, u):
     return size * (math.sqrt(size) - 1.0) / slope
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _largest_root(w, f, low):
     """Return the root u > 0 of |_image(w, f, u)| = 1, given a lower bound low > 0 of it."""
     high = norm(w)
@@ -76,7 +75,7 @@ def _largest_root(w, f, low):
     return u
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def ellipsoid_point(e, q, slack):
     """Return (distance, grad, p_GN, unique) of q from the ellipsoid with semi-axes e.
 

@@ -19,13 +19,15 @@ that have none.
 """
 
 import numpy as np
-from numba import njit
 
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row, support_points
 from drake_geom_ros.geometry._proximity.kernels.polytope import (
+    ALIVE,
+    FACE_WIDTH,
     OFFSET,
+    PLANE_WIDTH,
     add_faces,
-    empty_mesh,
     expand,
     link_tetrahedron,
     pop_living,
@@ -45,7 +47,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.tolerances import EPS, FOLD, ROUNDING, SAME_DIRECTION
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points):
     """Fill in four support points that span a volume.
 
@@ -72,23 +74,33 @@ def first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points):
             n = unit(cross(along, sub(row(points, 2, 0), row(points, 0, 0))))
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
-def witness(points, faces, f, n, s_A, s_B):
-    """Return points (a, b) on the supporting planes of A and B with a - b along n.
+@compiled
+def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
+    """Return points (a, b) on the supporting planes of A and B with a - b = upper n.
 
-    They come from the point of face f nearest to the origin, moved out to the planes.
+    They come from the surface's point nearest to the origin, moved out to the planes. On a flat of
+    the difference all faces are as good as the one that was expanded: the foot may be in any.
     """
-    i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-    t = closest_on_triangle(row(points, i, 0), row(points, j, 0), row(points, k, 0))
-    a = weighted(row(points, i, 3), row(points, j, 3), row(points, k, 3), t)
-    b = weighted(row(points, i, 6), row(points, j, 6), row(points, k, 6), t)
-    depth = dot(sub(s_A, s_B), n)
+    a, b, least = s_A, s_B, np.inf
+    for f in range(total):
+        if faces[f, ALIVE] == 0 or planes[f, OFFSET] > rival:
+            continue
+        if dot((planes[f, 0], planes[f, 1], planes[f, 2]), n) < SAME_DIRECTION:
+            continue
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        x, y, z = row(points, i, 0), row(points, j, 0), row(points, k, 0)
+        t = closest_on_triangle(x, y, z)
+        away = norm(weighted(x, y, z, t))
+        if away < least:
+            least = away
+            a = weighted(row(points, i, 3), row(points, j, 3), row(points, k, 3), t)
+            b = weighted(row(points, i, 6), row(points, j, 6), row(points, k, 6), t)
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
-    return add_scaled(centre, 0.5 * depth, n), add_scaled(centre, -0.5 * depth, n)
+    return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def depth_of_cores(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, tolerance, most_vertices
 ):
@@ -100,19 +112,24 @@ def depth_of_cores(
     every clearly different direction: once they have met, faces turned elsewhere go on growing
     until none is as near. Work and memory are in proportion to ``most_vertices``.
     """
-    mesh = empty_mesh(most_vertices)
-    points, faces, planes = mesh.points, mesh.faces, mesh.planes
+    rows = 8 * most_vertices
+    points, planes = np.empty((most_vertices, 9)), np.empty((rows, PLANE_WIDTH))
+    faces, rim = np.empty((rows, FACE_WIDTH), dtype=np.int32), np.empty((rows, 3), dtype=np.int32)
+    heap, stack = np.empty(rows, dtype=np.int32), np.empty(rows, dtype=np.int32)
+    starting_at = np.full(most_vertices, -1, dtype=np.int32)
     enough = max(tolerance, ROUNDING * EPS * size)
     first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points)
     link_tetrahedron(points, faces)
     count, total, settled = 4, 4, False
-    waiting = add_faces(mesh, 0, 4, 0, size)
-    best, lower = np.inf, -np.inf
-    n, a, b = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    waiting = add_faces(points, faces, planes, heap, 0, 4, 0, size)
+    best, lower, n = np.inf, -np.inf, (1.0, 0.0, 0.0)
+    a, b = row(points, 0, 3), row(points, 0, 6)
+    unique = False
     while waiting > 0:
-        f, waiting = pop_living(mesh, waiting)
+        f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0 or (settled and planes[f, OFFSET] > best + enough):
-            return best, lower, n, a, b, settled
+            unique = settled
+            break
         m = planes[f, 0], planes[f, 1], planes[f, 2]
         if settled and dot(m, n) >= SAME_DIRECTION:
             continue
@@ -124,11 +141,11 @@ def depth_of_cores(
         w = sub(s_A, s_B)
         width = dot(w, m)
         if settled and width <= best + 2.0 * enough:
-            return best, lower, n, a, b, False
-        if width < best and not settled:
-            best, n = width, m
-            a, b = witness(points, faces, f, m, s_A, s_B)
-        if not settled and width - lower <= enough:
+            break
+        closed = not settled and width - lower <= enough
+        if closed or (width < best and not settled):
+            best, n, a, b = width, m, s_A, s_B
+        if closed:
             settled = True
             continue
         known = count == most_vertices
@@ -136,8 +153,12 @@ def depth_of_cores(
             known = known or row(points, faces[f, k], 0) == w
         grown = total
         if not known:
-            grown, waiting = expand(mesh, f, s_A, s_B, count, total, waiting, size)
+            grown = expand(
+                points, faces, planes, rim, stack, starting_at, f, s_A, s_B, count, total, size
+            )
+            waiting = add_faces(points, faces, planes, heap, total, grown, waiting, size)
         if grown == total:
             break
         count, total = count + 1, grown
-    return best, lower, n, a, b, settled and waiting == 0
+    a, b = witness(points, faces, planes, total, n, best, best + enough, a, b)
+    return best, lower, n, a, b, unique

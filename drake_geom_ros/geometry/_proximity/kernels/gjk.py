@@ -8,8 +8,8 @@ them.
 """
 
 import numpy as np
-from numba import njit
 
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
@@ -36,7 +36,7 @@ GJK_STEPS = 64
 WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, right_angle):
     """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
     a = support(kind_A, shape_A, R_WA, n, right_angle)
@@ -44,13 +44,13 @@ def support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, right_
     return a, b
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def row(points, k, column):
     """Return three numbers of row k as a vector: w at column 0, a at 3, b at 6."""
     return points[k, column], points[k, column + 1], points[k, column + 2]
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def put(points, k, a, b):
     """Store w = a - b, a and b in row k."""
     for i in range(3):
@@ -59,7 +59,7 @@ def put(points, k, a, b):
         points[k, 6 + i] = b[i]
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def closest_weights(points, count):
     """Return the weights of up to four simplex points, 0 for those beyond count."""
     if count == 1:
@@ -75,7 +75,7 @@ def closest_weights(points, count):
     )
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def reduce_simplex(points, count):
     """Keep the points that hold the one closest to the origin, with weights; return how many."""
     weights = closest_weights(points, count)
@@ -89,7 +89,7 @@ def reduce_simplex(points, count):
     return kept
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def combine(points, count, column):
     """Return the weighted sum of three columns of the simplex points."""
     x, y, z = 0.0, 0.0, 0.0
@@ -100,7 +100,7 @@ def combine(points, count, column):
     return x, y, z
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def is_known(points, count, w):
     """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
     for k in range(count):
@@ -109,7 +109,7 @@ def is_known(points, count, w):
     return False
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, tolerance, cutoff):
     """Return (end, upper, lower, n, a, b) for the distance of two cores.
 

@@ -7,8 +7,7 @@ lowest face or edge.
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
@@ -21,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _lowest(n, half):
     """Return where on [-half, half] an axis that rises by n a metre is lowest: mid if level."""
     if n > RIGHT_ANGLE:
@@ -31,7 +30,7 @@ def _lowest(n, half):
     return 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _write(out, R_WA, R_WB, p_AB_W, size, depth, p_ACa):
     """Fill the row, A's lowest point Ca (in A) being ``depth`` [m] below Ao."""
     nhat_BA_W = column(R_WB, 2)
@@ -43,8 +42,8 @@ def _write(out, R_WA, R_WB, p_AB_W, size, depth, p_ACa):
     write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, bound, True, CLOSED_FORM)
 
 
-@njit(cache=True, nogil=True)
-def box_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def box_half_space(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a box and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     h = (shape_A[0], shape_A[1], shape_A[2])
@@ -53,8 +52,10 @@ def box_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out)
     _write(out, R_WA, R_WB, p_AB_W, norm(h), depth, p_ACa)
 
 
-@njit(cache=True, nogil=True)
-def capsule_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def capsule_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
     """Signed distance of a capsule and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     radius, half = shape_A[0], shape_A[1]
@@ -63,8 +64,10 @@ def capsule_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, 
     _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
 
 
-@njit(cache=True, nogil=True)
-def cylinder_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def cylinder_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
     """Signed distance of a cylinder and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     radius, half = shape_A[0], shape_A[1]
@@ -75,8 +78,10 @@ def cylinder_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff,
     _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
 
 
-@njit(cache=True, nogil=True)
-def ellipsoid_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def ellipsoid_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
     """Signed distance of an ellipsoid and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     e = (shape_A[0], shape_A[1], shape_A[2])

@@ -16,8 +16,7 @@ q carry: candidates that differ by less count as equal, and then the choice is
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
@@ -31,7 +30,7 @@ POINT_UNIQUE = 8  # 1 where the nearest point is unique, else 0
 POINT_WIDTH = 9
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def length_and_direction(v):
     """Return |v| and v / |v|; the direction of the zero vector is +x."""
     m = max(abs(v[0]), abs(v[1]), abs(v[2]))
@@ -42,32 +41,32 @@ def length_and_direction(v):
     return m * n, (x / n, y / n, z / n)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def clamp(x, limit):
     """Return the number nearest to x in [-limit, limit]."""
     return min(max(x, -limit), limit)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def excess(h, v):
     """Return v minus its nearest point of the box with half sizes h: zero inside."""
     return v[0] - clamp(v[0], h[0]), v[1] - clamp(v[1], h[1]), v[2] - clamp(v[2], h[2])
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def along(k, s):
     """Return s times the k-th unit vector."""
     return s if k == 0 else 0.0, s if k == 1 else 0.0, s if k == 2 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def sphere_point(radius, q, slack):
     """Signed distance to a sphere."""
     rho, grad = length_and_direction(q)
     return rho - radius, grad, scale(radius, grad), rho > slack
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def box_point(h, q, slack):
     """Signed distance to a box with half sizes h."""
     beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
@@ -95,7 +94,7 @@ def box_point(h, q, slack):
     return distance, grad, p_GN, unique
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def capsule_point(radius, half_length, q, slack):
     """Signed distance to a capsule: a segment along z, grown by the radius."""
     z = clamp(q[2], half_length)
@@ -104,7 +103,7 @@ def capsule_point(radius, half_length, q, slack):
     return rho - radius, grad, p_GN, rho > slack
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def cylinder_point(radius, half_length, q, slack):
     """Signed distance to a cylinder: a rectangle in the plane of the axis and the point."""
     rho, radial = length_and_direction((q[0], q[1], 0.0))
@@ -129,13 +128,13 @@ def cylinder_point(radius, half_length, q, slack):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def half_space_point(q):
     """Signed distance to the half space z <= 0."""
     return q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _write(out, result, extent):
     distance, grad, p_GN, unique = result
     out[POINT_DISTANCE] = distance
@@ -146,7 +145,7 @@ def _write(out, result, extent):
     out[POINT_UNIQUE] = 1.0 if unique else 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def point_sphere(shape, p_GQ, out):
     """Fill a row with the signed distance to a sphere."""
     q = (p_GQ[0], p_GQ[1], p_GQ[2])
@@ -154,7 +153,7 @@ def point_sphere(shape, p_GQ, out):
     _write(out, sphere_point(shape[0], q, TIE * extent), extent)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def point_box(shape, p_GQ, out):
     """Fill a row with the signed distance to a box."""
     q, h = (p_GQ[0], p_GQ[1], p_GQ[2]), (shape[0], shape[1], shape[2])
@@ -162,7 +161,7 @@ def point_box(shape, p_GQ, out):
     _write(out, box_point(h, q, TIE * extent), extent)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def point_capsule(shape, p_GQ, out):
     """Fill a row with the signed distance to a capsule."""
     q = (p_GQ[0], p_GQ[1], p_GQ[2])
@@ -170,7 +169,7 @@ def point_capsule(shape, p_GQ, out):
     _write(out, capsule_point(shape[0], shape[1], q, TIE * extent), extent)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def point_cylinder(shape, p_GQ, out):
     """Fill a row with the signed distance to a cylinder."""
     q = (p_GQ[0], p_GQ[1], p_GQ[2])
@@ -178,7 +177,7 @@ def point_cylinder(shape, p_GQ, out):
     _write(out, cylinder_point(shape[0], shape[1], q, TIE * extent), extent)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def point_ellipsoid(shape, p_GQ, out):
     """Fill a row with the signed distance to an ellipsoid."""
     q, e = (p_GQ[0], p_GQ[1], p_GQ[2]), (shape[0], shape[1], shape[2])
@@ -186,7 +185,7 @@ def point_ellipsoid(shape, p_GQ, out):
     _write(out, ellipsoid_point(e, q, TIE * extent), extent)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def point_half_space(shape, p_GQ, out):
     """Fill a row with the signed distance to the half space z <= 0."""
     q = (p_GQ[0], p_GQ[1], p_GQ[2])

@@ -5,11 +5,7 @@ is alive) and a row of numbers (its plane: a unit normal out of the polytope and
 of its vertices along it). Dead faces keep their row. Vertices are the rows of ``gjk.put``.
 """
 
-from collections import namedtuple
-
-import numpy as np
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row
 from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, unit
@@ -21,25 +17,8 @@ FACE_WIDTH = 7
 OFFSET = 3
 PLANE_WIDTH = 4
 
-Mesh = namedtuple('Mesh', 'points faces planes heap rim stack starting_at')
 
-
-@njit(cache=True, nogil=True, error_model='numpy')
-def empty_mesh(most_vertices):
-    """Return the arrays of a polytope of so many vertices, and scratch for its changes."""
-    rows = 8 * most_vertices
-    return Mesh(
-        np.empty((most_vertices, 9)),
-        np.empty((rows, FACE_WIDTH), dtype=np.int32),
-        np.empty((rows, PLANE_WIDTH)),
-        np.empty(rows, dtype=np.int32),
-        np.empty((rows, 3), dtype=np.int32),
-        np.empty(rows, dtype=np.int32),
-        np.full(most_vertices, -1, dtype=np.int32),
-    )
-
-
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def set_plane(faces, planes, points, f, size):
     """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
     a, b, c = row(points, faces[f, 0], 0), row(points, faces[f, 1], 0), row(points, faces[f, 2], 0)
@@ -57,7 +36,7 @@ def set_plane(faces, planes, points, f, size):
     planes[f, OFFSET] = offset
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def link_tetrahedron(points, faces):
     """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
     a, b, c, d = row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
@@ -71,7 +50,7 @@ def link_tetrahedron(points, faces):
         faces[f, ALIVE] = 1
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def cut_visible(faces, planes, f, w, thickness, stack, rim):
     """Kill the faces that see w, from f outwards; fill in the rim around them, return its length.
 
@@ -108,7 +87,7 @@ def cut_visible(faces, planes, f, w, thickness, stack, rim):
     return edges
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def link_cone(faces, rim, edges, tip, total, starting_at):
     """Link a new face from each rim edge to the vertex tip; return the new number of faces.
 
@@ -134,7 +113,7 @@ def link_cone(faces, rim, edges, tip, total, starting_at):
     return total + edges
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def push(heap, count, planes, f):
     """Add face f to the heap of offsets."""
     k = count
@@ -147,10 +126,9 @@ def push(heap, count, planes, f):
     heap[k] = f
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
-def pop_living(mesh, waiting):
+@compiled
+def pop_living(faces, planes, heap, waiting):
     """Take the living face of least offset from the heap; return it, -1 if none, and what waits."""
-    faces, planes, heap = mesh.faces, mesh.planes, mesh.heap
     least = -1
     while waiting > 0 and least < 0:
         if faces[heap[0], ALIVE] == 1:
@@ -170,27 +148,26 @@ def pop_living(mesh, waiting):
     return least, waiting
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
-def add_faces(mesh, first, total, waiting, size):
+@compiled
+def add_faces(points, faces, planes, heap, first, total, waiting, size):
     """Set the planes of the faces from first to total and add them to the heap."""
     for f in range(first, total):
-        set_plane(mesh.faces, mesh.planes, mesh.points, f, size)
-        push(mesh.heap, waiting, mesh.planes, f)
+        set_plane(faces, planes, points, f, size)
+        push(heap, waiting, planes, f)
         waiting += 1
     return waiting
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
-def expand(mesh, f, a, b, count, total, waiting, size):
+@compiled
+def expand(points, faces, planes, rim, stack, starting_at, f, a, b, count, total, size):
     """Make a - b vertex number count, in place of the faces that see it, among them f.
 
-    Return the new number of faces and of those waiting. The first has not grown where the surface
-    could not be closed again: no more room, or a rim that rounding spoilt.
+    Return the new number of faces: not grown where the surface could not be closed again, for no
+    more room, or a rim that rounding spoilt.
     """
-    put(mesh.points, count, a, b)
-    w = row(mesh.points, count, 0)
-    edges = cut_visible(mesh.faces, mesh.planes, f, w, COPLANAR * EPS * size, mesh.stack, mesh.rim)
-    if total + edges > mesh.faces.shape[0]:
-        return total, waiting
-    grown = link_cone(mesh.faces, mesh.rim, edges, count, total, mesh.starting_at)
-    return grown, add_faces(mesh, total, grown, waiting, size)
+    put(points, count, a, b)
+    w = row(points, count, 0)
+    edges = cut_visible(faces, planes, f, w, COPLANAR * EPS * size, stack, rim)
+    if total + edges > faces.shape[0]:
+        return total
+    return link_cone(faces, rim, edges, count, total, starting_at)

@@ -16,8 +16,8 @@ one nearest to the x axis of B.
 import math
 
 import numpy as np
-from numba import njit
 
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,
@@ -54,7 +54,7 @@ CHORD = 5
 OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of the angle that makes a clear difference
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def axis_of_revolution(kind, shape):
     """Return (k, move): the axis of the core, and how far [m] its surface is from round about it.
 
@@ -77,7 +77,7 @@ def axis_of_revolution(kind, shape):
     return 1, ca
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB):
     """Return (u, move): an axis both cores are round about when surfaces move so far."""
     k_A, move_A = axis_of_revolution(kind_A, shape_A)
@@ -91,7 +91,7 @@ def common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB):
     return u_A, move_A + move_B + 2.0 * turn * bounding_radius(kind_B, shape_B)
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def profile(kind, shape, s, c):
     """Return (radial, axial) of the core's profile where its normal is (s, c), both >= 0."""
     if kind == CAPSULE:
@@ -108,7 +108,7 @@ def profile(kind, shape, s, c):
     return s * (x * (x / h) - r), c * (z * (z / h) - r)
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def put_corner(corners, k, kind_A, shape_A, kind_B, shape_B, radial, axial, s, c):
     """Store direction, point of the difference and width along (s, c) in row k."""
     a, b = profile(kind_A, shape_A, s, c), profile(kind_B, shape_B, s, c)
@@ -117,7 +117,7 @@ def put_corner(corners, k, kind_A, shape_A, kind_B, shape_B, radial, axial, s, c
     corners[k, WIDTH] = s * corners[k, 2] + c * corners[k, 3]
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def set_chord(corners, k, following):
     """Store the normal of the chord from corner k to the following one and the width at it.
 
@@ -137,7 +137,7 @@ def set_chord(corners, k, following):
         )
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough):
     """Return (lower, s, c, unique): the least width over directions s, c >= 0, and where.
 
@@ -177,17 +177,17 @@ def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough):
     return lower, s, c, unique
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
-def face_half_extent(kind, shape, s, c):
-    """Return half the length [m] of the flat piece of a profile whose normal is (s, c)."""
-    if kind == CYLINDER and s <= RIGHT_ANGLE:
+@compiled
+def face_half_extent(kind, shape, s, c, flat):
+    """Return half the length [m] of the piece of a profile that is flat to ``flat`` at (s, c)."""
+    if kind == CYLINDER and s < flat:
         return shape[0]
-    if (kind == CYLINDER or kind == CAPSULE) and c <= RIGHT_ANGLE:
+    if (kind == CYLINDER or kind == CAPSULE) and c < flat:
         return shape[1]
     return 0.0
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def depth_of_revolution(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, u, move, size, tolerance
 ):
@@ -205,18 +205,19 @@ def depth_of_revolution(
         radial = 0.0
     lower, s, c, unique = planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough)
     n = unit(add_scaled(scale(s, e), c, u))
-    a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE)
-    upper = dot(sub(a, b), n)
+    s_A, s_B = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, 0.0)
+    upper = dot(sub(s_A, s_B), n)
     lower = lower - move if lower > 0.0 else -np.inf
+    flat = RIGHT_ANGLE + move / bounding_radius(kind_B, shape_B)
+    a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, flat)
+    half_A = face_half_extent(kind_A, shape_A, s, c, flat)
+    half_B = face_half_extent(kind_B, shape_B, s, c, flat)
     t = unit(sub(scale(s, u), scale(c, e)))
-    half_A, half_B = (
-        face_half_extent(kind_A, shape_A, s, c),
-        face_half_extent(kind_B, shape_B, s, c),
-    )
     t_A, t_B = dot(a, t), dot(b, t)
     shared = 0.5 * (max(t_A - half_A, t_B - half_B) + min(t_A + half_A, t_B + half_B))
     a, b = add_scaled(a, shared - t_A, t), add_scaled(b, shared - t_B, t)
-    centre = scale(0.5, add(a, b))
+    rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
+    centre = scale(0.5, add_scaled(add(a, b), rise, n))
     slack = move + 2.0 * enough
     turn, flip = (1.0 - SAME_DIRECTION) * radial * s <= slack, 2.0 * axial * c <= slack
     unique = unique and not (s > OFF_AXIS and turn) and not (c > OFF_AXIS and flip)

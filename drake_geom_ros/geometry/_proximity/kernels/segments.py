@@ -15,8 +15,7 @@ face each other, the witness points are in the middle of the stretch that they s
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
 from drake_geom_ros.geometry._proximity.kernels.points import (
     along,
@@ -44,7 +43,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _slope(h, c, d, t, on_face):
     """Return half the slope of the squared distance at t; axis ``on_face`` has none there.
 
@@ -60,7 +59,7 @@ def _slope(h, c, d, t, on_face):
     return slope
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def nearest_parameter(h, c, d, half_length):
     """Return the t [m] at which the segment c + t d is nearest to the box with half sizes h.
 
@@ -101,7 +100,7 @@ def nearest_parameter(h, c, d, half_length):
     return low - slope_low * ((high - low) / (slope_high - slope_low))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _axis(d, m):
     """Return candidate m of 6 for the separating axis: a unit vector, or 0 if there is none."""
     if m < 3:
@@ -113,7 +112,7 @@ def _axis(d, m):
     return scale(1.0 / sine, n)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _separation(h, c, d, half_length, n, slack):
     """Return the gap between box and segment along n or -n, whichever is larger, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
@@ -121,7 +120,7 @@ def _separation(h, c, d, half_length, n, slack):
     return side * dot(c, n) - box - half_length * abs(dot(d, n)), side
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _separating_axis(h, c, d, half_length, slack):
     """Return the largest separation over 6 axes, its unit normal out of the box, uniqueness."""
     phi, n, tie = -math.inf, (1.0, 0.0, 0.0), False
@@ -137,7 +136,7 @@ def _separating_axis(h, c, d, half_length, slack):
     return phi, n, not tie and abs(dot(c, n)) > slack
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _turned(gap, d, slack):
     """Return gap at right angles to d if that moves it by no more than rounding, else gap."""
     square = dot(d, d)
@@ -149,7 +148,7 @@ def _turned(gap, d, slack):
     return sub(gap, error)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _across(gap, p, h, d, slack):
     """Return the gap vector from a box to p on a segment along d, at right angles to d again.
 
@@ -173,7 +172,7 @@ def _across(gap, p, h, d, slack):
     return turned
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def segment_to_box(h, c, d, half_length, slack):
     """Return (phi, n, p, unique) of a segment c + t d, |t| <= half_length, from a box.
 
@@ -198,7 +197,7 @@ def segment_to_box(h, c, d, half_length, slack):
     return phi, axis, add_scaled(c, t, d), apart or unique
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
     """Fill the row for a box with half sizes h and a segment, each grown by its radius."""
     c = unrotate(R_WA, p_AB_W)
@@ -219,15 +218,15 @@ def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
     )
 
 
-@njit(cache=True, nogil=True)
-def capsule_capsule(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two capsules."""
     h = (0.0, 0.0, shape_A[1])
     _write(out, R_WA, shape_A[0], h, shape_B[0], R_WB, shape_B[1], p_AB_W)
 
 
-@njit(cache=True, nogil=True)
-def box_capsule(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def box_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a box and a capsule."""
     h = (shape_A[0], shape_A[1], shape_A[2])
     _write(out, R_WA, 0.0, h, shape_B[0], R_WB, shape_B[1], p_AB_W)

@@ -8,18 +8,17 @@ nearest is taken, so a sign that rounding got wrong on a sliver costs rounding a
 region.
 """
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, cross, dot, scale, sub
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def weighted(a, b, c, weights):
     """Return the sum of three vectors times their weights."""
     return add_scaled(add_scaled(scale(weights[0], a), weights[1], b), weights[2], c)
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def closest_on_segment(a, b):
     """Return the weights of a and b."""
     d = sub(b, a)
@@ -32,7 +31,7 @@ def closest_on_segment(a, b):
     return 1.0 - t / length2, t / length2
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def closest_on_triangle(a, b, c):
     """Return the weights of a, b and c."""
     ab, ac = sub(b, a), sub(c, a)
@@ -60,7 +59,7 @@ def closest_on_triangle(a, b, c):
     return best
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def closest_on_tetrahedron(a, b, c, d):
     """Return the weights of a, b, c and d; all are positive if the origin is inside."""
     ab, ac, ad = sub(b, a), sub(c, a), sub(d, a)

@@ -4,8 +4,7 @@ The nearest point and the choices where it is not unique are those of ``points``
 concentric spheres the normal is the x axis of B.
 """
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 from drake_geom_ros.geometry._proximity.kernels.points import (
@@ -19,13 +18,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import add, norm, rotate
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _centre(R_WB, p_AB_W):
     """Return p_BA in B."""
     return unrotate(R_WB, (-p_AB_W[0], -p_AB_W[1], -p_AB_W[2]))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _write(out, radius, R_WB, p_AB_W, extent, result):
     """Fill the row from the point query of A's centre in B's frame."""
     distance, grad, p_BCb, unique = result
@@ -36,8 +35,8 @@ def _write(out, radius, R_WB, p_AB_W, extent, result):
     write(out, distance - radius, nhat_BA_W, p_ACa_W, p_ACb_W, bound, unique, CLOSED_FORM)
 
 
-@njit(cache=True, nogil=True)
-def sphere_sphere(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def sphere_sphere(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two spheres."""
     q = _centre(R_WB, p_AB_W)
     extent = shape_B[0] + norm(q)
@@ -45,16 +44,16 @@ def sphere_sphere(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     _write(out, shape_A[0], R_WB, p_AB_W, extent, result)
 
 
-@njit(cache=True, nogil=True)
-def sphere_box(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a box."""
     q, h = _centre(R_WB, p_AB_W), (shape_B[0], shape_B[1], shape_B[2])
     extent = norm(h) + norm(q)
     _write(out, shape_A[0], R_WB, p_AB_W, extent, box_point(h, q, TIE * extent))
 
 
-@njit(cache=True, nogil=True)
-def sphere_capsule(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def sphere_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a capsule."""
     q = _centre(R_WB, p_AB_W)
     extent = shape_B[0] + shape_B[1] + norm(q)
@@ -62,8 +61,8 @@ def sphere_capsule(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out)
     _write(out, shape_A[0], R_WB, p_AB_W, extent, result)
 
 
-@njit(cache=True, nogil=True)
-def sphere_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def sphere_cylinder(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a cylinder."""
     q = _centre(R_WB, p_AB_W)
     extent = shape_B[0] + shape_B[1] + norm(q)
@@ -71,16 +70,18 @@ def sphere_cylinder(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
     _write(out, shape_A[0], R_WB, p_AB_W, extent, result)
 
 
-@njit(cache=True, nogil=True)
-def sphere_ellipsoid(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def sphere_ellipsoid(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and an ellipsoid."""
     q, e = _centre(R_WB, p_AB_W), (shape_B[0], shape_B[1], shape_B[2])
     extent = max(e) + norm(q)
     _write(out, shape_A[0], R_WB, p_AB_W, extent, ellipsoid_point(e, q, TIE * extent))
 
 
-@njit(cache=True, nogil=True)
-def sphere_half_space(shape_A, R_WA, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+@compiled
+def sphere_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
     """Signed distance of a sphere and a half space."""
     q = _centre(R_WB, p_AB_W)
     _write(out, shape_A[0], R_WB, p_AB_W, norm(q), half_space_point(q))

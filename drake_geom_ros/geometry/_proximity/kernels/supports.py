@@ -15,8 +15,7 @@ area.
 
 import math
 
-from numba import njit
-
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.vectors import rotate, unrotate
 
 # Type numbers, as in the messages.
@@ -28,7 +27,7 @@ ELLIPSOID = 5
 CONVEX = 7
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def core_radius(kind, shape):
     """Return the radius [m] of the ball that the core of a shape is grown by."""
     if kind == SPHERE or kind == CAPSULE:
@@ -39,7 +38,7 @@ def core_radius(kind, shape):
     return 0.0
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def bounding_radius(kind, shape):
     """Return the radius [m] of a ball around the shape's origin that holds the shape."""
     if kind == SPHERE:
@@ -59,7 +58,7 @@ def bounding_radius(kind, shape):
     return math.sqrt(farthest)
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def signed(size, direction, right_angle):
     """Return size with the sign of direction, 0 for a direction below right_angle."""
     if direction >= right_angle:
@@ -69,7 +68,7 @@ def signed(size, direction, right_angle):
     return 0.0
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def farthest_vertex(shape, x, y, z):
     """Return the vertex of CONVEX parameters that is extreme along (x, y, z)."""
     best = 1
@@ -82,7 +81,7 @@ def farthest_vertex(shape, x, y, z):
     return shape[best], shape[best + 1], shape[best + 2]
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def local_support(kind, shape, n, right_angle):
     """Return the point of the core that is extreme along the unit vector n, both in G."""
     x, y, z = n
@@ -111,7 +110,7 @@ def local_support(kind, shape, n, right_angle):
     return 0.0, 0.0, 0.0
 
 
-@njit(cache=True, nogil=True, error_model='numpy')
+@compiled
 def support(kind, shape, R, n, right_angle):
     """Return the point of the core extreme along the unit n, from Go, both in World axes [m]."""
     return rotate(R, local_support(kind, shape, unrotate(R, n), right_angle))

@@ -2,40 +2,40 @@
 
 import math
 
-from numba import njit
+from drake_geom_ros.geometry._proximity.compiled import compiled
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def add(a, b):
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def sub(a, b):
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def scale(s, a):
     """Return s a for a scalar s."""
     return s * a[0], s * a[1], s * a[2]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def add_scaled(a, s, b):
     """Return a + s b for a scalar s."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def dot(a, b):
     """Return the inner product of a and b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def cross(a, b):
     """Return the vector product a x b."""
     return (
@@ -45,7 +45,7 @@ def cross(a, b):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def norm(a):
     """Return |a|; scaled by the largest component, so that tiny and huge vectors do not vanish."""
     m = max(abs(a[0]), abs(a[1]), abs(a[2]))
@@ -55,7 +55,7 @@ def norm(a):
     return m * math.sqrt(x * x + y * y + z * z)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def unit(a):
     """Return a / |a|, or the zero vector for the zero vector."""
     m = max(abs(a[0]), abs(a[1]), abs(a[2]))
@@ -66,7 +66,7 @@ def unit(a):
     return x / n, y / n, z / n
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def perpendicular(a):
     """Return a unit vector at right angles to a: the axis least along a, made orthogonal."""
     x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
@@ -77,7 +77,7 @@ def perpendicular(a):
     return unit(cross(a, (0.0, 0.0, 1.0)))
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def rotate(R, v):
     """Return R v for R (3, 3)."""
     return (
@@ -87,7 +87,7 @@ def rotate(R, v):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def unrotate(R, v):
     """Return R^T v for R (3, 3)."""
     return (
@@ -97,7 +97,7 @@ def unrotate(R, v):
     )
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def column(R, k):
     """Return column k of R: the k-th axis of the frame, in World."""
     return R[0, k], R[1, k], R[2, k]

@@ -6,7 +6,7 @@ from oracles.support_function import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import epa
 from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CONVEX, CYLINDER
 
-I = np.eye(3)
+ALIGNED = np.eye(3)
 
 
 def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertices=400):
@@ -14,7 +14,7 @@ def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertic
     size = np.abs(shape_A).sum() + np.abs(shape_B).sum() + np.linalg.norm(p)
     p = tuple(map(float, p))
     return epa.depth_of_cores(
-        kind_A, shape_A, I, kind_B, shape_B, R_WB, p, size, tolerance, most_vertices
+        kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, p, size, tolerance, most_vertices
     )
 
 
@@ -29,7 +29,7 @@ def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertic
     ],
 )
 def test_cubes_end_exactly_overlapping_or_touching(p, depth, unique):
-    upper, lower, n, a, b, is_unique = _grow(BOX, [0.5] * 3, BOX, [0.5] * 3, I, p)
+    upper, lower, n, a, b, is_unique = _grow(BOX, [0.5] * 3, BOX, [0.5] * 3, ALIGNED, p)
     assert upper == pytest.approx(depth, abs=1e-15)
     assert lower == pytest.approx(depth, abs=1e-15)
     assert np.subtract(a, b) == pytest.approx(upper * np.array(n), abs=1e-15)
@@ -42,7 +42,9 @@ def test_hulls_end_exactly():
     for _ in range(12):
         hulls = [np.concatenate(([k], rng.normal(size=3 * k))) for k in (10, 16)]
         R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
-        phi, _ = signed_distance((CONVEX, hulls[0]), (I, [0, 0, 0]), (CONVEX, hulls[1]), (R, p))
+        phi, _ = signed_distance(
+            (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
+        )
         upper, lower, *_ = _grow(CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0)
         assert upper - lower <= 1e-13
         assert -phi == pytest.approx(upper, abs=1e-11)
@@ -54,7 +56,7 @@ def test_bounds_hold_when_the_cap_ends_the_growth(most_vertices):
     for _ in range(6):
         R, p = random_rotation(rng), 0.2 * rng.normal(size=3)
         phi, _ = signed_distance(
-            (CYLINDER, [0.4, 0.5]), (I, [0, 0, 0]), (CYLINDER, [0.3, 0.6]), (R, p)
+            (CYLINDER, [0.4, 0.5]), (ALIGNED, [0, 0, 0]), (CYLINDER, [0.3, 0.6]), (R, p)
         )
         upper, lower, *_ = _grow(
             CYLINDER, [0.4, 0.5], CYLINDER, [0.3, 0.6], R, p, 0.0, most_vertices

@@ -6,7 +6,7 @@ from oracles.support_function import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import gjk
 from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CAPSULE, CONVEX, CYLINDER
 
-I = np.eye(3)
+ALIGNED = np.eye(3)
 
 
 def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):
@@ -21,7 +21,7 @@ def _hull(rng, count):
 
 
 def test_aligned_cubes_are_three_apart():
-    end, upper, lower, n, a, b = _walk(BOX, [0.5] * 3, I, BOX, [0.5] * 3, I, (0, 4, 0))
+    end, upper, lower, n, a, b = _walk(BOX, [0.5] * 3, ALIGNED, BOX, [0.5] * 3, ALIGNED, (0, 4, 0))
     assert (end, upper, lower) == (gjk.CLOSED, 3.0, 3.0)
     assert tuple(n) == (0.0, 1.0, 0.0)
     assert np.subtract(b, a) == pytest.approx([0, 3, 0], abs=0)
@@ -32,10 +32,12 @@ def test_polytopes_end_exactly():
     for _ in range(25):
         hulls = _hull(rng, 12), _hull(rng, 20)
         R, p = random_rotation(rng), 6.0 * rng.normal(size=3)
-        phi, _ = signed_distance((CONVEX, hulls[0]), (I, [0, 0, 0]), (CONVEX, hulls[1]), (R, p))
+        phi, _ = signed_distance(
+            (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
+        )
         if phi < 0.01:
             continue
-        end, upper, lower, _, a, b = _walk(CONVEX, hulls[0], I, CONVEX, hulls[1], R, p)
+        end, upper, lower, _, a, b = _walk(CONVEX, hulls[0], ALIGNED, CONVEX, hulls[1], R, p)
         assert end == gjk.CLOSED
         assert upper - lower <= 1e-14 * (10 + np.linalg.norm(p))
         assert upper == pytest.approx(phi, abs=1e-11)
@@ -50,21 +52,23 @@ def test_bounds_hold_for_every_gap(gap):
         n /= np.linalg.norm(n)
         shape_A, shape_B = np.array([0.3, 0.7]), np.array([0.2, 0.4, 0.1])
         none = (0.0, 0.0, 0.0)
-        a, b = gjk.support_points(CYLINDER, shape_A, R, BOX, shape_B, I, none, tuple(n), 0.0)
+        a, b = gjk.support_points(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none, tuple(n), 0.0)
         p = np.subtract(a, b) + gap * n
-        _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, I, p)
+        _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, p)
         noise = 1e-15 * (1 + gap)
         assert lower - noise <= gap <= upper + noise
 
 
 def test_overlap_is_told_with_the_origin_on_or_in_the_difference():
     for p in ((0, 0, 0), (0.9, 0, 0), (1.0, 0, 0)):
-        end, upper, *_ = _walk(BOX, [0.5] * 3, I, BOX, [0.5] * 3, I, p)
+        end, upper, *_ = _walk(BOX, [0.5] * 3, ALIGNED, BOX, [0.5] * 3, ALIGNED, p)
         assert end == gjk.OVERLAP
         assert upper <= 1e-15
 
 
 def test_beyond_the_cutoff_the_walk_ends_early_with_a_bound():
-    end, upper, lower, *_ = _walk(CAPSULE, [0.1, 1], I, CYLINDER, [1, 1], I, (7, 3, 2), cutoff=2.0)
+    end, upper, lower, *_ = _walk(
+        CAPSULE, [0.1, 1], ALIGNED, CYLINDER, [1, 1], ALIGNED, (7, 3, 2), cutoff=2.0
+    )
     assert end == gjk.BEYOND_CUTOFF
     assert 2.0 < lower <= upper

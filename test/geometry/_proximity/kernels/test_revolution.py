@@ -12,7 +12,7 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     core_radius,
 )
 
-I = np.eye(3)
+ALIGNED = np.eye(3)
 BODIES = [
     (CAPSULE, [0.05, 0.4]),
     (CYLINDER, [0.25, 0.4]),
@@ -50,7 +50,7 @@ def test_parallel_axes(a, b):
 
 def test_coaxial_cylinders_touch_in_the_middle_of_what_they_share():
     tall, low = (CYLINDER, [0.25, 1.0]), (CYLINDER, [0.3, 0.1])
-    (upper, lower, n, a, b, unique), _ = _depth(tall, I, low, I, (0.5, 0.0, 0.8))
+    (upper, lower, n, a, b, unique), _ = _depth(tall, ALIGNED, low, ALIGNED, (0.5, 0.0, 0.8))
     assert upper == pytest.approx(0.05, abs=1e-15)
     assert lower == pytest.approx(0.05, abs=1e-15)
     assert n == pytest.approx((1, 0, 0), abs=1e-15)
@@ -72,7 +72,7 @@ def test_almost_parallel_axes_pay_with_the_lower_bound(angle):
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
     body = (CYLINDER, [0.25, 1.0])
-    (upper, lower, *_), _ = _depth(body, I, body, R, (0.0, 0.0, 0.0))
+    (upper, lower, *_), _ = _depth(body, ALIGNED, body, R, (0.0, 0.0, 0.0))
     assert lower - 1e-15 <= 0.5 <= upper + 1e-15
     assert angle / 2 <= upper - lower + 1e-14 <= 8 * angle + 1e-13
 

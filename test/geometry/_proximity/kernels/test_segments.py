@@ -150,6 +150,9 @@ def test_capsule_lying_on_a_box_meets_it_in_the_middle_of_what_they_share(gap):
         # inside, 0.3 from the middle; in the middle, along y: x and z faces are as near
         ([0.0, 0.0, 0.3], ALONG_X, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [0, 0, -1], True),
         ([0.0, 0.0, 0.0], ALONG_Y, (1.0, 1.0, 1.0), (0.1, 0.5), -1.1, [-1, 0, 0], False),
+        # two faces equally near, off the middle; the nearer of two
+        ([0.3, 0.3, 0.0], None, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [-1, 0, 0], False),
+        ([0.2, 0.3, 0.0], None, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [0, -1, 0], True),
         # a plate with a capsule's end through it: out along the axis; lengthwise: sideways
         ([0.0, 0.0, 0.46], None, (0.5, 0.5, 5e-5), (0.01, 0.5), -0.05005, [0, 0, -1], True),
         ([0.0, 0.0, 0.0], ALONG_X, (0.5, 0.5, 5e-5), (0.01, 0.3), -0.01005, [0, 0, -1], False),

@@ -1,4 +1,4 @@
-"""A point of a simplex is the closest to the origin if and only if no corner is beyond its plane."""
+"""A point of a simplex is closest to the origin if no corner is beyond its plane."""
 
 import numpy as np
 import pytest

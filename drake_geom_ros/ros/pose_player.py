@@ -1,0 +1,134 @@
+"""The node `pose_player`: plays a motion of a scene's frames as FramePoses messages.
+
+Every message holds all frames of one moment, so that no cycle sees half of it moved. It also
+publishes ``~/intended_contacts`` (latched, CollisionFilterDeclaration): one statement for each
+grasp that holds now, the held frame against its gripper, as a gripper's driver would know it;
+and it answers ``~/restart`` (std_srvs/Trigger): the motion begins anew, from its time 0.
+"""
+
+from __future__ import annotations
+
+import array
+import sys
+
+import numpy as np
+import rclpy
+from drake_geom_msgs.msg import (
+    CollisionFilterDeclaration,
+    CollisionFilterStatement,
+    FramePoses,
+    GeometrySet,
+)
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from std_srvs.srv import Trigger
+
+from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
+from drake_geom_ros.scene_files import SceneFileError, read_scene
+from drake_geom_ros.trajectories.motion import Grasp, Motion
+from drake_geom_ros.trajectories.motion_file import load_motion
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_TEXTS = {
+    'scene_file': 'Scene (YAML or URDF) whose robots and frames are played.',
+    'trajectory_file': 'Motion (YAML) or timed poses (CSV); empty: everything stands still.',
+    'world_frame': 'Name of the world frame in headers.',
+    'topic': 'Topic of the poses.',
+    'rate': 'Messages per second [Hz].',
+    'loop': 'Begin anew at the end; else stay there and go on publishing.',
+}
+
+
+class PosePlayer(Node):
+    """Publishes where every frame of a scene is, ``rate`` times a second."""
+
+    def __init__(self, **kwargs) -> None:
+        super().__init__('pose_player', **kwargs)
+        scene_file = self._declare('scene_file', '')
+        trajectory_file = self._declare('trajectory_file', '')
+        rate = self._declare('rate', 100.0, FloatingPointRange(from_value=0.1, to_value=1000.0))
+        self._loop = self._declare('loop', True)
+        self._motion = load_motion(trajectory_file or None, read_scene(scene_file))
+        self._message = FramePoses(frame_names=_full_names(self._motion))
+        self._message.header.frame_id = self._declare('world_frame', 'world')
+        topic = self._declare('topic', '/scene_graph/frame_poses')
+        self._poses = self.create_publisher(FramePoses, topic, QoSProfile(depth=5))
+        self._contacts = self.create_publisher(
+            CollisionFilterDeclaration, '~/intended_contacts', _LATCHED
+        )
+        self._service = self.create_service(Trigger, '~/restart', self._restart)
+        self._start = self.get_clock().now()
+        self._held: tuple[Grasp, ...] | None = None
+        self._timer = self.create_timer(1.0 / rate, self._play)
+        self.get_logger().info(
+            f'playing {len(self._message.frame_names)} frames on {self._poses.topic_name} at '
+            f'{rate:g} Hz, {self._motion.duration:g} s long{", again and again" * self._loop}'
+        )
+
+    def _declare(self, name: str, default, limits: FloatingPointRange | None = None):
+        descriptor = ParameterDescriptor(
+            description=_TEXTS[name],
+            read_only=True,
+            floating_point_range=[] if limits is None else [limits],
+        )
+        return self.declare_parameter(name, default, descriptor).value
+
+    def _restart(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Begin anew; the answer comes before the first pose of the new beginning."""
+        self._start = self.get_clock().now()
+        response.success = True
+        response.message = f'{self._motion.duration:g} s long'
+        return response
+
+    def _play(self) -> None:
+        """Publish the poses of now, and the intended contacts where they changed."""
+        now = self.get_clock().now()
+        time = (now - self._start).nanoseconds * 1e-9
+        if self._loop and self._motion.duration > 0.0:
+            time %= self._motion.duration
+        poses = self._motion.poses(time)
+        flat = np.concatenate([poses[source].ravel() for source in self._motion.frame_names])
+        self._message.header.stamp = now.to_msg()
+        self._message.poses = array.array('d', flat.tobytes())
+        self._poses.publish(self._message)
+        held = self._motion.held(time)
+        if held != self._held:
+            self._held = held
+            self._contacts.publish(
+                CollisionFilterDeclaration(statements=[_statement(grasp) for grasp in held])
+            )
+
+
+def _full_names(motion: Motion) -> list[str]:
+    return [f'{source}::{name}' for source, names in motion.frame_names.items() for name in names]
+
+
+def _statement(grasp: Grasp) -> CollisionFilterStatement:
+    """Return the statement that excludes the contacts of a grasp."""
+    return CollisionFilterStatement(
+        operation=CollisionFilterStatement.EXCLUDE_BETWEEN,
+        set_a=GeometrySet(frames=[grasp.frame]),
+        set_b=GeometrySet(frames=list(grasp.gripper)),
+    )
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the player until it is interrupted; return 2 where it is given files it cannot play."""
+    with StopSignals() as signals:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            node = PosePlayer()
+            spin_until_stopped(node, signals)
+            node.destroy_node()
+        except SceneFileError as error:
+            print(f'pose_player: {error}', file=sys.stderr)
+            return 2
+        finally:
+            rclpy.try_shutdown()
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Motion over time without ROS: forward kinematics, joint trajectories, grasps, timed poses."""

@@ -1,0 +1,151 @@
+"""What every moving frame of a scene does over time: robots, grasped objects, free frames."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.trajectories.interpolation import MonotoneCubic
+from drake_geom_ros.trajectories.kinematics import Kinematics
+from drake_geom_ros.trajectories.pose_matrices import inverse, poses_of_matrices
+from drake_geom_ros.trajectories.timed_poses import TimedPoses
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RobotMotion:
+    """A robot on its base pose X_WB (4, 4), and its joint values over time."""
+
+    kinematics: Kinematics
+    X_WB: Floats
+    joint_values: MonotoneCubic
+
+    def link_transforms(self, t: ArrayLike) -> Floats:
+        """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]."""
+        return self.kinematics.link_transforms(self.joint_values.value(t), self.X_WB)
+
+
+@dataclass(frozen=True)
+class Grasp:
+    """From ``start`` to ``end`` [s] a frame follows a robot's link; frames are ``source::frame``.
+
+    ``gripper`` are the frames that touch it on purpose meanwhile.
+    """
+
+    frame: str
+    link: str
+    gripper: tuple[str, ...]
+    start: float
+    end: float
+
+    def holds(self, t: float) -> bool:
+        """Return whether the frame is held at a time t [s]."""
+        return self.start <= t < self.end
+
+
+class Motion:
+    """The poses X_WF of all frames that a player moves, at any time of a motion.
+
+    ``robots`` by source name, ``free`` frames by ``source::frame``. A frame with grasps stands
+    at its first free pose until the first of them, and stays wherever each one leaves it.
+    """
+
+    def __init__(
+        self,
+        robots: Mapping[str, RobotMotion],
+        free: Mapping[str, TimedPoses],
+        grasps: Sequence[Grasp] = (),
+    ):
+        """Raise ValueError for a grasp of or by an unknown frame, or one during another."""
+        self.robots = dict(robots)
+        self.free = dict(free)
+        self.grasps = tuple(sorted(grasps, key=lambda g: g.start))
+        self.frame_names: dict[str, list[str]] = {
+            source: list(robot.kinematics.link_names) for source, robot in self.robots.items()
+        }
+        for full_name in self.free:
+            source, _, name = full_name.partition('::')
+            if not name or source in self.robots:
+                raise ValueError(f'free frame {full_name!r}: source::frame of no robot is wanted')
+            self.frame_names.setdefault(source, []).append(name)
+        self._check_grasps()
+        self._held_poses = self._fix_grasps()
+
+    @property
+    def duration(self) -> float:
+        """The time [s] after which nothing moves any more."""
+        ends = [robot.joint_values.times[-1] for robot in self.robots.values()]
+        ends += [frame.end for frame in self.free.values()] + [g.end for g in self.grasps]
+        return float(max(ends, default=0.0))
+
+    def poses(self, t: ArrayLike) -> dict[str, Floats]:
+        """Return of each source X_WF of its ``frame_names`` as (..., frames, 7) at times t (...).
+
+        A pose is x y z [m] and a unit quaternion qx qy qz qw.
+        """
+        t = np.asarray(t, dtype=float)
+        links = {source: robot.link_transforms(t) for source, robot in self.robots.items()}
+        poses = {source: poses_of_matrices(X_WLs) for source, X_WLs in links.items()}
+        for source, names in self.frame_names.items():
+            if source not in self.robots:
+                frames = [self._free_pose(f'{source}::{name}', t, links) for name in names]
+                poses[source] = np.stack(frames, axis=-2)
+        return poses
+
+    def held(self, t: float) -> tuple[Grasp, ...]:
+        """Return the grasps that hold at a time t [s]."""
+        return tuple(grasp for grasp in self.grasps if grasp.holds(t))
+
+    def _free_pose(self, name: str, t: Floats, links: Mapping[str, Floats]) -> Floats:
+        """Return the pose of a free frame (..., 7), given the robots' links at the same times."""
+        pose = self.free[name].poses(t)
+        for grasp, (X_LF, pose_end) in zip(self.grasps, self._held_poses, strict=True):
+            if grasp.frame != name:
+                continue
+            robot, link = self._link_of(grasp)
+            X_WF = links[robot][..., link, :, :] @ X_LF
+            during = ((t >= grasp.start) & (t < grasp.end))[..., None]
+            pose = np.where(during, poses_of_matrices(X_WF), pose)
+            pose = np.where((t >= grasp.end)[..., None], pose_end, pose)
+        return pose
+
+    def _fix_grasps(self) -> list[tuple[Floats, Floats]]:
+        """Return of each grasp X_LF (4, 4), taken at its start, and the pose (7,) it ends with."""
+        fixed: list[tuple[Floats, Floats]] = []
+        resting = {name: frame.matrices(0.0) for name, frame in self.free.items()}
+        for grasp in self.grasps:
+            robot, link = self._link_of(grasp)
+            X_WL_start, X_WL_end = self.robots[robot].link_transforms([grasp.start, grasp.end])[
+                :, link
+            ]
+            X_LF = inverse(X_WL_start) @ resting[grasp.frame]
+            resting[grasp.frame] = X_WL_end @ X_LF
+            fixed.append((X_LF, poses_of_matrices(resting[grasp.frame])))
+        return fixed
+
+    def _link_of(self, grasp: Grasp) -> tuple[str, int]:
+        robot, _, link = grasp.link.partition('::')
+        return robot, self.robots[robot].kinematics.link_names.index(link)
+
+    def _check_grasps(self) -> None:
+        links = {f'{s}::{n}' for s in self.robots for n in self.frame_names[s]}
+        free_from: dict[str, float] = {}
+        for grasp in self.grasps:
+            unknown = [n for n in (grasp.link, *grasp.gripper) if n not in links]
+            if unknown or grasp.frame not in self.free:
+                raise ValueError(
+                    f'grasp of {grasp.frame!r} by {grasp.link!r}: '
+                    f'{unknown[0] if unknown else grasp.frame!r} is no '
+                    f'{"link of a robot" if unknown else "free frame"}; there are '
+                    f'{", ".join(sorted(links if unknown else self.free)) or "none"}'
+                )
+            if self.free[grasp.frame].moves:
+                raise ValueError(f'grasp of {grasp.frame!r}: the frame has timed poses as well')
+            if not free_from.get(grasp.frame, 0.0) <= grasp.start < grasp.end:
+                raise ValueError(
+                    f'grasp of {grasp.frame!r} from {grasp.start} s to {grasp.end} s must start '
+                    f'at {free_from.get(grasp.frame, 0.0)} s or later and end after its start'
+                )
+            free_from[grasp.frame] = grasp.end

@@ -1,0 +1,103 @@
+"""Poses of free frames over time, from a table of timed poses."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.trajectories.interpolation import MonotoneCubic
+from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
+
+COLUMNS = ('time', 'frame', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw')
+
+
+class TimedPoses:
+    """The pose of one frame over time: smooth in position, by great arcs in orientation.
+
+    Before the first and after the last time the pose stays as it is there.
+    """
+
+    def __init__(self, times: ArrayLike, poses: ArrayLike):
+        """Take times (k,) [s] and poses (k, 7), x y z [m] qx qy qz qw.
+
+        Raises ValueError for wrong shapes or times, RuntimeError for rows that are no poses.
+        """
+        poses = np.array(poses, dtype=float)
+        if poses.ndim != 2 or poses.shape[1] != 7:
+            raise ValueError(f'poses must have shape (k, 7), got {poses.shape}')
+        matrices_of_poses(poses)
+        poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1, keepdims=True)
+        # q and -q are one orientation: take the sign that makes each step the shorter way.
+        flips = np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0.0, -1.0, 1.0)
+        poses[1:, 3:] *= np.cumprod(flips)[:, None]
+        self._poses = poses
+        self._position = MonotoneCubic(times, poses[:, :3]) if len(poses) > 1 else None
+
+    @property
+    def moves(self) -> bool:
+        """Whether there is more than one pose."""
+        return self._position is not None
+
+    @property
+    def end(self) -> float:
+        """The last time [s]; 0 for a frame that stands still."""
+        return 0.0 if self._position is None else float(self._position.times[-1])
+
+    def poses(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the poses (..., 7) at times t (...) [s]."""
+        if self._position is None:
+            return np.broadcast_to(self._poses[0], (*np.shape(t), 7))
+        segment, u = self._position.locate(t)
+        q = self._poses[:, 3:]
+        return np.concatenate(
+            [self._position.value(t), slerp(q[segment], q[segment + 1], u)], axis=-1
+        )
+
+    def matrices(self, t: ArrayLike) -> NDArray[np.float64]:
+        """Return the rigid transforms (..., 4, 4) at times t (...) [s]."""
+        return matrices_of_poses(self.poses(t))
+
+
+def slerp(q0: ArrayLike, q1: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
+    """Return unit quaternions (..., 4) on the arcs from q0 to q1 (..., 4) at u (..., 1) in [0, 1].
+
+    Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985. sin(u a) / sin(a) is
+    taken as a quotient of sinc, which needs no special case for a = 0. For q0 . q1 >= 0.
+    """
+    q0, q1, u = np.asarray(q0, float), np.asarray(q1, float), np.asarray(u, float)
+    chord = np.linalg.norm(q1 - q0, axis=-1, keepdims=True)
+    turns = 2.0 * np.arctan2(chord, np.linalg.norm(q1 + q0, axis=-1, keepdims=True)) / np.pi
+
+    def weight(v: NDArray[np.float64]) -> NDArray[np.float64]:
+        return v * np.sinc(v * turns) / np.sinc(turns)
+
+    q = weight(1.0 - u) * q0 + weight(u) * q1
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+
+
+def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:
+    """Return the frames of a CSV file with the columns ``time,frame,x,y,z,qx,qy,qz,qw``.
+
+    Frames are named ``source::frame``; rows of one frame stand in the order of their time.
+    Raises ValueError with file and line of what cannot be used.
+    """
+    rows: dict[str, list[list[float]]] = {}
+    with open(path, newline='', encoding='utf-8') as file:
+        reader = csv.DictReader(file)
+        if tuple(reader.fieldnames or ()) != COLUMNS:
+            raise ValueError(f'{path}:1: columns must be {",".join(COLUMNS)}')
+        for row in reader:
+            try:
+                numbers = [float(row[c]) for c in COLUMNS if c != 'frame']
+            except (TypeError, ValueError) as error:
+                raise ValueError(f'{path}:{reader.line_num}: {error}') from None
+            rows.setdefault(row['frame'], []).append(numbers)
+    frames = {}
+    for name, numbers in rows.items():
+        table = np.array(numbers)
+        try:
+            frames[name] = TimedPoses(table[:, 0], table[:, 1:])
+        except (ValueError, RuntimeError) as error:
+            raise ValueError(f'{path}: frame {name!r}: {error}') from error
+    return frames

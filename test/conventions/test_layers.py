@@ -1,0 +1,100 @@
+"""Imports point inward: who may import what, as the table of the house says."""
+
+import sys
+
+import pytest
+from conventions.source_tree import PACKAGE, SOURCES, imports_of, name_of
+
+ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interfaces', 'std_srvs')
+
+# Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
+LAYERS = {
+    '': ((), ()),
+    'math': (('math',), ('numpy',)),
+    'geometry/_proximity': (('math', 'geometry/_proximity'), ('numpy', 'numba', 'llvmlite')),
+    'geometry': (('math', 'geometry', 'geometry/_proximity'), ('numpy',)),
+    'scene_files': (
+        ('math', 'geometry', 'scene_files'),
+        ('numpy', 'yaml', 'yourdfpy', 'lxml', 'jsonschema'),
+    ),
+    'trajectories': (
+        ('math', 'geometry', 'scene_files', 'trajectories'),
+        ('numpy', 'yaml', 'yourdfpy'),
+    ),
+    'demo': (
+        ('math', 'geometry', 'scene_files', 'trajectories', 'demo'),
+        ('numpy', 'matplotlib', 'mpl_toolkits'),
+    ),
+    'ros': (('math', 'geometry', 'scene_files', 'trajectories', 'demo', 'ros'), ('numpy', 'ROS')),
+}
+# One file each for what nobody else may touch.
+EXCEPTIONS = {
+    'geometry/_proximity/fcl_bridge.py': 'fcl',
+    'geometry/mesh_source.py': 'trimesh',
+}
+
+
+def room_of(path):
+    """Return the innermost room of the table that holds a path relative to the package."""
+    rooms = [room for room in LAYERS if not room or f'{path}/'.startswith(f'{room}/')]
+    return max(rooms, key=len)
+
+
+def is_ros(library):
+    return library.startswith(ROS_PREFIXES) or library.endswith('_msgs')
+
+
+def forbidden(path, source):
+    """Return what a file imports against the table; `path` is relative to the package."""
+    ours, libraries = LAYERS[room_of(path)]
+    found = []
+    for name in imports_of(source):
+        library = name.split('.')[0]
+        if name.startswith('.'):
+            found.append(f'{name} (relative)')
+        elif library == 'drake_geom_ros':
+            target = '/'.join(name.split('.')[1:])
+            if room_of(target) not in ours:
+                found.append(name)
+        elif library not in sys.stdlib_module_names:
+            allowed = library in libraries or ('ROS' in libraries and is_ros(library))
+            if not allowed and EXCEPTIONS.get(path) != library:
+                found.append(name)
+    return found
+
+
+@pytest.mark.parametrize('path', SOURCES, ids=name_of)
+def test_a_file_imports_only_what_its_room_may(path):
+    assert forbidden(str(path.relative_to(PACKAGE)), path.read_text()) == []
+
+
+@pytest.mark.parametrize('path', SOURCES, ids=name_of)
+def test_private_modules_stay_within_their_room(path):
+    room = room_of(str(path.relative_to(PACKAGE))).split('/')[0]
+    names = [name for name in imports_of(path.read_text()) if name.startswith('drake_geom_ros.')]
+    outside = [name for name in names if name.split('.')[1] != room]
+    assert [name for name in outside if '._' in name] == []
+
+
+@pytest.mark.parametrize(
+    ('path', 'source', 'culprit'),
+    [
+        ('math/batched.py', 'import scipy', 'scipy'),
+        ('math/batched.py', 'def f():\n    import rclpy', 'rclpy'),
+        ('math/batched.py', 'from drake_geom_ros.geometry import Sphere', 'geometry'),
+        ('geometry/_proximity/engine.py', 'from drake_geom_ros.geometry import ids', 'ids'),
+        ('geometry/_proximity/engine.py', 'import fcl', 'fcl'),
+        ('geometry/shapes.py', 'from . import ids', 'relative'),
+        ('geometry/shapes.py', 'from std_msgs.msg import Header', 'std_msgs'),
+        ('scene_files/urdf.py', 'import drake_geom_ros.geometry._proximity.world', 'world'),
+        ('ros/cycle.py', 'from drake_geom_ros.geometry._proximity import engine', 'engine'),
+    ],
+)
+def test_a_forbidden_import_is_seen(path, source, culprit):
+    (found,) = forbidden(path, source)
+    assert culprit in found
+
+
+def test_the_two_exceptions_are_allowed():
+    assert forbidden('geometry/_proximity/fcl_bridge.py', 'import fcl') == []
+    assert forbidden('geometry/mesh_source.py', 'import trimesh') == []

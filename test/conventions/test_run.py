@@ -1,0 +1,214 @@
+"""`run` sets up what its inputs ask for: once, again when they change, on from where it broke."""
+
+import contextlib
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+
+import pytest
+from conventions.source_tree import ROOT
+
+# The steps without their work: each tells that it ran, and makes what the next one looks for.
+FAKE_STEPS = """
+check_system() { :; }
+make_venv() { echo venv >>"$root/calls"; mkdir -p "$venv"; }
+install_packages() { echo packages >>"$root/calls"; }
+build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Return a folder with what the keys of the steps are computed from."""
+    shutil.copy(ROOT / 'run', tmp_path)
+    shutil.copytree(ROOT / 'requirements', tmp_path / 'requirements')
+    shutil.copytree(ROOT / 'msg_defs', tmp_path / 'msg_defs')
+    return tmp_path
+
+
+def start(folder, script, **variables):
+    """Start a shell that has sourced `run` of a folder, in a session of its own."""
+    environment = {'PATH': os.environ['PATH'], 'PYTHON': sys.executable, **variables}
+    return subprocess.Popen(
+        ['bash', '-c', f'source ./run\n{script}'],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def shell(folder, script, **variables):
+    """Return (exit code, output, errors) of a script after `run` was sourced."""
+    process = start(folder, script, **variables)
+    output, errors = process.communicate(timeout=60)
+    return process.returncode, output, errors
+
+
+def keys(folder, **variables):
+    script = 'compute_keys; echo "$venv_key" "$packages_key" "$messages_key"'
+    code, output, errors = shell(folder, script, **variables)
+    assert code == 0, errors
+    return output.split()
+
+
+def calls(folder):
+    return (folder / 'calls').read_text().split()
+
+
+def append(path, text):
+    path.write_text(path.read_text() + text)
+
+
+@pytest.mark.parametrize('script', ['run', '.ci/run'])
+def test_the_scripts_parse_and_may_be_started(script):
+    assert os.access(ROOT / script, os.X_OK)
+    assert subprocess.run(['bash', '-n', ROOT / script], check=False).returncode == 0
+
+
+def test_help_names_every_command():
+    shown = subprocess.run(
+        [ROOT / 'run', 'help'], capture_output=True, text=True, check=True
+    ).stdout
+    table = (ROOT / 'run').read_text().split('case $command in')[1]
+    commands = set(re.findall(r'^  (\w+)\)', table, re.MULTILINE))
+    assert commands >= {'demo', 'test', 'node', 'exec', 'clean'}
+    assert {name for name in commands if f'./run {name}' not in shown} == set()
+
+
+def test_an_unknown_command_is_named():
+    result = subprocess.run([ROOT / 'run', 'dmeo'], capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "unknown command 'dmeo'" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ('file', 'changed'),
+    [
+        ('requirements/core.txt', [False, True, False]),
+        ('requirements/lock.txt', [False, True, False]),
+        ('requirements/ros.txt', [False, True, True]),
+        ('requirements/build.txt', [False, True, True]),
+        ('msg_defs/msg/Shape.msg', [False, False, True]),
+        ('msg_defs/CMakeLists.txt', [False, False, True]),
+    ],
+)
+def test_a_changed_input_changes_the_keys_of_what_depends_on_it(folder, file, changed):
+    before = keys(folder)
+    append(folder / file, '# changed\n')
+    assert [a != b for a, b in zip(before, keys(folder), strict=True)] == changed
+
+
+def test_a_renamed_definition_changes_the_key(folder):
+    before = keys(folder)
+    (folder / 'msg_defs/msg/Shape.msg').rename(folder / 'msg_defs/msg/Form.msg')
+    assert keys(folder)[2] != before[2]
+
+
+def test_a_newer_date_changes_no_key(folder):
+    before = keys(folder)
+    (folder / 'msg_defs/msg/Shape.msg').touch()
+    assert keys(folder) == before
+
+
+def test_a_sourced_distribution_changes_all_keys(folder, tmp_path_factory):
+    distribution = tmp_path_factory.mktemp('distribution')
+    (distribution / 'share/rclpy').mkdir(parents=True)
+    (distribution / 'share/rclpy/package.xml').touch()
+    plain, sourced = keys(folder), keys(folder, AMENT_PREFIX_PATH=f'/nowhere:{distribution}')
+    assert [a != b for a, b in zip(plain, sourced, strict=True)] == [True, True, True]
+
+
+def test_the_own_environment_is_no_distribution(folder):
+    (folder / '.venv/share/rclpy').mkdir(parents=True)
+    (folder / '.venv/share/rclpy/package.xml').touch()
+    assert keys(folder, AMENT_PREFIX_PATH=str(folder / '.venv')) == keys(folder)
+
+
+def test_steps_run_once_and_in_order(folder):
+    for _ in range(2):
+        code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
+        assert code == 0, errors
+    assert calls(folder) == ['venv', 'packages', 'messages']
+
+
+def test_what_was_deleted_is_made_again(folder):
+    shell(folder, FAKE_STEPS + 'set_up')
+    shutil.rmtree(folder / 'install')
+    shell(folder, FAKE_STEPS + 'set_up')
+    assert calls(folder) == ['venv', 'packages', 'messages', 'messages']
+
+
+def test_a_failed_step_says_which_why_and_where_and_is_taken_up_again(folder):
+    broken = 'install_packages() { echo "ERROR: no such package"; false; echo not reached; }\n'
+    code, _, errors = shell(folder, FAKE_STEPS + broken + 'set_up')
+    assert code == 1
+    assert "step 'packages' failed" in errors
+    assert 'ERROR: no such package' in errors
+    assert 'this failed: false' in errors
+    log = folder / 'log/setup/packages.log'
+    assert str(log) in errors
+    assert 'not reached' not in log.read_text()
+    code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
+    assert code == 0, errors
+    assert calls(folder) == ['venv', 'packages', 'messages']
+
+
+def test_a_killed_set_up_is_taken_up_again(folder):
+    killed = 'install_packages() { kill -KILL -- -$$; }\n'
+    code, _, _ = shell(folder, FAKE_STEPS + killed + 'set_up')
+    assert code == -9
+    code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
+    assert code == 0, errors
+    assert calls(folder) == ['venv', 'packages', 'messages']
+
+
+def test_of_two_at_once_one_sets_up_and_the_other_waits(folder):
+    both = [start(folder, FAKE_STEPS + 'set_up') for _ in range(2)]
+    errors = [process.communicate(timeout=60)[1] for process in both]
+    assert [process.returncode for process in both] == [0, 0], errors
+    assert calls(folder) == ['venv', 'packages', 'messages']
+
+
+@pytest.mark.parametrize('version', ['3.9.18', '3.14.0', '2.7.18', ''])
+def test_an_unsupported_python_is_refused(folder, version):
+    code, _, _ = shell(folder, f'supported "{version}"')
+    assert code == 1
+
+
+@pytest.mark.parametrize('version', ['3.10.13', '3.11.2', '3.12.3', '3.13.0'])
+def test_the_supported_pythons_are_taken(folder, version):
+    code, _, errors = shell(folder, f'supported "{version} /usr"')
+    assert code == 0, errors
+
+
+def test_no_python_is_said_with_what_was_tried(folder):
+    code, _, errors = shell(folder, 'compute_keys', PYTHON='/nowhere/python')
+    assert code == 1
+    assert 'no Python 3.10 to 3.13 among: /nowhere/python' in errors
+
+
+def test_a_domain_in_use_is_not_taken(folder):
+    sockets = []
+    try:
+        for domain in range(1, 101):
+            sockets.append(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+            sockets[-1].setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            with contextlib.suppress(OSError):  # somebody else has it: taken all the same
+                sockets[-1].bind(('127.0.0.1', 7400 + 250 * domain))
+        code, output, errors = shell(folder, 'free_domain')
+    finally:
+        for each in sockets:
+            each.close()
+    assert (code, output.strip()) == (0, '101') or 'all ROS domains' in errors
+
+
+def test_node_and_exec_of_a_folder_share_a_domain(folder):
+    first, second = (shell(folder, 'folder_domain')[1] for _ in range(2))
+    assert first == second
+    assert 1 <= int(first) <= 101

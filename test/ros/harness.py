@@ -1,0 +1,126 @@
+"""Real ROS 2 in tests: the node in a process of its own, a client that waits for facts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+ROOT = Path(__file__).resolve().parents[2]
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+PATIENCE = 30.0  # [s] a fact that has not come by then will not come
+
+
+def environment():
+    """Return the environment of every ROS process of the tests: this machine, own domain."""
+    domain = os.environ.get('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    paths = [str(ROOT), *filter(None, [os.environ.get('PYTHONPATH')])]
+    return {
+        **os.environ,
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        'ROS_DOMAIN_ID': domain,
+        'PYTHONPATH': os.pathsep.join(paths),
+        'PYTHONUNBUFFERED': '1',
+    }
+
+
+class Process:
+    """A Python module run as a process, with its output in a file; ended by its own pid."""
+
+    def __init__(self, log: Path, module: str, *arguments: str) -> None:
+        self.log = log
+        self._output = log.open('w')
+        self.popen = subprocess.Popen(
+            [sys.executable, '-m', module, *arguments],
+            env=environment(),
+            cwd=ROOT,
+            stdout=self._output,
+            stderr=subprocess.STDOUT,
+        )
+
+    def output(self) -> str:
+        return self.log.read_text()
+
+    def end(self, signal_number=signal.SIGINT) -> int:
+        """Ask the process to end, wait, and return its exit code."""
+        if self.popen.poll() is None:
+            self.popen.send_signal(signal_number)
+            try:
+                self.popen.wait(20.0)
+            except subprocess.TimeoutExpired:
+                self.popen.kill()
+                self.popen.wait()
+        self._output.close()
+        return self.popen.returncode
+
+
+def start_node(log: Path, *, namespace: str = '', **parameters) -> Process:
+    """Start scene_graph_node with parameters."""
+    arguments = ['--ros-args']
+    if namespace:
+        arguments += ['-r', f'__ns:={namespace}']
+    for name, value in parameters.items():
+        text = str(value).lower() if isinstance(value, bool) else str(value)
+        arguments += ['-p', f'{name}:={text}']
+    return Process(log, 'drake_geom_ros.ros.scene_graph_node', *arguments)
+
+
+class Client:
+    """A node of the test: calls services, listens, publishes; every wait has an end."""
+
+    def __init__(self, server: str = '/scene_graph') -> None:
+        env = environment()
+        os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = env['ROS_AUTOMATIC_DISCOVERY_RANGE']
+        self.server = server
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context, domain_id=int(env['ROS_DOMAIN_ID']))
+        self.node = rclpy.create_node(f'client_{time.monotonic_ns()}', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._clients = {}
+
+    def close(self) -> None:
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+    def wait_for(self, fact, what: str, patience: float = PATIENCE):
+        """Spin until ``fact()`` is truthy and return it; fail with ``what`` otherwise."""
+        end = time.monotonic() + patience
+        while time.monotonic() < end:
+            if found := fact():
+                return found
+            self._executor.spin_once(timeout_sec=0.05)
+        raise AssertionError(f'waited {patience:g} s for {what}')
+
+    def listen(self, message_class, topic: str, qos=10) -> list:
+        """Subscribe and return the list that messages are appended to."""
+        messages = []
+        name = topic if topic.startswith('/') else f'{self.server}/{topic}'
+        self.node.create_subscription(message_class, name, messages.append, qos)
+        return messages
+
+    def publisher(self, message_class, topic: str, qos=SENSOR):
+        """Return a publisher that the server has found."""
+        publisher = self.node.create_publisher(message_class, f'{self.server}/{topic}', qos)
+        self.wait_for(lambda: publisher.get_subscription_count() > 0, f'a listener to {topic}')
+        return publisher
+
+    def call(self, service_class, name: str, /, **fields):
+        """Call a service of the server and return its answer."""
+        if name not in self._clients:
+            client = self.node.create_client(service_class, f'{self.server}/{name}')
+            self._clients[name] = client
+        client = self._clients[name]
+        self.wait_for(client.service_is_ready, f'the service {name}')
+        future = client.call_async(service_class.Request(**fields))
+        self.wait_for(future.done, f'an answer of {name}')
+        return future.result()

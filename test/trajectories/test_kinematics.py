@@ -1,0 +1,125 @@
+import numpy as np
+import pytest
+import yourdfpy
+from oracles import panda
+
+from drake_geom_ros.trajectories.kinematics import Kinematics
+
+
+@pytest.fixture(scope='module')
+def arm():
+    return Kinematics(str(panda.URDF))
+
+
+def _random_q(arm, count, seed=1):
+    return np.random.default_rng(seed).uniform(arm.lower, arm.upper, (count, len(arm.lower)))
+
+
+def test_panda_agrees_with_its_denavit_hartenberg_table(arm):
+    for q in _random_q(arm, 20):
+        X_BLs = arm.link_transforms(q)
+        for name, X_BL in panda.link_transforms(q).items():
+            np.testing.assert_allclose(X_BLs[arm.link_names.index(name)], X_BL, atol=1e-12)
+
+
+def test_panda_agrees_with_yourdfpy_one_by_one(arm):
+    robot = yourdfpy.URDF.load(str(panda.URDF), load_meshes=False)
+    for q in _random_q(arm, 3):
+        robot.update_cfg(q)
+        expected = [robot.get_transform(name, 'panda_link0') for name in arm.link_names]
+        np.testing.assert_allclose(arm.link_transforms(q), expected, atol=1e-12)
+
+
+def test_joints_limits_and_links_are_those_of_the_file(arm):
+    assert arm.joint_names == (*(f'panda_joint{k}' for k in range(1, 8)), 'panda_finger_joint1')
+    assert arm.link_names[0] == 'panda_link0'
+    assert len(arm.link_names) == 13
+    assert len(arm.joined_links) == 12
+    assert ('panda_hand', 'panda_leftfinger') in arm.joined_links
+    assert (arm.lower[3], arm.upper[3], arm.max_speed[3]) == (-3.0718, -0.0698, 2.175)
+
+
+def test_a_batch_is_its_configurations_one_by_one_on_the_base(arm):
+    q = _random_q(arm, 6).reshape(2, 3, -1)
+    X_WB = np.array([[0.0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
+    X_WLs = arm.link_transforms(q, X_WB)
+    assert X_WLs.shape == (2, 3, 13, 4, 4)
+    for index in np.ndindex(2, 3):
+        np.testing.assert_allclose(X_WLs[index], X_WB @ arm.link_transforms(q[index]), atol=1e-14)
+
+
+def test_wrong_number_of_joints_is_refused(arm):
+    with pytest.raises(ValueError, match='panda_finger_joint1'):
+        arm.link_transforms(np.zeros(7))
+
+
+def _urdf(tmp_path, *joints, links='abcd'):
+    text = ''.join(f'<link name="{name}"/>' for name in links) + ''.join(joints)
+    path = tmp_path / 'robot.urdf'
+    path.write_text(f'<robot name="r">{text}</robot>')
+    return str(path)
+
+
+def _joint(name, kind, parent, child, inside=''):
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/>'
+        f'<child link="{child}"/>{inside}</joint>'
+    )
+
+
+def test_joints_in_any_order_with_long_axes_and_chained_mimics(tmp_path):
+    path = _urdf(
+        tmp_path,
+        _joint(
+            'last',
+            'prismatic',
+            'c',
+            'd',
+            '<axis xyz="0 0 5"/><limit velocity="1"/><mimic joint="middle" multiplier="3"/>',
+        ),
+        _joint(
+            'first',
+            'revolute',
+            'a',
+            'b',
+            '<axis xyz="0 0 2"/><limit lower="-1" upper="2" velocity="1" effort="1"/>',
+        ),
+        _joint(
+            'middle',
+            'continuous',
+            'b',
+            'c',
+            '<origin xyz="1 0 0"/><axis xyz="0 1 0"/>'
+            '<mimic joint="first" multiplier="-2" offset="0.5"/>',
+        ),
+    )
+    robot = Kinematics(path)
+    assert robot.joint_names == ('first',)
+    assert robot.link_names == ('a', 'b', 'c', 'd')
+    X = dict(zip(robot.link_names, robot.link_transforms([0.3]), strict=True))
+    ct, st = np.cos(0.3), np.sin(0.3)
+    np.testing.assert_allclose(X['c'][:3, 3], [ct, st, 0.0], atol=1e-15)
+    way = 3 * (-2 * 0.3 + 0.5)
+    tilt = -2 * 0.3 + 0.5
+    direction = np.array([ct * np.sin(tilt), st * np.sin(tilt), np.cos(tilt)])
+    np.testing.assert_allclose(X['d'][:3, 3] - X['c'][:3, 3], way * direction, atol=1e-15)
+
+
+TREELESS = [
+    ('abcd', [_joint('j', 'fixed', 'a', 'b')], 'one tree'),
+    ('ab', [_joint('j', 'fixed', 'a', 'b'), _joint('k', 'fixed', 'b', 'a')], 'roots are'),
+    ('abc', [_joint('j', 'fixed', 'b', 'c'), _joint('k', 'fixed', 'c', 'b')], 'do not hang'),
+    ('abc', [_joint(n, 'fixed', n, 'b') for n in 'ac'], "parents \\['b'\\]"),
+]
+COMPLICATED = [
+    ('ab', [_joint('j', 'floating', 'a', 'b')], "type 'floating'"),
+    ('ab', [_joint('j', 'continuous', 'a', 'b', '<mimic joint="x"/>')], 'not a joint'),
+    ('ab', [_joint('j', 'continuous', 'a', 'b', '<mimic joint="j"/>')], 'itself'),
+    ('ab', [_joint('j', 'continuous', 'a', 'b', '<axis xyz="0 0 0"/>')], 'not be zero'),
+]
+
+
+@pytest.mark.parametrize(('links', 'joints', 'reason'), TREELESS + COMPLICATED)
+def test_what_is_no_tree_of_simple_joints_is_refused(tmp_path, links, joints, reason):
+    with pytest.raises(ValueError, match=reason):
+        Kinematics(_urdf(tmp_path, *joints, links=links))

@@ -1,0 +1,134 @@
+import dataclasses
+
+import numpy as np
+import pytest
+from oracles import panda
+
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.description import (
+    FrameDescription,
+    RobotDescription,
+    SceneDescription,
+)
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.trajectories.motion_file import adjacent_links, load_motion
+
+SCENE = SceneDescription(
+    robots=(RobotDescription('left', panda.URDF, RigidTransform([0.0, 0.0, 0.4])),),
+    frames=(
+        FrameDescription('left', 'panda_link0'),
+        FrameDescription('objects', 'can', X_PF=RigidTransform([0.5, 0.0, 0.1])),
+        FrameDescription('objects', 'lid', parent='can', X_PF=RigidTransform([0.0, 0.0, 0.1])),
+        FrameDescription('objects', 'ball'),
+        FrameDescription('objects', 'ghost'),
+    ),
+)
+TEXT = """\
+robots:
+  left:
+    joints: [panda_joint2, panda_joint4]
+    waypoints:
+    - {at: 0, q: [0.0, -1.0]}
+    - {at: 2.0, q: [0.5, -2.0]}
+grasps:
+- {frame: objects::can, link: left::panda_hand, gripper: [left::panda_leftfinger],
+   start: 0.5, end: 1.0}
+frames:
+  objects::ball:
+  - {at: 0.0, pose: [0, 0, 1, 0, 0, 0, 1]}
+  - {at: 3.0, pose: [0, 0, 2, 0, 0, 0, 1]}
+"""
+
+
+def _load(tmp_path, text, name='motion.yaml', scene=SCENE):
+    path = tmp_path / name
+    path.write_text(text)
+    return load_motion(path, scene)
+
+
+def test_a_file_with_all_parts(tmp_path):
+    motion = _load(tmp_path, TEXT)
+    assert motion.duration == 3.0
+    assert motion.frame_names['objects'] == ['can', 'lid', 'ball']
+    curve = motion.robots['left'].joint_values
+    names = motion.robots['left'].kinematics.joint_names
+    q = dict(zip(names, curve.value(2.0), strict=True))
+    assert (q['panda_joint2'], q['panda_joint4'], q['panda_joint1']) == (0.5, -2.0, 0.0)
+    grasp = motion.held(0.7)[0]
+    assert (grasp.link, grasp.gripper) == ('left::panda_hand', ('left::panda_leftfinger',))
+    np.testing.assert_allclose(motion.poses(1.5)['objects'][2, :3], [0, 0, 1.5])
+
+
+def test_without_a_file_everything_stands_still_within_the_limits():
+    motion = load_motion(None, SCENE)
+    first, later = motion.poses([0.0, 5.0])['left']
+    np.testing.assert_array_equal(first, later)
+    arm = motion.robots['left']
+    assert (arm.joint_values.value(0.0) >= arm.kinematics.lower).all()
+    assert (arm.joint_values.value(0.0) <= arm.kinematics.upper).all()
+    assert motion.frame_names['objects'] == ['can', 'lid']
+    np.testing.assert_allclose(motion.poses(0.0)['objects'][0], [0.5, 0, 0.1, 0, 0, 0, 1])
+    np.testing.assert_allclose(motion.poses(0.0)['left'][0], [0, 0, 0.4, 0, 0, 0, 1])
+
+
+def test_a_csv_file_moves_free_frames_only(tmp_path):
+    rows = ('0,objects::ball,0,0,0,0,0,0,1', '2,objects::ball,2,0,0,0,0,0,1')
+    text = '\n'.join(('time,frame,x,y,z,qx,qy,qz,qw', *rows, ''))
+    motion = _load(tmp_path, text, 'poses.csv')
+    assert motion.duration == 2.0
+    np.testing.assert_allclose(motion.poses(1.0)['objects'][2, 0], 1.0)
+
+
+@pytest.mark.parametrize(
+    ('old', 'new', 'error'),
+    [
+        ('panda_joint4]', 'panda_joint9]', r'yaml:3: robots.left.joints\[1\]: .*panda_joint9'),
+        ('panda_joint4]', 'panda_joint2]', r'yaml:3: robots.left.joints\[1\]: .*twice'),
+        ('-1.0]', '0.5]', r'yaml:5: robots.left.waypoints\[0\].q: panda_joint4 = 0.5 must lie in'),
+        ('-1.0]', '-1.0, 0]', r'waypoints\[0\].q: 3 numbers; 2 are wanted'),
+        ('-1.0]', 'minus]', r"waypoints\[0\].q\[1\]: 'minus' is not a number"),
+        ('at: 2.0, q', 'at: 0.1, q', r'yaml:4: robots.left.waypoints: panda_joint2 reaches 7.5'),
+        ('at: 2.0, q', 'at: 0.0, q', r'robots.left.waypoints: .*increase strictly'),
+        ('  left:', '  middle:', r'robots.middle: the scene has no such robot; there are left'),
+        ('end: 1.0', 'until: 1.0', r'grasps\[0\].until: unknown key'),
+        (', end: 1.0', '', r"yaml:8: grasps\[0\]: key 'end' is missing"),
+        ('objects::can', 'objects::cup', r"motion.yaml: grasp of 'objects::cup'"),
+        ('  objects::ball', '  objects::bat', r"the scene has no frame 'objects::bat'"),
+        ('objects::can', 'objects::lid', r"'objects::lid': its parent is 'can'"),
+        ('frames:\n', 'frames: 3\nrobts:\n', r'yaml:1\d: robts: unknown key; allowed are robots'),
+        ('[0, 0, 1, 0, 0, 0, 1]', '[0, 0, 1, 0, 0, 0, 2]', r'frames.objects::ball: .*norm 2'),
+        ('grasps:\n- {', 'grasps: {', r'grasps: a list is wanted'),
+        ('start: 0.5', 'start: true', r'grasps\[0\].start: True is not a number'),
+    ],
+)
+def test_errors_name_file_line_and_key(tmp_path, old, new, error):
+    assert old in TEXT
+    with pytest.raises(SceneFileError, match=error):
+        _load(tmp_path, TEXT.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ('name', 'text'), [('poses.csv', 'time\n'), ('m.yaml', 'a: [\n'), ('m.yaml', '- 1\n')]
+)
+def test_files_of_another_form_are_refused_by_name(tmp_path, name, text):
+    with pytest.raises(SceneFileError, match=name):
+        _load(tmp_path, text, name)
+
+
+def test_a_missing_file_is_refused_by_name(tmp_path):
+    with pytest.raises(SceneFileError, match=r'absent.yaml'):
+        load_motion(tmp_path / 'absent.yaml', SCENE)
+
+
+def test_a_urdf_that_cannot_be_played_is_refused_by_name(tmp_path):
+    urdf = tmp_path / 'odd.urdf'
+    urdf.write_text('<robot name="odd"><link name="a"/><link name="b"/></robot>')
+    robot = RobotDescription('odd', urdf, RigidTransform())
+    with pytest.raises(SceneFileError, match=r'odd.urdf: .*one tree'):
+        load_motion(None, dataclasses.replace(SCENE, robots=(robot,)))
+
+
+def test_adjacent_links_are_those_of_the_joints():
+    pairs = adjacent_links(SCENE)
+    assert len(pairs) == 12
+    assert ('left::panda_link3', 'left::panda_link4') in pairs
