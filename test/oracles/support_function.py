@@ -130,9 +130,9 @@ def _along_circles(a: _Body, b: _Body, edges: np.ndarray) -> list[tuple[float, n
     return found
 
 
-def _uphill(a: _Body, b: _Body, n: np.ndarray) -> tuple[float, np.ndarray]:
+def _uphill(a: _Body, b: _Body, n: np.ndarray, rounds: int = 1) -> tuple[float, np.ndarray]:
     """The maximum of f on the smooth piece around n, by BFGS in the tangent plane."""
-    for _ in range(3):
+    for _ in range(rounds):
         e1 = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
         e1 /= np.linalg.norm(e1)
         basis = np.vstack([e1, np.cross(n, e1)])
@@ -145,7 +145,9 @@ def _uphill(a: _Body, b: _Body, n: np.ndarray) -> tuple[float, np.ndarray]:
             value = gap @ u[0]
             return -value, -(basis @ (gap - value * u[0])) / length
 
-        t = minimize(minus, np.zeros(2), jac=True, method='BFGS', options={'gtol': 1e-14}).x
+        # A value is exact to the square of its slope; at a kink the search would go on for ever.
+        options = {'gtol': 1e-9, 'maxiter': 25}
+        t = minimize(minus, np.zeros(2), jac=True, method='BFGS', options=options).x
         n = n + t @ basis
         n /= np.linalg.norm(n)
     return float(_width(a, b, n[None])[0]), n
@@ -197,7 +199,7 @@ def signed_distance(shape_a, X_WA, shape_b, X_WB):
     found += _along_circles(a, b, np.vstack([a.edges, b.edges]))
     found += [_uphill(a, b, n) for n in _starts(values, smooth)]
     phi, n = max(found, key=lambda item: item[0])
-    found.append(_uphill(a, b, n))
+    found.append(_uphill(a, b, n, rounds=3))
     phi, n = max(found, key=lambda item: item[0])
     return phi * scale, n
 

@@ -78,9 +78,10 @@ def first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points):
 def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
     """Return points (a, b) on the supporting planes of A and B with a - b = upper n.
 
-    They come from the surface's point nearest to the origin, moved out to the planes. On a flat of
-    the difference all faces are as good as the one that was expanded: the foot may be in any.
+    They come from the point of the polytope nearest to upper n, moved out to the planes. On a flat
+    of the difference it may be in any face, and not in the one that was expanded.
     """
+    foot = scale(upper, n)
     a, b, least = s_A, s_B, np.inf
     for f in range(total):
         if faces[f, ALIVE] == 0 or planes[f, OFFSET] > rival:
@@ -88,7 +89,8 @@ def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
         if dot((planes[f, 0], planes[f, 1], planes[f, 2]), n) < SAME_DIRECTION:
             continue
         i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-        x, y, z = row(points, i, 0), row(points, j, 0), row(points, k, 0)
+        x = sub(row(points, i, 0), foot)
+        y, z = sub(row(points, j, 0), foot), sub(row(points, k, 0), foot)
         t = closest_on_triangle(x, y, z)
         away = norm(weighted(x, y, z, t))
         if away < least:

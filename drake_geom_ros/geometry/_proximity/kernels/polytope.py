@@ -128,7 +128,7 @@ def push(heap, count, planes, f):
 
 @compiled
 def pop_living(faces, planes, heap, waiting):
-    """Take the living face of least offset from the heap; return it, -1 if none, and what waits."""
+    """Take the living face of least offset off the heap; return it or -1, and how many wait."""
     least = -1
     while waiting > 0 and least < 0:
         if faces[heap[0], ALIVE] == 1:

@@ -68,7 +68,7 @@ def _check(pair, tolerance=1e-9):
         (pair.kind_A, pair.size_A, pair.R_WA, a),
         (pair.kind_B, pair.size_B, pair.R_WB, b - pair.p_AB_W),
     ):
-        assert abs(height(kind, size, R.T @ p)) <= 4 * bound + rounding, pair
+        assert abs(height(kind, size, R.T @ p)) <= 8 * bound + rounding, pair
     return out
 
 
@@ -103,7 +103,7 @@ def test_gaps_are_found_along_any_normal(name, gap):
         row = _check(apart)
         assert abs(row[0] - gap) <= row[calling.ERROR_BOUND] + 1e-15, apart
         if gap > 1e-4:
-            assert row[1:4] == pytest.approx(-n, abs=1e-5)
+            assert row[1:4] == pytest.approx(-n, abs=1e-4)
 
 
 def _support(kind, size, R, n):
