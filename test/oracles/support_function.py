@@ -194,7 +194,7 @@ def signed_distance(shape_a, X_WA, shape_b, X_WB):
     crosses = np.array([np.cross(u, v) for u in a.edges for v in b.edges]).reshape(-1, 3)
     corners = np.vstack([a.normals, b.normals, _unit(crosses), _unit(-crosses)])
     values = _width(a, b, smooth)
-    found = [(float(v), n) for v, n in zip(values, smooth, strict=True) if v == values.max()]
+    found = [(float(values.max()), smooth[np.argmax(values)])]
     found += [(float(v), n) for v, n in zip(_width(a, b, corners), corners, strict=True)]
     found += _along_circles(a, b, np.vstack([a.edges, b.edges]))
     found += [_uphill(a, b, n) for n in _starts(values, smooth)]

@@ -1,6 +1,5 @@
 """The README's client against a real node: it prints what the README says."""
 
-import re
 import subprocess
 import sys
 
@@ -21,5 +20,4 @@ def test_the_client_prints_what_the_readme_says(tmp_path):
     finally:
         node.end()
     assert done.returncode == 0, done.stderr + node.output()
-    (shown,) = re.findall(r'^```\n(.*?)^```$', (ROOT / 'README.md').read_text(), re.S | re.M)
-    assert done.stdout == shown
+    assert f'```\n{done.stdout}```' in (ROOT / 'README.md').read_text()
