@@ -12,7 +12,6 @@ import array
 import sys
 
 import numpy as np
-import rclpy
 from drake_geom_msgs.msg import (
     CollisionFilterDeclaration,
     CollisionFilterStatement,
@@ -22,10 +21,9 @@ from drake_geom_msgs.msg import (
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
+from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion import Grasp, Motion
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -116,18 +114,7 @@ def _statement(grasp: Grasp) -> CollisionFilterStatement:
 
 def main(args: list[str] | None = None) -> int:
     """Run the player until it is interrupted; return 2 where it is given files it cannot play."""
-    with StopSignals() as signals:
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        try:
-            node = PosePlayer()
-            spin_until_stopped(node, signals)
-            node.destroy_node()
-        except SceneFileError as error:
-            print(f'pose_player: {error}', file=sys.stderr)
-            return 2
-        finally:
-            rclpy.try_shutdown()
-    return 0
+    return run_node(PosePlayer, SceneFileError, args)
 
 
 if __name__ == '__main__':

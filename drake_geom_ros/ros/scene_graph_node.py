@@ -11,12 +11,10 @@ import sys
 import time
 from functools import partial
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg as messages
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 
 from drake_geom_ros.ros.cycle import Cycle
 from drake_geom_ros.ros.diagnostics import Diagnostics
@@ -25,7 +23,7 @@ from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 from drake_geom_ros.ros.scene_conversions import fill_scene
 from drake_geom_ros.ros.services import SERVICES
-from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
+from drake_geom_ros.ros.spinning import run_node
 
 _POSES_IN = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -223,18 +221,7 @@ class SceneGraphNode(LifecycleNode):
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; return 2 where its parameters cannot be."""
-    with StopSignals() as signals:
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        try:
-            node = SceneGraphNode()
-            spin_until_stopped(node, signals)
-            node.destroy_node()
-        except ParameterRefusedError as error:
-            print(f'scene_graph_node: {error}', file=sys.stderr)
-            return 2
-        finally:
-            rclpy.try_shutdown()
-    return 0
+    return run_node(SceneGraphNode, ParameterRefusedError, args)
 
 
 if __name__ == '__main__':

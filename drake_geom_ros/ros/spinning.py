@@ -8,10 +8,15 @@ about to publish: that callback then fails. So a process of ours begins with
 from __future__ import annotations
 
 import signal
+import sys
+from collections.abc import Callable
+from pathlib import Path
 from types import FrameType
 
+import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -47,3 +52,24 @@ def spin_until_stopped(node: Node, signals: StopSignals, until: Future | None = 
             executor.spin_once(timeout_sec=_LONGEST_WAIT)
     finally:
         executor.shutdown()
+
+
+def run_node(
+    make_node: Callable[[], Node], refusal: type[Exception], args: list[str] | None = None
+) -> int:
+    """Run a node as a process until it is told to stop, and return the exit code.
+
+    That is 2 where making the node raises ``refusal``, for what it was given cannot be.
+    """
+    with StopSignals() as signals:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            node = make_node()
+            spin_until_stopped(node, signals)
+            node.destroy_node()
+        except refusal as error:
+            print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)
+            return 2
+        finally:
+            rclpy.try_shutdown()
+    return 0

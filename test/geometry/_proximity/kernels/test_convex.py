@@ -21,7 +21,7 @@ ROWS = {
     'cylinder_ellipsoid': (CYLINDER, ELLIPSOID),
     'ellipsoid_ellipsoid': (ELLIPSOID, ELLIPSOID),
 }
-COUNT = 2 if config.DISABLE_JIT else 12
+COUNT = 2 if config.DISABLE_JIT else 8
 ALIGNED = np.eye(3)
 LYING = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])  # the z axis along x
 
