@@ -139,7 +139,8 @@ class ResultSequence(Sequence[Record], Generic[Record]):
 
 def _from_world(R_WGs: Floats, vectors_W: Floats) -> Floats:
     """Express World vectors (k, 3) in the frames of R_WGs (k, 3, 3): R^T v for each."""
-    return np.einsum('kji,kj->ki', R_WGs, vectors_W)
+    vectors_G: Floats = np.einsum('kji,kj->ki', R_WGs, vectors_W)
+    return vectors_G
 
 
 class _PairSequence(ResultSequence[Record]):
@@ -228,7 +229,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     @property
     def is_nhat_BA_W_unique(self) -> NDArray[np.bool_]:
         """Whether each normal is the only one (k,)."""
-        return self._rows[:, UNIQUE] != 0.0
+        return self._rows[:, UNIQUE].astype(np.bool_)
 
     @property
     def p_ACa(self) -> Floats:
@@ -289,7 +290,7 @@ class PointDistanceResults(ResultSequence[SignedDistanceToPoint]):
     @property
     def is_grad_W_unique(self) -> NDArray[np.bool_]:
         """Whether each gradient is the only one (k,)."""
-        return self._rows[:, UNIQUE] != 0.0
+        return self._rows[:, UNIQUE].astype(np.bool_)
 
     @property
     def p_GN(self) -> Floats:

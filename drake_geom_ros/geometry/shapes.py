@@ -12,6 +12,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.rotations import as_vector
@@ -19,9 +20,6 @@ from drake_geom_ros.math.tolerances import DIRECTION_NORM
 
 Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
-
-# A mesh is scaled by at least this [-]: Drake's rule, which keeps scales away from zero.
-SMALLEST_SCALE = 1e-8
 
 
 class Shape:

@@ -112,7 +112,8 @@ class FilterState:
 
     def mask(self, slots_a: Slots, slots_b: Slots) -> Flags:
         """Return for each pair of slots whether it may be reported."""
-        return filter_matrix.reportable(self._bits, self._bodies, slots_a, slots_b)
+        flags: Flags = filter_matrix.reportable(self._bits, self._bodies, slots_a, slots_b)
+        return flags
 
     def filtered(self, key_a: int, key_b: int) -> bool:
         """Return whether a pair is kept from being reported, for whatever reason."""

@@ -36,7 +36,8 @@ _COMPILED: set[int] = set()
 def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the pair table's row of each pair of shape types, in either order; -1: none."""
     low, high = np.minimum(types_a, types_b), np.maximum(types_a, types_b)
-    return _ROWS[low * TYPE_COUNT + high]
+    rows: NDArray[np.int64] = _ROWS[low * TYPE_COUNT + high]
+    return rows
 
 
 def compile_rows(rows: NDArray[np.int64]) -> list[str]:
@@ -76,7 +77,7 @@ def narrow_phase(  # type: ignore[no-untyped-def]
         # The gap is absolute for bodies of a metre and more, relative below.
         tolerance = gap * min(1.0, sizes[0][a], sizes[0][b])
         out = results[k]
-        call_kernel(
+        call_kernel(  # type: ignore[no-untyped-call]
             addresses[rows[k]],
             types[a],
             pool[starts[a] : starts[a + 1]],
@@ -143,7 +144,7 @@ def point_phase(  # type: ignore[no-untyped-def]
             if math.sqrt(squared) - outer[g] > threshold + rounding:
                 continue
             out = results[count]
-            call_kernel(
+            call_kernel(  # type: ignore[no-untyped-call]
                 addresses[rows[g]],
                 SPHERE,
                 nothing,

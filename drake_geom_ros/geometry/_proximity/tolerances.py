@@ -72,6 +72,13 @@ NEAR_TOUCH = 1e-6
 # at triangles too thin to tell what they see: the bounds reached before it stand.
 FOLD = 1e-9
 
-# A point this far [-] above a face's plane, in EPS times the pair's size, is in the plane: a quarter
-# of what EPA must gain by a new vertex (ROUNDING), so the face that it was found for always sees it.
+# A point this far [-] above a face's plane, in EPS times the pair's size, is in the plane: a
+# quarter of what EPA must gain by a new vertex (ROUNDING), so the face that it was found for
+# always sees it.
 COPLANAR = 4.0
+
+# A mesh is scaled by at least this [-]: Drake's rule, which keeps scales away from zero.
+SMALLEST_SCALE = 1e-8
+
+# GJK goes on to this part [-] of the tolerance: the last three digits cost it a step or two.
+SHARPER = 1e-3

@@ -22,11 +22,9 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     bounding_radius,
     core_radius,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, norm, scale
-from drake_geom_ros.geometry._proximity.tolerances import EPS, NEAR_TOUCH, ROUNDING
+from drake_geom_ros.geometry._proximity.kernels.vectors import add, add_scaled, norm, scale
+from drake_geom_ros.geometry._proximity.tolerances import EPS, NEAR_TOUCH, ROUNDING, SHARPER
 
-# GJK goes on to this part of the tolerance: the last three digits cost it a step or two.
-SHARPER = 1e-3
 # Cap of EPA. An ordinary smooth minimum takes 20 to 100 vertices to 1e-9. Only minima that are
 # almost a ring, of shapes almost in a symmetric position, get to the cap, which leaves about 1e-6
 # of the size between the bounds.
@@ -78,9 +76,14 @@ def signed_distance_of_cores(
         )
         if least > 0.0:
             upper = -least
-        if end != CLOSED or -depth >= lower:
-            distance, n, a, b, unique = -depth, n_in, a_in, b_in, unique_in
-            lower = -depth
+        if end != CLOSED or -depth >= lower - noise:
+            distance, lower, n = -depth, max(lower, -depth), n_in
+            unique = unique_in or distance > noise
+            # A point of both cores is no farther than the depth from the surface of either.
+            if depth > max(tolerance, noise):
+                a, b = a_in, b_in
+            centre = scale(0.5, add(a, b))
+            a, b = add_scaled(centre, 0.5 * depth, n), add_scaled(centre, -0.5 * depth, n)
     error_bound = max(upper - distance, distance - lower) + noise
     write(
         out,

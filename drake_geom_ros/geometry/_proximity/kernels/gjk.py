@@ -114,8 +114,8 @@ def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, 
     """Return (end, upper, lower, n, a, b) for the distance of two cores.
 
     ``lower <= distance <= upper``, where ``upper`` is |a - b| for points a and b of the cores,
-    from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding and n
-    is only the last direction tried. ``size`` [m] is the scale to which rounding is relative.
+    from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding, a and b
+    are one point of both, and n is only the last direction tried. ``size`` [m] is the scale to which rounding is relative.
     """
     points = np.empty((4, WEIGHT + 1))
     noise = ROUNDING * EPS * size
@@ -137,21 +137,25 @@ def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, 
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE
         )
         w = sub(s_A, s_B)
-        lower = max(lower, -dot(w, n))
+        slab = -dot(w, n)
+        gained = slab > lower
+        lower = max(lower, slab)
         if lower > cutoff:
             return BEYOND_CUTOFF, upper, lower, n, a, b
-        if upper - lower <= max(tolerance, noise) or is_known(points, count, w):
+        # A gap g at distance d leaves the direction an angle sqrt(2 g / d): short ones need more.
+        enough = max(tolerance * min(1.0, upper / size), noise)
+        if upper - lower <= enough or is_known(points, count, w):
             break
         put(points, count, s_A, s_B)
         count = reduce_simplex(points, count + 1)
         v = combine(points, count, 0)
         closer = norm(v)
-        if count == 4:  # the origin is inside, as far as rounding lets a thin simplex tell
-            if closer <= INSIDE * size:
-                return OVERLAP, closer, lower, n, a, b
-            break
-        if closer >= upper:
+        inside = count == 4 and closer <= INSIDE * size
+        # The length is flat in its last digits while the direction still improves.
+        if not inside and (count == 4 or (closer >= upper and not gained)):
             break
         upper = closer
         a, b = combine(points, count, 3), combine(points, count, 6)
+        if inside:  # as far as rounding lets a thin simplex tell
+            return OVERLAP, upper, lower, n, a, b
     return CLOSED, upper, lower, unit(sub(b, a)), a, b

@@ -8,7 +8,14 @@ of its vertices along it). Dead faces keep their row. Vertices are the rows of `
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row
 from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
-from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, unit
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    dot,
+    perpendicular,
+    scale,
+    sub,
+    unit,
+)
 from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SLIVER
 
 ACROSS = 3
@@ -16,6 +23,7 @@ ALIVE = 6
 FACE_WIDTH = 7
 OFFSET = 3
 PLANE_WIDTH = 4
+ZERO = (0.0, 0.0, 0.0)
 
 
 @compiled
@@ -25,12 +33,17 @@ def set_plane(faces, planes, points, f, size):
     n = unit(cross(sub(b, a), sub(c, a)))
     x, y, z = dot(n, a), dot(n, b), dot(n, c)
     offset = min(x, y, z)
-    if n == (0.0, 0.0, 0.0) or max(x, y, z) - offset > SLIVER * size:
+    if n == ZERO or max(x, y, z) - offset > SLIVER * size:
         nearest = weighted(a, b, c, closest_on_triangle(a, b, c))
         # A face that the origin is in front of has its nearest point behind itself.
-        sign = 1.0 if dot(nearest, n) >= 0.0 else -1.0
-        n = scale(sign, unit(nearest))
-        offset = min(dot(n, a), dot(n, b), dot(n, c))
+        m = scale(1.0 if dot(nearest, n) >= 0.0 else -1.0, unit(nearest))
+        if m == ZERO and n == ZERO:
+            m = perpendicular(unit(sub(b, a) if b != a else sub(c, a)))
+        if m == ZERO and n == ZERO:
+            m = (1.0, 0.0, 0.0)
+        away = min(dot(m, a), dot(m, b), dot(m, c))
+        if n == ZERO or (m != ZERO and away > offset):
+            n, offset = m, away
     for k in range(3):
         planes[f, k] = n[k]
     planes[f, OFFSET] = offset

@@ -40,8 +40,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
+    COPLANAR,
     EPS,
-    RIGHT_ANGLE,
     ROUNDING,
     SAME_DIRECTION,
 )
@@ -58,18 +58,13 @@ OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of the angle that makes a 
 def axis_of_revolution(kind, shape):
     """Return (k, move): the axis of the core, and how far [m] its surface is from round about it.
 
-    k is 3 for a ball, round about any axis; move is infinite for shapes with no axis.
+    ``move`` is infinite for shapes with no axis.
     """
-    if kind == CAPSULE or kind == CYLINDER:
-        return 2, 0.0
     if kind == BOX or kind == CONVEX:
         return 2, np.inf
     if kind != ELLIPSOID:
-        return 3, 0.0
-    a, b, c = shape[0], shape[1], shape[2]
-    if a == b == c:
-        return 3, 0.0
-    ab, bc, ca = abs(a - b), abs(b - c), abs(c - a)
+        return 2, 0.0
+    ab, bc, ca = abs(shape[0] - shape[1]), abs(shape[1] - shape[2]), abs(shape[2] - shape[0])
     if ab <= bc and ab <= ca:
         return 2, ab
     if bc <= ca:
@@ -79,16 +74,17 @@ def axis_of_revolution(kind, shape):
 
 @compiled
 def common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB):
-    """Return (u, move): an axis both cores are round about when surfaces move so far."""
+    """Return (u, move): an axis both cores are round about when their surfaces move so far.
+
+    The smaller core is turned; one that is a point, of a ball, is round about any axis.
+    """
     k_A, move_A = axis_of_revolution(kind_A, shape_A)
     k_B, move_B = axis_of_revolution(kind_B, shape_B)
-    u_A, u_B = column(R_WA, min(k_A, 2)), column(R_WB, min(k_B, 2))
-    if k_A == 3:
-        return u_B, move_B
-    if k_B == 3:
-        return u_A, move_A
-    turn = norm(cross(u_A, u_B))
-    return u_A, move_A + move_B + 2.0 * turn * bounding_radius(kind_B, shape_B)
+    u_A, u_B = column(R_WA, k_A), column(R_WB, k_B)
+    reach_A = bounding_radius(kind_A, shape_A) - core_radius(kind_A, shape_A)
+    reach_B = bounding_radius(kind_B, shape_B) - core_radius(kind_B, shape_B)
+    move = move_A + move_B + 2.0 * norm(cross(u_A, u_B)) * min(reach_A, reach_B)
+    return u_B if reach_A < reach_B else u_A, move
 
 
 @compiled
@@ -101,7 +97,6 @@ def profile(kind, shape, s, c):
     if kind != ELLIPSOID:
         return 0.0, 0.0
     k, _ = axis_of_revolution(kind, shape)
-    k = min(k, 2)
     x, z = 0.5 * (shape[(k + 1) % 3] + shape[(k + 2) % 3]), shape[k]
     h = math.sqrt((x * s) * (x * s) + (z * c) * (z * c))
     r = core_radius(kind, shape)
@@ -138,8 +133,45 @@ def set_chord(corners, k, following):
 
 
 @compiled
-def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough):
-    """Return (lower, s, c, unique): the least width over directions s, c >= 0, and where.
+def touching_points(corners, after, best, kind_A, shape_A, kind_B, shape_B, radial, axial):
+    """Return (radial, axial) of a point of each profile, one over the other along the best normal.
+
+    The best corner's points are aside of each other by ``aside``. Its neighbour on the other side
+    has the opposite sign; at the ends of the quarter that is its own mirror image.
+    """
+    s, c = corners[best, 0], corners[best, 1]
+    aside = s * corners[best, 3] - c * corners[best, 2]
+    other, mirror_radial, mirror_axial = best, 1.0, 1.0
+    if aside < 0.0 and after[best] >= 0:
+        other = after[best]
+    elif aside < 0.0:
+        mirror_radial = -1.0
+    elif best == 0:
+        mirror_axial = -1.0
+    else:
+        other = 0
+        while after[other] != best:
+            other = after[other]
+    a, b = profile(kind_A, shape_A, s, c), profile(kind_B, shape_B, s, c)
+    a_, b_ = (
+        profile(kind_A, shape_A, corners[other, 0], corners[other, 1]),
+        profile(kind_B, shape_B, corners[other, 0], corners[other, 1]),
+    )
+    a_, b_ = (
+        (mirror_radial * a_[0], mirror_axial * a_[1]),
+        (mirror_radial * b_[0], mirror_axial * b_[1]),
+    )
+    aside_ = s * (a_[1] + b_[1] - axial) - c * (a_[0] + b_[0] - radial)
+    t = 0.0 if aside == aside_ else min(max(aside / (aside - aside_), 0.0), 1.0)
+    return (
+        (a[0] + t * (a_[0] - a[0]), a[1] + t * (a_[1] - a[1])),
+        (radial - b[0] - t * (b_[0] - b[0]), axial - b[1] - t * (b_[1] - b[1])),
+    )
+
+
+@compiled
+def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough, noise):
+    """Return (lower, s, c, a, b, unique): the least width over directions s, c >= 0, and where.
 
     ``unique`` tells that no direction of the quarter that is clearly another one is as good.
     """
@@ -158,7 +190,7 @@ def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough):
         after[arc] = count
         set_chord(corners, arc, count)
         set_chord(corners, count, after[count])
-        if corners[count, WIDTH] < corners[best, WIDTH]:
+        if corners[count, WIDTH] < corners[best, WIDTH] - noise:
             best = count
         count += 1
         lower = corners[best, WIDTH]
@@ -174,17 +206,8 @@ def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough):
         if corners[k, WIDTH] <= rival:
             cosine = corners[k, 0] * s + corners[k, 1] * c
             unique = unique and cosine >= SAME_DIRECTION
-    return lower, s, c, unique
-
-
-@compiled
-def face_half_extent(kind, shape, s, c, flat):
-    """Return half the length [m] of the piece of a profile that is flat to ``flat`` at (s, c)."""
-    if kind == CYLINDER and s < flat:
-        return shape[0]
-    if (kind == CYLINDER or kind == CAPSULE) and c < flat:
-        return shape[1]
-    return 0.0
+    a, b = touching_points(corners, after, best, kind_A, shape_A, kind_B, shape_B, radial, axial)
+    return lower, s, c, a, b, unique
 
 
 @compiled
@@ -203,19 +226,14 @@ def depth_of_revolution(
         side = cross(u, column(R_WB, 0))
         e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(R_WB, 1))))
         radial = 0.0
-    lower, s, c, unique = planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough)
+    lower, s, c, a, b, unique = planar_depth(
+        kind_A, shape_A, kind_B, shape_B, radial, axial, enough, COPLANAR * EPS * size
+    )
     n = unit(add_scaled(scale(s, e), c, u))
     s_A, s_B = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, 0.0)
     upper = dot(sub(s_A, s_B), n)
     lower = lower - move if lower > 0.0 else -np.inf
-    flat = RIGHT_ANGLE + move / bounding_radius(kind_B, shape_B)
-    a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, flat)
-    half_A = face_half_extent(kind_A, shape_A, s, c, flat)
-    half_B = face_half_extent(kind_B, shape_B, s, c, flat)
-    t = unit(sub(scale(s, u), scale(c, e)))
-    t_A, t_B = dot(a, t), dot(b, t)
-    shared = 0.5 * (max(t_A - half_A, t_B - half_B) + min(t_A + half_A, t_B + half_B))
-    a, b = add_scaled(a, shared - t_A, t), add_scaled(b, shared - t_B, t)
+    a, b = add_scaled(scale(a[0], e), a[1], u), add_scaled(scale(b[0], e), b[1], u)
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
     slack = move + 2.0 * enough

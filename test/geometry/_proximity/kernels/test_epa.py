@@ -39,7 +39,7 @@ def test_cubes_end_exactly_overlapping_or_touching(p, depth, unique):
 
 def test_hulls_end_exactly():
     rng = np.random.default_rng(3)
-    for _ in range(12):
+    for _ in range(6):
         hulls = [np.concatenate(([k], rng.normal(size=3 * k))) for k in (10, 16)]
         R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
         phi, _ = signed_distance(

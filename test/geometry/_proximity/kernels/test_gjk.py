@@ -29,7 +29,7 @@ def test_aligned_cubes_are_three_apart():
 
 def test_polytopes_end_exactly():
     rng = np.random.default_rng(1)
-    for _ in range(25):
+    for _ in range(12):
         hulls = _hull(rng, 12), _hull(rng, 20)
         R, p = random_rotation(rng), 6.0 * rng.normal(size=3)
         phi, _ = signed_distance(

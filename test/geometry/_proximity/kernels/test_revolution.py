@@ -48,14 +48,15 @@ def test_parallel_axes(a, b):
         assert np.subtract(a_, b_) == pytest.approx(upper * np.array(n), abs=1e-14)
 
 
-def test_coaxial_cylinders_touch_in_the_middle_of_what_they_share():
+def test_parallel_cylinders_touch_where_they_are_side_by_side():
     tall, low = (CYLINDER, [0.25, 1.0]), (CYLINDER, [0.3, 0.1])
     (upper, lower, n, a, b, unique), _ = _depth(tall, ALIGNED, low, ALIGNED, (0.5, 0.0, 0.8))
     assert upper == pytest.approx(0.05, abs=1e-15)
     assert lower == pytest.approx(0.05, abs=1e-15)
     assert n == pytest.approx((1, 0, 0), abs=1e-15)
     assert unique
-    assert (a[2], b[2]) == pytest.approx((0.8, 0.8), abs=1e-15)
+    assert a[2] == pytest.approx(b[2], abs=1e-15)
+    assert 0.7 <= a[2] <= 0.9
 
 
 def test_a_ring_of_answers_points_along_x_of_B():
