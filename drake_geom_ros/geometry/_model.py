@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._records import (
     FrameRecord,
     GeometryRecord,
     Versions,
+    check_for_queries,
     named,
 )
 from drake_geom_ros.geometry.errors import (
@@ -207,6 +208,7 @@ class Model:
             perception=perception and perception._frozen(),
         )
         self._check_geometry_name(record, record.name, record.roles(), 'RegisterGeometry')
+        check_for_queries(record)
         self.frames[frame_id].geometry_ids[record.id] = None
         if record.parent_id is not None:
             self._children.setdefault(record.parent_id, []).append(record.id)
@@ -256,6 +258,8 @@ class Model:
             self._check_geometry_name(record, record.name, [role], 'AssignRole')
         changed: dict[str, GeometryProperties] = {ROLE_FIELDS[role]: properties._frozen()}
         record = dataclasses.replace(record, **changed)  # type: ignore[arg-type]
+        if role is Role.kProximity:
+            check_for_queries(record)
         self._store(record, proximity=role is Role.kProximity)
         return record
 
@@ -290,7 +294,9 @@ class Model:
         record = self.owned_geometry(source_id, geometry_id)
         checked_type(shape, Shape, 'ChangeShape: shape')
         pose = record.X_FG if X_FG is None else checked_pose(X_FG, 'ChangeShape: X_FG')
-        self._store(dataclasses.replace(record, shape=shape))
+        record = dataclasses.replace(record, shape=shape)
+        check_for_queries(record)
+        self._store(record)
         if X_FG is not None:
             self._repose(self.geometries[geometry_id], pose)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
@@ -99,3 +100,15 @@ def named(record: FrameRecord | GeometryRecord) -> str:
     """Return kind, name and id, for messages."""
     kind = 'frame' if isinstance(record, FrameRecord) else 'geometry'
     return f"the {kind} '{record.name}' ({record.id!r})"
+
+
+def check_for_queries(record: GeometryRecord) -> None:
+    """Raise RuntimeError where queries could not answer for a geometry of the proximity role."""
+    if record.proximity is None:
+        return
+    if record.proximity.GetPropertyOrDefault('mesh', 'solid', False):
+        raise GeometryError(
+            f"{named(record)} has the property ('mesh', 'solid'): solid meshes are not answered "
+            'for yet; without the property a mesh counts as its convex hull'
+        )
+    record.shape._kernel_parameters()

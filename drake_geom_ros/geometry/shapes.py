@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
+from drake_geom_ros.geometry.mesh_source import hull_vertices
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.rotations import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
@@ -265,21 +266,22 @@ class _FromFile(Shape):
         return np.array(self._measures[1])
 
     def _kernel_parameters(self) -> Floats:
-        raise GeometryError(
-            f'{self!r}: meshes take no part in proximity queries yet; remove the proximity role, '
-            'or use one of Sphere, Box, Capsule, Cylinder, Ellipsoid, HalfSpace'
-        )
+        vertices = hull_vertices(self.filename(), self.scale3())
+        return np.concatenate(([len(vertices)], vertices.ravel()))
 
 
 class Convex(_FromFile):
-    """The convex polyhedron in an .obj file, scaled by ``scale``, a number or one an axis."""
+    """The convex hull of what a mesh file holds, scaled by ``scale``, a number or one an axis."""
 
     __slots__ = ()
     _TYPE = 7
 
 
 class Mesh(_FromFile):
-    """The triangle mesh in a file, scaled by ``scale``, a number or one an axis."""
+    """The triangle mesh in a file, scaled by ``scale``, a number or one an axis.
+
+    In proximity queries it counts as its convex hull.
+    """
 
     __slots__ = ()
     _TYPE = 8

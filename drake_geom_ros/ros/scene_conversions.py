@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.ros.conversions import fill_pose, floats
+from drake_geom_ros.scene_files import ResourceResolver
 
 # Shape.type, the class, and the names of its dimensions in the message's order.
 _PRIMITIVES: tuple[tuple[int, type, tuple[str, ...]], ...] = (
@@ -72,11 +74,30 @@ def shape_from_message(message: Any) -> Shape:
                 )
             return shape_class(*map(float, message.dimensions))
     if message.type in (_CONVEX, _MESH):
-        raise ArgumentError(
-            'shape.type is CONVEX or MESH; this version of the node has no query engine for '
-            'them yet, so it takes SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID and HALF_SPACE'
-        )
+        return _mesh_from_message(message)
     raise ArgumentError(f'shape.type is {message.type}; it must be a constant of Shape, 1 to 8')
+
+
+def _mesh_from_message(message: Any) -> Shape:
+    """Return the Convex or Mesh of a Shape message that names a file."""
+    if len(message.vertices) or len(message.triangles) or not message.mesh_uri:
+        raise ArgumentError(
+            'shape.mesh_uri must name the file of a CONVEX or MESH (file://, package:// or an '
+            'absolute path); vertices inside the message are not taken yet'
+        )
+    if len(message.dimensions) > 1:
+        raise ArgumentError(
+            f'shape.dimensions holds {len(message.dimensions)} numbers; CONVEX and MESH take one '
+            'scale, or none'
+        )
+    if '://' not in message.mesh_uri and not message.mesh_uri.startswith('/'):
+        raise ArgumentError(f'shape.mesh_uri {message.mesh_uri!r} is not an absolute path')
+    try:
+        path = ResourceResolver().resolve(message.mesh_uri, Path('/'))
+    except ValueError as error:
+        raise ArgumentError(f'shape.mesh_uri: {error}') from None
+    scale = float(message.dimensions[0]) if len(message.dimensions) else 1.0
+    return (Convex if message.type == _CONVEX else Mesh)(str(path), scale)
 
 
 def fill_shape(message: Any, shape: Shape) -> None:

@@ -59,12 +59,6 @@ def test_kernels_get_half_sizes_and_the_number_of_the_kind():
     assert [shape._type_number() for shape in SHAPES] == [1, 2, 3, 4, 5, 6, 7, 8]
 
 
-@pytest.mark.parametrize('kind', [Convex, Mesh])
-def test_meshes_say_that_they_cannot_be_queried_yet(kind):
-    with pytest.raises(RuntimeError, match='proximity'):
-        kind('/a/b.obj')._kernel_parameters()
-
-
 @pytest.mark.parametrize(
     ('make', 'words'),
     [

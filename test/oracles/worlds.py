@@ -4,7 +4,26 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 
+CONVEX = 7
 PARAMETER_COUNTS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+
+
+def random_parameters(rng, kind):
+    """Return the kernel parameters of a random shape of about 0.2 m."""
+    if kind == CONVEX:
+        directions = rng.normal(size=(20, 3))
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        vertices = directions * rng.uniform(0.05, 0.2, 3)
+        return np.concatenate(([len(vertices)], vertices.ravel()))
+    return rng.uniform(0.05, 0.2, PARAMETER_COUNTS[kind])
+
+
+def scaled_parameters(kind, parameters, scale):
+    """Return the kernel parameters of a shape that is ``scale`` times as large."""
+    scaled = scale * np.asarray(parameters)
+    if kind == CONVEX:
+        scaled[0] = parameters[0]
+    return scaled
 
 
 def random_rotations(rng, n):
@@ -40,7 +59,7 @@ def random_world(rng, n, types=(1, 2, 3, 4, 5), anchored=0, spread=1.0):
     moving = n - anchored
     frames = FrameTable(np.arange(1, moving + 2), np.zeros(moving + 1, dtype=np.int64))
     kinds = rng.choice(types, n)
-    parameters = [rng.uniform(0.05, 0.2, PARAMETER_COUNTS[k]) for k in kinds.tolist()]
+    parameters = [random_parameters(rng, k) for k in kinds.tolist()]
     on = [*range(1, moving + 1), *[0] * anchored]
     R_FGs, p_FGs = random_rotations(rng, n), rng.uniform(-0.1, 0.1, (n, 3))
     p_FGs[moving:] = rng.uniform(-spread, spread, (anchored, 3))

@@ -22,6 +22,13 @@ from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros import conversions, scene_conversions
 from drake_geom_ros.ros.names import NameTable
 
+
+def mesh(uri, **fields):
+    return Plain(
+        **{'type': 8, 'mesh_uri': uri, 'dimensions': [], 'vertices': [], 'triangles': [], **fields}
+    )
+
+
 lengths = st.floats(1e-3, 1e3)
 
 
@@ -100,12 +107,30 @@ def test_shapes_there_and_back(name, number, count, data):
         (Plain(type=6, dimensions=[1.0]), 'HalfSpace takes: none'),
         (Plain(type=1, dimensions=[math.nan]), 'radius'),
         (Plain(type=0, dimensions=[]), 'type is 0'),
-        (Plain(type=8, dimensions=[1.0]), 'no query engine'),
+        (mesh(''), 'mesh_uri must name'),
+        (mesh('ball.obj'), 'not an absolute path'),
+        (mesh('/nowhere/ball.obj'), 'no file'),
+        (mesh('ftp://host/ball.obj'), 'scheme'),
+        (mesh('/nowhere/ball.obj', dimensions=[1.0, 2.0]), 'one scale'),
+        (mesh('', vertices=[0.0, 0.0, 0.0]), 'inside the message'),
     ],
 )
 def test_shapes_that_are_none_are_refused(message, words):
     with pytest.raises(RuntimeError, match=words):
         scene_conversions.shape_from_message(message)
+
+
+def test_meshes_by_file(tmp_path):
+    path = tmp_path / 'tetra.obj'
+    path.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n')
+    for uri in (str(path), f'file://{path}'):
+        shape = scene_conversions.shape_from_message(mesh(uri, type=7, dimensions=[2.0]))
+        assert shape == geometry.Convex(str(path), 2.0)
+    shape = scene_conversions.shape_from_message(mesh(str(path)))
+    assert shape == geometry.Mesh(str(path))
+    filled = Plain()
+    scene_conversions.fill_shape(filled, shape)
+    assert (filled.type, filled.mesh_uri, list(filled.dimensions)) == (8, str(path), [1.0])
 
 
 def test_frame_poses_by_name_and_by_id(scene, names):

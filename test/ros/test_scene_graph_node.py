@@ -266,7 +266,7 @@ def test_impossible_requests_are_refused_and_change_nothing(client):
     refused(call(srv.RegisterFrame, 'register_frame', source='refusals', name='a'), 'a')
     refused(call(srv.RegisterGeometry, 'register_geometry', shape=sphere, **place), 'radius', '-1')
     mesh = msg.Shape(type=msg.Shape.MESH, dimensions=[1.0], mesh_uri='x.obj')
-    refused(call(srv.RegisterGeometry, 'register_geometry', shape=mesh, **place), 'MESH', 'yet')
+    refused(call(srv.RegisterGeometry, 'register_geometry', shape=mesh, **place), 'x.obj')
     refused(call(srv.RemoveGeometry, 'remove_geometry', geometry='refusals::a/none'), 'none')
     refused(call(srv.RemoveGeometry, 'remove_geometry', geometry='#999999'), '#999999')
     bad_role = msg.Role(role=9)

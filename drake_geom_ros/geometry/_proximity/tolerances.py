@@ -82,3 +82,7 @@ SMALLEST_SCALE = 1e-8
 
 # GJK goes on to this part [-] of the tolerance: the last three digits cost it a step or two.
 SHARPER = 1e-3
+
+# A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
+# has no volume, and its faces no sides.
+FLAT_HULL = 1e-9

@@ -6,6 +6,16 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
+    bounding_radius,
+    farthest_vertex,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
@@ -17,14 +27,14 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX = 1, 2, 3, 4, 5, 6, 7
+HALF_SPACE = 6
 
 
 @compiled
-def half_width(shape_type, shape, n_G):
-    """Return the larger of the support values h(n) and h(-n) [m] about Go; n a unit vector in G.
+def support_value(shape_type, shape, n_G):
+    """Return the support value h(n) [m] from Go; n a unit vector in G. A half space has none.
 
-    Every shape but CONVEX is symmetric about Go, so the two are equal. A half space has no bound.
+    Every shape but CONVEX is symmetric about Go: h(-n) is the same.
     """
     x, y, z = abs(n_G[0]), abs(n_G[1]), abs(n_G[2])
     if shape_type == SPHERE:
@@ -38,12 +48,7 @@ def half_width(shape_type, shape, n_G):
     if shape_type == ELLIPSOID:
         return norm((x * shape[0], y * shape[1], z * shape[2]))
     if shape_type == CONVEX:
-        largest = 0.0
-        for i in range(int(shape[0])):
-            v = 1 + 3 * i
-            p_GV = (shape[v], shape[v + 1], shape[v + 2])
-            largest = max(largest, abs(dot(n_G, p_GV)))
-        return largest
+        return dot(n_G, farthest_vertex(shape, n_G[0], n_G[1], n_G[2]))
     return math.inf
 
 
@@ -52,29 +57,16 @@ def box_half_extents(shape_type, shape, R_WG, half_extents):
     """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
     for k in range(3):
         e_G = (R_WG[k, 0], R_WG[k, 1], R_WG[k, 2])
-        half_extents[k] = half_width(shape_type, shape, e_G)
+        half_extents[k] = support_value(shape_type, shape, e_G)
+        if shape_type == CONVEX:
+            opposite = support_value(shape_type, shape, scale(-1.0, e_G))
+            half_extents[k] = max(half_extents[k], opposite)
 
 
 @compiled
-def _outer_radius(shape_type, shape):
-    """Return the largest distance of a point of the shape from Go."""
-    if shape_type == SPHERE:
-        return shape[0]
-    if shape_type == BOX:
-        return norm((shape[0], shape[1], shape[2]))
-    if shape_type == CAPSULE:
-        return shape[0] + shape[1]
-    if shape_type == CYLINDER:
-        return math.hypot(shape[0], shape[1])
-    if shape_type == ELLIPSOID:
-        return max(shape[0], shape[1], shape[2])
-    if shape_type == CONVEX:
-        radius = 0.0
-        for i in range(int(shape[0])):
-            v = 1 + 3 * i
-            radius = max(radius, norm((shape[v], shape[v + 1], shape[v + 2])))
-        return radius
-    return math.inf
+def outer_radius(shape_type, shape):
+    """Return the largest distance [m] of a point of the shape from Go; infinite for a plane."""
+    return math.inf if shape_type == HALF_SPACE else bounding_radius(shape_type, shape)
 
 
 @compiled
@@ -95,7 +87,7 @@ def shape_radii(types, starts, pool):
     outer, inner = np.empty(types.size), np.empty(types.size)
     for k in range(types.size):
         shape = pool[starts[k] : starts[k + 1]]
-        outer[k] = _outer_radius(types[k], shape)
+        outer[k] = outer_radius(types[k], shape)
         inner[k] = _inner_radius(types[k], shape)
     return outer, inner
 
@@ -121,9 +113,9 @@ def bounding_interval(A, B, p_AB_W, out):
             n_AB_W = column(A[2], 0)
     h_A, h_B = 0.0, 0.0
     if A[0] != HALF_SPACE:
-        h_A = half_width(A[0], A[1], unrotate(A[2], n_AB_W))
+        h_A = support_value(A[0], A[1], unrotate(A[2], n_AB_W))
     if B[0] != HALF_SPACE:
-        h_B = half_width(B[0], B[1], unrotate(B[2], n_AB_W))
+        h_B = support_value(B[0], B[1], scale(-1.0, unrotate(B[2], n_AB_W)))
     lower = dot(n_AB_W, p) - h_A - h_B
     upper = lower
     if not flat:

@@ -71,16 +71,17 @@ def signed_distance_of_cores(
         distance = lower
         b = add_scaled(a, lower, n)
     elif end != CLOSED or upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise):
-        depth, least, n_in, a_in, b_in, unique_in = depth_and_bounds(
+        depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance
         )
-        if least > 0.0:
-            upper = -least
-        if end != CLOSED or -depth >= lower - noise:
+        apart = upper
+        upper = min(upper, -least)
+        if upper + depth <= apart - lower + noise:  # the bounds around this one are the tighter
             distance, lower, n = -depth, max(lower, -depth), n_in
             unique = unique_in or distance > noise
-            # A point of both cores is no farther than the depth from the surface of either.
-            if depth > max(tolerance, noise):
+            # A point of both cores is no farther than the depth from the surface of either; GJK's
+            # pair is one but for the length between them.
+            if depth >= 0.0 and aside <= depth + apart:
                 a, b = a_in, b_in
             centre = scale(0.5, add(a, b))
             a, b = add_scaled(centre, 0.5 * depth, n), add_scaled(centre, -0.5 * depth, n)

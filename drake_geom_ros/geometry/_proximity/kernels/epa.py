@@ -76,10 +76,11 @@ def first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points):
 
 @compiled
 def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
-    """Return points (a, b) on the supporting planes of A and B with a - b = upper n.
+    """Return (a, b, aside): points on the supporting planes of A and B with a - b = upper n.
 
     They come from the point of the polytope nearest to upper n, moved out to the planes. On a flat
-    of the difference it may be in any face, and not in the one that was expanded.
+    of the difference it may be in any face, and not in the one that was expanded. ``aside`` is how
+    far that point is from upper n: as far, at most, a and b were put off their surfaces.
     """
     foot = scale(upper, n)
     a, b, least = s_A, s_B, np.inf
@@ -99,20 +100,21 @@ def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
             b = weighted(row(points, i, 6), row(points, j, 6), row(points, k, 6), t)
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
-    return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
+    return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n), least
 
 
 @compiled
 def depth_of_cores(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, tolerance, most_vertices
 ):
-    """Return (upper, lower, n, a, b, unique) for the depth of two overlapping or touching cores.
+    """Return (upper, lower, n, a, b, aside, unique) of two overlapping or touching cores.
 
-    ``upper`` is the width of the overlap along the unit n (from A to B), ``lower`` the radius of a
-    ball around the origin in the Minkowski difference where it is positive (else it says nothing).
-    Points a and b, from Ao, have ``a - b = upper n``. ``unique`` tells that the bounds exclude
-    every clearly different direction: once they have met, faces turned elsewhere go on growing
-    until none is as near. Work and memory are in proportion to ``most_vertices``.
+    ``upper`` is the width of the overlap along the unit n (from A to B). ``lower`` is the radius of
+    a ball around the origin in the Minkowski difference, or minus a length within which the
+    difference has a point. Points a and b, from Ao, have ``a - b = upper n``, for ``aside`` see
+    ``witness``. ``unique`` tells that the bounds exclude every clearly different direction: once
+    they have met, faces turned elsewhere go on growing until none is as near. Work and memory are
+    in proportion to ``most_vertices``.
     """
     rows = 8 * most_vertices
     points, planes = np.empty((most_vertices, 9)), np.empty((rows, PLANE_WIDTH))
@@ -135,10 +137,9 @@ def depth_of_cores(
         m = planes[f, 0], planes[f, 1], planes[f, 2]
         if settled and dot(m, n) >= SAME_DIRECTION:
             continue
-        if not settled:
-            if lower > 0.0 and planes[f, OFFSET] < lower - FOLD * size:
-                break
-            lower = max(lower, planes[f, OFFSET])
+        if not settled and lower > 0.0 and planes[f, OFFSET] < lower - FOLD * size:
+            break
+        lower = lower if settled else max(lower, planes[f, OFFSET])
         s_A, s_B = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, m, 0.0)
         w = sub(s_A, s_B)
         width = dot(w, m)
@@ -162,5 +163,7 @@ def depth_of_cores(
         if grown == total:
             break
         count, total = count + 1, grown
-    a, b = witness(points, faces, planes, total, n, best, best + enough, a, b)
-    return best, lower, n, a, b, unique
+    a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
+    if lower <= 0.0:
+        lower = -(abs(best) + aside)
+    return best, lower, n, a, b, aside, unique

@@ -114,8 +114,9 @@ def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, 
     """Return (end, upper, lower, n, a, b) for the distance of two cores.
 
     ``lower <= distance <= upper``, where ``upper`` is |a - b| for points a and b of the cores,
-    from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding, a and b
-    are one point of both, and n is only the last direction tried. ``size`` [m] is the scale to which rounding is relative.
+    from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding, a and
+    b are one point of both, and n is only the last direction tried. ``size`` [m] is the scale to
+    which rounding is relative.
     """
     points = np.empty((4, WEIGHT + 1))
     noise = ROUNDING * EPS * size

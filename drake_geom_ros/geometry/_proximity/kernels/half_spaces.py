@@ -1,8 +1,9 @@
-"""Box, capsule, cylinder and ellipsoid (A) against a half space (B).
+"""Box, capsule, cylinder, ellipsoid and convex hull against a half space.
 
-The normal is the z axis of B, always; the distance is that of A's lowest point, which the support
-function gives. Where A stands on a face or lies on an edge, the witness is the midpoint of that
-lowest face or edge.
+The half space is B, but A against a convex hull, which has the higher type number. The normal is
+along the z axis of the half space, always; the distance is that of the other's lowest point, which
+the support function gives. Where that stands on a face or lies on an edge, the witness is the
+midpoint of the lowest face or edge.
 """
 
 import math
@@ -15,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
     norm,
     rotate,
+    scale,
     unrotate,
 )
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
@@ -89,3 +91,34 @@ def ellipsoid_half_space(
     depth = norm(v)
     p_ACa = (-e[0] * (v[0] / depth), -e[1] * (v[1] / depth), -e[2] * (v[2] / depth))
     _write(out, R_WA, R_WB, p_AB_W, max(e), depth, p_ACa)
+
+
+@compiled
+def half_space_convex(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Signed distance of a half space (A) and a convex hull (B): that of its lowest vertices.
+
+    The witness is the mean of the vertices that are lowest to rounding.
+    """
+    z_W = column(R_WA, 2)
+    n = unrotate(R_WB, z_W)
+    count = int(shape_B[0])
+    lowest, size = math.inf, 0.0
+    for k in range(1, 3 * count + 1, 3):
+        v = (shape_B[k], shape_B[k + 1], shape_B[k + 2])
+        lowest = min(lowest, dot(n, v))
+        size = max(size, norm(v))
+    mean, level = (0.0, 0.0, 0.0), 0
+    for k in range(1, 3 * count + 1, 3):
+        v = (shape_B[k], shape_B[k + 1], shape_B[k + 2])
+        if dot(n, v) <= lowest + RIGHT_ANGLE * size:
+            mean = add_scaled(mean, 1.0, v)
+            level += 1
+    mean = scale(1.0 / level, mean)
+    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    distance = dot(p, z_W) + lowest
+    p_ACb_W = add_scaled(p, 1.0, rotate(R_WB, mean))
+    p_ACa_W = add_scaled(p_ACb_W, -distance, z_W)
+    bound = CLOSED_FORM_ROUNDING * (size + norm(p))
+    write(out, distance, scale(-1.0, z_W), p_ACa_W, p_ACb_W, bound, True, CLOSED_FORM)

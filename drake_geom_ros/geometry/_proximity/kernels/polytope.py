@@ -27,10 +27,25 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @compiled
+def normal(a, b, c):
+    """Return the unit normal of a triangle from its two shorter edges, 0 for corners in a row.
+
+    The angle between the longer two of a thin triangle is mostly rounding.
+    """
+    ab, bc, ca = sub(b, a), sub(c, b), sub(a, c)
+    x, y, z = dot(ab, ab), dot(bc, bc), dot(ca, ca)
+    if y >= x and y >= z:
+        return unit(cross(ca, ab))
+    if z >= x:
+        return unit(cross(ab, bc))
+    return unit(cross(bc, ca))
+
+
+@compiled
 def set_plane(faces, planes, points, f, size):
     """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
     a, b, c = row(points, faces[f, 0], 0), row(points, faces[f, 1], 0), row(points, faces[f, 2], 0)
-    n = unit(cross(sub(b, a), sub(c, a)))
+    n = normal(a, b, c)
     x, y, z = dot(n, a), dot(n, b), dot(n, c)
     offset = min(x, y, z)
     if n == ZERO or max(x, y, z) - offset > SLIVER * size:

@@ -232,8 +232,8 @@ def depth_of_revolution(
     n = unit(add_scaled(scale(s, e), c, u))
     s_A, s_B = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, 0.0)
     upper = dot(sub(s_A, s_B), n)
-    lower = lower - move if lower > 0.0 else -np.inf
     a, b = add_scaled(scale(a[0], e), a[1], u), add_scaled(scale(b[0], e), b[1], u)
+    lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
     slack = move + 2.0 * enough
@@ -245,5 +245,6 @@ def depth_of_revolution(
         n,
         add_scaled(centre, 0.5 * upper, n),
         add_scaled(centre, -0.5 * upper, n),
+        move,
         unique,
     )

@@ -29,7 +29,7 @@ def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertic
     ],
 )
 def test_cubes_end_exactly_overlapping_or_touching(p, depth, unique):
-    upper, lower, n, a, b, is_unique = _grow(BOX, [0.5] * 3, BOX, [0.5] * 3, ALIGNED, p)
+    upper, lower, n, a, b, _, is_unique = _grow(BOX, [0.5] * 3, BOX, [0.5] * 3, ALIGNED, p)
     assert upper == pytest.approx(depth, abs=1e-15)
     assert lower == pytest.approx(depth, abs=1e-15)
     assert np.subtract(a, b) == pytest.approx(upper * np.array(n), abs=1e-15)

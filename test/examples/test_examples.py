@@ -1,4 +1,4 @@
-"""The example runs, tells the truth, and tells the same under pydrake where that is installed."""
+"""The examples run, tell the truth, and the same under pydrake where that is installed."""
 
 import importlib.util
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-SCRIPT = ROOT / 'examples' / 'register_and_query.py'
+EXAMPLES = ROOT / 'examples'
 
 # Distances follow from the sizes: fingers 0.08 (0.056) m apart, a ball of 0.03 m radius between,
 # its centre 0.05 m above the table, fingers reaching down to 0.01 m, the palm to 0.11 m.
@@ -23,7 +23,7 @@ HOLDING = """\
   left finger and ball overlap by 0.0020 m
   right finger and ball overlap by 0.0020 m
 """
-EXPECTED = f"""\
+REGISTER_AND_QUERY = f"""\
 5 geometries, 5 frames
 7 pairs to look at
 open:
@@ -43,6 +43,23 @@ let go:
 {HOLDING}{APART}  any collision: True
   the ball is at [0.0, 0.0, 0.05]
 """
+# Balls of radius 0.6 m, 1 m apart, overlap by 0.2 m; which are reported follows from the filters.
+TRANSIENT_FILTERS = """\
+at first                               [[0, 1], [1, 2], [2, 3], [3, 4]] depths [0.2]
+persistent: nothing within 0, 1, 2     [[2, 3], [3, 4]] depths [0.2]
+transient 1: 3 touches nobody          [] depths []
+transient 2: 2 touches 1 and 3         [[1, 2], [2, 3]] depths [0.2]
+history: True
+transient 1 removed                    [[1, 2], [2, 3], [3, 4]] depths [0.2]
+active: False True
+persistent filters wait until the history is gone
+transient 2 removed                    [[2, 3], [3, 4]] depths [0.2]
+persistent: all allowed again          [[0, 1], [1, 2], [2, 3], [3, 4]] depths [0.2]
+"""
+EXPECTED = {
+    'register_and_query.py': REGISTER_AND_QUERY,
+    'transient_filters.py': TRANSIENT_FILTERS,
+}
 
 
 def output(script):
@@ -55,12 +72,16 @@ def output(script):
     return done.stdout
 
 
-def test_it_tells_the_truth():
-    assert output(SCRIPT) == EXPECTED
+@pytest.mark.parametrize('name', EXPECTED)
+def test_it_tells_the_truth(name):
+    assert output(EXAMPLES / name) == EXPECTED[name]
 
 
 @pytest.mark.skipif(not importlib.util.find_spec('pydrake'), reason='pydrake is not installed')
-def test_pydrake_says_the_same(tmp_path):
-    translated = tmp_path / SCRIPT.name
-    translated.write_text(SCRIPT.read_text().replace('from drake_geom_ros', 'from pydrake'))
-    assert output(translated) == EXPECTED
+@pytest.mark.parametrize('name', EXPECTED)
+def test_pydrake_says_the_same(tmp_path, name):
+    translated = tmp_path / name
+    translated.write_text(
+        (EXAMPLES / name).read_text().replace('from drake_geom_ros', 'from pydrake')
+    )
+    assert output(translated) == EXPECTED[name]

@@ -1,0 +1,124 @@
+"""Mesh files: hulls, scales, and files that are none; queries of what came from a file."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry import (
+    Box,
+    Convex,
+    FramePoseVector,
+    GeometryError,
+    GeometryFrame,
+    GeometryInstance,
+    HalfSpace,
+    Mesh,
+    MeshFileError,
+    ProximityProperties,
+    SceneGraph,
+    Sphere,
+)
+from drake_geom_ros.geometry.mesh_source import hull_vertices
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+
+CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+# Two triangles a side of the cube of edge 2, and a point inside that no hull has.
+SIDES = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+
+
+@pytest.fixture
+def cube(tmp_path):
+    """Return the path of a cube of edge 2 with a dent: its hull is the cube."""
+    path = tmp_path / 'cube.obj'
+    vertices = [*CORNERS, (0, 0, 0)]
+    faces = [f for a, b, c, d in SIDES[1:] for f in ((a, b, c), (a, c, d))]
+    a, b, c, d = SIDES[0]
+    faces += [(a, b, 9), (b, c, 9), (c, d, 9), (d, a, 9)]
+    lines = [f'v {x} {y} {z}' for x, y, z in vertices] + [f'f {a} {b} {c}' for a, b, c in faces]
+    path.write_text('\n'.join(lines))
+    return str(path)
+
+
+def test_a_hull_has_the_extreme_vertices_scaled(cube):
+    found = hull_vertices(cube, np.array([1.0, 2.0, -3.0]))
+    expected = sorted((x, 2.0 * y, -3.0 * z) for x, y, z in CORNERS)
+    assert sorted(map(tuple, found.tolist())) == expected
+
+
+def test_a_file_that_changed_is_read_again(cube, tmp_path):
+    before = hull_vertices(cube, np.ones(3))
+    text = (tmp_path / 'cube.obj').read_text()
+    (tmp_path / 'cube.obj').write_text(text.replace('v 1 1 1', 'v 1 1 1.5'))
+    after = hull_vertices(cube, np.ones(3))
+    assert before.max() == 1.0
+    assert after.max() == 1.5
+
+
+@pytest.mark.parametrize(
+    ('text', 'words'),
+    [
+        (None, 'cannot be read'),
+        ('', 'no mesh|0 vertices'),
+        ('nonsense', 'no mesh|0 vertices'),
+        ('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n', 'lie in a plane'),
+        ('v 0 0 0\nv 1 0 0\nv 0 1 nan\nv 0 0 1\nf 1 2 3\nf 1 2 4\n', 'finite|no mesh'),
+    ],
+)
+def test_a_file_that_is_no_body_is_refused_and_changes_nothing(tmp_path, text, words):
+    path = tmp_path / 'mesh.obj'
+    if text is not None:
+        path.write_text(text)
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    instance = GeometryInstance(RigidTransform(), Convex(str(path)), 'c')
+    geometry = scene_graph.RegisterAnchoredGeometry(source, instance)
+    with pytest.raises(MeshFileError, match=words):
+        scene_graph.AssignRole(source, geometry, ProximityProperties())
+    inspector = scene_graph.model_inspector()
+    assert inspector.GetProximityProperties(geometry) is None
+    assert scene_graph.CreateDefaultContext() is not None
+
+
+def test_a_solid_mesh_is_refused_for_now(cube):
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    instance = GeometryInstance(RigidTransform(), Mesh(cube), 'm')
+    geometry = scene_graph.RegisterAnchoredGeometry(source, instance)
+    properties = ProximityProperties()
+    properties.AddProperty('mesh', 'solid', True)
+    with pytest.raises(GeometryError, match='solid'):
+        scene_graph.AssignRole(source, geometry, properties)
+
+
+def query(shapes, poses):
+    """Return a query object of shapes, each on a frame of its own."""
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    frames = []
+    for k, shape in enumerate(shapes):
+        frames.append(scene_graph.RegisterFrame(source, GeometryFrame(f'f{k}')))
+        instance = GeometryInstance(RigidTransform(), shape, 'g')
+        geometry = scene_graph.RegisterGeometry(source, frames[-1], instance)
+        scene_graph.AssignRole(source, geometry, ProximityProperties())
+    context = scene_graph.CreateDefaultContext()
+    context.UpdateFramePoses(FramePoseVector(dict(zip(frames, poses, strict=True))))
+    return scene_graph.get_query_output_port().Eval(context)
+
+
+@pytest.mark.parametrize('kind', [Convex, Mesh])
+@pytest.mark.parametrize('other', [Sphere(0.3), Box(1, 2, 3), HalfSpace()])
+@pytest.mark.parametrize('height', [3.5, 1.2, 0.4])
+def test_a_cube_from_a_file_answers_as_a_box(cube, kind, other, height):
+    tilted = RigidTransform(RollPitchYaw(0.3, 0.5, 0.7), [0.1, -0.2, height])
+    poses = [RigidTransform(), tilted]
+    (mesh,) = query([other, kind(cube)], poses).ComputeSignedDistancePairwiseClosestPoints()
+    (box,) = query([other, Box(2, 2, 2)], poses).ComputeSignedDistancePairwiseClosestPoints()
+    assert mesh.distance == pytest.approx(box.distance, abs=1e-13)
+    np.testing.assert_allclose(mesh.nhat_BA_W, box.nhat_BA_W, atol=1e-9)
+
+
+def test_a_sphere_in_the_middle_of_a_cube_mesh_is_inside(cube):
+    pair = query([Mesh(cube, 0.5), Sphere(0.1)], [RigidTransform()] * 2)
+    (contact,) = pair.ComputePointPairPenetration()
+    assert contact.depth == pytest.approx(0.6, abs=1e-13)
+    points = pair.ComputeSignedDistanceToPoint([0.0, 0.0, 0.45])
+    assert points.distance[0] == pytest.approx(-0.05, abs=1e-13)
