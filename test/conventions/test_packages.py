@@ -25,6 +25,7 @@ ROSDEP_KEYS = {
     'python3-pytest',
     'python3-pytest-timeout',
     'python3-scipy',
+    'python3-trimesh-pip',
     'python3-yaml',
     'python3-yourdfpy-pip',
 }
@@ -54,6 +55,7 @@ LIBRARIES = {
     'mpl_toolkits': ('python3-matplotlib', 'matplotlib'),
     'numba': ('python3-numba', 'numba'),
     'numpy': ('python3-numpy', 'numpy'),
+    'trimesh': ('python3-trimesh-pip', 'trimesh'),
     'yaml': ('python3-yaml', 'pyyaml'),
     'yourdfpy': ('python3-yourdfpy-pip', 'yourdfpy'),
 }
