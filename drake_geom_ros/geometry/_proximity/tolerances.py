@@ -80,8 +80,13 @@ COPLANAR = 4.0
 # A mesh is scaled by at least this [-]: Drake's rule, which keeps scales away from zero.
 SMALLEST_SCALE = 1e-8
 
-# GJK goes on to this part [-] of the tolerance: the last three digits cost it a step or two.
+# GJK goes on to this part [-] of the tolerance: the last three digits cost it a step or two, and
+# the normal and the witness points gain half of them.
 SHARPER = 1e-3
+
+# EPA goes on to this part [-] of the tolerance, for the same reason: a digit costs it a few
+# vertices, and a pair that touches has its bounds on either side of zero.
+SHARPER_DEPTH = 0.1
 
 # A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
 # has no volume, and its faces no sides.

@@ -23,7 +23,13 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     core_radius,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import add, add_scaled, norm, scale
-from drake_geom_ros.geometry._proximity.tolerances import EPS, NEAR_TOUCH, ROUNDING, SHARPER
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    NEAR_TOUCH,
+    ROUNDING,
+    SHARPER,
+    SHARPER_DEPTH,
+)
 
 # Cap of EPA. An ordinary smooth minimum takes 20 to 100 vertices to 1e-9. Only minima that are
 # almost a ring, of shapes almost in a symmetric position, get to the cap, which leaves about 1e-6
@@ -72,7 +78,7 @@ def signed_distance_of_cores(
         b = add_scaled(a, lower, n)
     elif end != CLOSED or upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise):
         depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance
+            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, SHARPER_DEPTH * tolerance
         )
         apart = upper
         upper = min(upper, -least)

@@ -109,8 +109,8 @@ def depth_of_cores(
 ):
     """Return (upper, lower, n, a, b, aside, unique) of two overlapping or touching cores.
 
-    ``upper`` is the width of the overlap along the unit n (from A to B). ``lower`` is the radius of
-    a ball around the origin in the Minkowski difference, or minus a length within which the
+    ``upper`` is the width of the overlap along the unit n (from A to B). ``lower`` is the radius
+    of a ball around the origin in the Minkowski difference, or minus a length within which the
     difference has a point. Points a and b, from Ao, have ``a - b = upper n``, for ``aside`` see
     ``witness``. ``unique`` tells that the bounds exclude every clearly different direction: once
     they have met, faces turned elsewhere go on growing until none is as near. Work and memory are
