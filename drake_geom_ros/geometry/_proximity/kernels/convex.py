@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     bounding_radius,
     core_radius,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import add, add_scaled, norm, scale
+from drake_geom_ros.geometry._proximity.kernels.vectors import add, add_scaled, norm, scale, sub
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     NEAR_TOUCH,
@@ -80,14 +80,13 @@ def signed_distance_of_cores(
         depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, SHARPER_DEPTH * tolerance
         )
-        apart = upper
-        upper = min(upper, -least)
-        if upper + depth <= apart - lower + noise:  # the bounds around this one are the tighter
+        gap, upper = upper - lower, min(upper, -least)
+        if upper + depth <= gap + noise:  # the bounds around this one are the tighter
             distance, lower, n = -depth, max(lower, -depth), n_in
             unique = unique_in or distance > noise
-            # A point of both cores is no farther than the depth from the surface of either; GJK's
-            # pair is one but for the length between them.
-            if depth >= 0.0 and aside <= depth + apart:
+            # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's where
+            # they are apart or EPA saw a flat from one end.
+            if aside <= norm(sub(sub(a, b), scale(depth, n))):
                 a, b = a_in, b_in
             centre = scale(0.5, add(a, b))
             a, b = add_scaled(centre, 0.5 * depth, n), add_scaled(centre, -0.5 * depth, n)
