@@ -46,6 +46,17 @@ from drake_geom_ros.geometry.query_results import (
     SignedDistanceToPoint,
 )
 from drake_geom_ros.geometry.rgba import Rgba
+from drake_geom_ros.geometry.scalar_templates import (
+    FramePoseVector_,
+    PenetrationAsPointPair_,
+    QueryObject_,
+    SceneGraph_,
+    SceneGraphInspector_,
+    SignedDistancePair_,
+    SignedDistanceToPoint_,
+    SurfaceMesh_,
+    SurfaceVertex_,
+)
 from drake_geom_ros.geometry.scene_graph import SceneGraph
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.shapes import (
@@ -111,6 +122,16 @@ __all__ = [
     'SurfaceVertex',
     'SurfaceFace',
     'ReadObjToSurfaceMesh',
+    # The same by scalar type.
+    'FramePoseVector_',
+    'PenetrationAsPointPair_',
+    'QueryObject_',
+    'SceneGraph_',
+    'SceneGraphInspector_',
+    'SignedDistancePair_',
+    'SignedDistanceToPoint_',
+    'SurfaceMesh_',
+    'SurfaceVertex_',
     # Ours: contexts, result sequences, levels of accuracy, what there is to know of filters,
     'SceneGraphContext',
     'PenetrationResults',

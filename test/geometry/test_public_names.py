@@ -1,5 +1,7 @@
 """The public names are those of CORE_API.md: no more, no less, and all of them there."""
 
+import pytest
+
 import drake_geom_ros.geometry
 import drake_geom_ros.math
 
@@ -15,6 +17,8 @@ PYDRAKES = """
     CollisionFilterManager CollisionFilterDeclaration CollisionFilterScope
     QueryObject PenetrationAsPointPair SignedDistancePair SignedDistanceToPoint
     SurfaceMesh SurfaceVertex SurfaceFace ReadObjToSurfaceMesh
+    FramePoseVector_ PenetrationAsPointPair_ QueryObject_ SceneGraph_ SceneGraphInspector_
+    SignedDistancePair_ SignedDistanceToPoint_ SurfaceMesh_ SurfaceVertex_
 """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
 OURS = """
@@ -25,7 +29,7 @@ OURS = """
 """
 # Names of the page that only later work will fill: left out, not stubbed.
 LATER = """
-    ConnectDrakeVisualizer DispatchLoadMessage SceneGraph_ QueryObject_ FramePoseVector_
+    ConnectDrakeVisualizer DispatchLoadMessage
 """
 
 
@@ -38,9 +42,25 @@ def test_geometry():
 def test_math():
     assert sorted(drake_geom_ros.math.__all__) == [
         'RigidTransform',
+        'RigidTransform_',
         'RollPitchYaw',
+        'RollPitchYaw_',
         'RotationMatrix',
+        'RotationMatrix_',
+        'ScalarTemplate',
     ]
+
+
+@pytest.mark.parametrize('module', [drake_geom_ros.geometry, drake_geom_ros.math])
+def test_templates_have_the_one_scalar_type(module):
+    names = [name for name in module.__all__ if name.endswith('_')]
+    assert len(names) in (3, 9)
+    for name in names:
+        template = getattr(module, name)
+        assert template[float] is getattr(module, name[:-1])
+        assert repr(template) == name
+        with pytest.raises(RuntimeError, match=r'\[float\] only'):
+            template[complex]
 
 
 def test_every_name_exists_and_says_what_it_is():

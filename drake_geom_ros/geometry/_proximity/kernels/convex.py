@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
+    OVERLAP,
     distance_of_cores,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution import common_axis, depth_of_revolution
@@ -81,11 +82,11 @@ def signed_distance_of_cores(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, SHARPER_DEPTH * tolerance
         )
         gap, upper = upper - lower, min(upper, -least)
-        if upper + depth <= gap + noise:  # the bounds around this one are the tighter
+        if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
             distance, lower, n = -depth, max(lower, -depth), n_in
             unique = unique_in or distance > noise
-            # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's where
-            # they are apart or EPA saw a flat from one end.
+            # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's
+            # where they are apart or EPA saw a flat from one end.
             if aside <= norm(sub(sub(a, b), scale(depth, n))):
                 a, b = a_in, b_in
             centre = scale(0.5, add(a, b))
