@@ -23,7 +23,8 @@ def folder(tmp_path):
     (tmp_path / 'arm.urdf').write_text(URDF)
     (tmp_path / 'arm.srdf').write_text(SRDF)
     (tmp_path / 'parts').mkdir()
-    (tmp_path / 'parts' / 'm.obj').write_text('v 0 0 0')
+    tetrahedron = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n'
+    (tmp_path / 'parts' / 'm.obj').write_text(tetrahedron)
     return tmp_path
 
 

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry._proximity.kernels.polytope import (
     PLANE_WIDTH,
     add_faces,
     expand,
+    is_corner,
     link_tetrahedron,
     pop_living,
 )
@@ -111,10 +112,9 @@ def depth_of_cores(
 
     ``upper`` is the width of the overlap along the unit n (from A to B). ``lower`` is the radius
     of a ball around the origin in the Minkowski difference, or minus a length within which the
-    difference has a point. Points a and b, from Ao, have ``a - b = upper n``, for ``aside`` see
+    difference has a point. Points a and b, from Ao, have ``a - b = upper n``; ``aside`` is of
     ``witness``. ``unique`` tells that the bounds exclude every clearly different direction: once
-    they have met, faces turned elsewhere go on growing until none is as near. Work and memory are
-    in proportion to ``most_vertices``.
+    they have met, faces turned elsewhere go on growing until none is as near.
     """
     rows = 8 * most_vertices
     points, planes = np.empty((most_vertices, 9)), np.empty((rows, PLANE_WIDTH))
@@ -124,11 +124,10 @@ def depth_of_cores(
     enough = max(tolerance, ROUNDING * EPS * size)
     first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points)
     link_tetrahedron(points, faces)
-    count, total, settled = 4, 4, False
-    waiting = add_faces(points, faces, planes, heap, 0, 4, 0, size)
-    best, lower, n = np.inf, -np.inf, (1.0, 0.0, 0.0)
-    a, b = row(points, 0, 3), row(points, 0, 6)
-    unique = False
+    count, total, waiting, settled = 4, 4, 0, False
+    waiting = add_faces(points, faces, planes, heap, 0, total, waiting, size)
+    best, lower, unique = np.inf, -np.inf, False
+    n, a, b = column(R_WB, 0), row(points, 0, 3), row(points, 0, 6)
     while waiting > 0:
         f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0 or (settled and planes[f, OFFSET] > best + enough):
@@ -151,9 +150,8 @@ def depth_of_cores(
         if closed:
             settled = True
             continue
-        known = count == most_vertices
-        for k in range(3):  # a corner again: rounding has nothing more to offer here
-            known = known or row(points, faces[f, k], 0) == w
+        # A corner again: rounding has nothing more to offer here.
+        known = count == most_vertices or is_corner(points, faces, f, w)
         grown = total
         if not known:
             grown = expand(

@@ -65,6 +65,15 @@ def set_plane(faces, planes, points, f, size):
 
 
 @compiled
+def is_corner(points, faces, f, w):
+    """Tell whether w is a vertex of face f."""
+    for k in range(3):
+        if row(points, faces[f, k], 0) == w:
+            return True
+    return False
+
+
+@compiled
 def link_tetrahedron(points, faces):
     """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
     a, b, c, d = row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
