@@ -67,10 +67,8 @@ def set_plane(faces, planes, points, f, size):
 @compiled
 def is_corner(points, faces, f, w):
     """Tell whether w is a vertex of face f."""
-    for k in range(3):
-        if row(points, faces[f, k], 0) == w:
-            return True
-    return False
+    i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+    return row(points, i, 0) == w or row(points, j, 0) == w or row(points, k, 0) == w
 
 
 @compiled
