@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles import closed_forms
 from oracles.support_function import signed_distance
 from oracles.worlds import (
     geometry_table,
@@ -26,7 +27,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.pair_table import (
+    CLOSED_FORM,
+    CONVEX,
+    PAIR_TABLE,
+    SHAPE_NAMES,
+)
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
@@ -42,7 +48,7 @@ def pair_world(row, sizes, Rs, ps):
     """Return a world of the row's two shapes at poses Rs (2, 3, 3), ps (2, 3)."""
     frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [row.type_a, row.type_b], sizes))
-    world.set_poses(np.array([1, 2]), Rs, ps)
+    world.set_poses(np.array([1, 2]), Rs, np.asarray(ps))
     world.update()
     return world
 
@@ -90,6 +96,18 @@ def test_error_and_certificate(row, scale):
         normal = result[NORMAL : NORMAL + 3]
         assert abs(np.linalg.norm(normal) - 1.0) <= 1e-12
         np.testing.assert_allclose(gap, result[DISTANCE] * normal, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize(
+    'row', [r for r in PAIR_TABLE if r.method == CLOSED_FORM and r.type_b != CONVEX]
+)
+def test_closed_forms_against_fifty_digits(row):
+    for (size_A, size_B), (R_WA, R_WB), (p_WA, p_WB), _ in cases(row):
+        truth = closed_forms.signed_distance(
+            row.type_a, size_A, R_WA, row.type_b, size_B, R_WB, p_WB - p_WA
+        )
+        result = answer(pair_world(row, [size_A, size_B], np.array([R_WA, R_WB]), [p_WA, p_WB]))
+        assert abs(result[DISTANCE] - float(truth)) <= row.worst_error
 
 
 @pytest.mark.parametrize('offset', [1e3, 1e6])
