@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import dataclass
 from typing import Any
@@ -130,16 +129,3 @@ def _computed(computed: Any) -> list[Effect]:
         compiled,
         Effect('narrowphase', computed.narrowphase_pairs, seconds['narrowphase']),
     ]
-
-
-def worst_age(ages: dict[str, float]) -> tuple[str, float]:
-    """Return the name and age [s] of the frame with the oldest pose; ('', 0) without frames."""
-    if not ages:
-        return '', 0.0
-    name = max(ages, key=lambda n: (ages[n], n))
-    return name, ages[name]
-
-
-def describe_age(age: float) -> str:
-    """Return an age in words."""
-    return 'never posed' if math.isinf(age) else f'{age:.3f} s old'

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from drake_geom_ros.ros.cycle import describe_age, worst_age
 from drake_geom_ros.ros.live_scene import LiveScene
 
 _REASON_LENGTH = 120
@@ -39,7 +39,7 @@ class Diagnostics:
         status = DiagnosticStatus(name=self._name, hardware_id=self._name)
         ages = live.pose_ages()
         stale = sorted(name for name, age in ages.items() if age > stale_after)
-        oldest, age = worst_age(ages)
+        oldest, age = _worst_age(ages)
         status.level = DiagnosticStatus.OK
         status.message = f'{cycles} cycles, {self.taken} pose messages'
         if stale:
@@ -57,9 +57,22 @@ class Diagnostics:
             'pose messages refused': self.refused,
             'frames': len(ages),
             'stale frames': len(stale),
-            'oldest pose': f'{oldest}: {describe_age(age)}' if oldest else 'no frames',
+            'oldest pose': f'{oldest}: {_describe_age(age)}' if oldest else 'no frames',
             'scene version': live.version,
         }
         values |= {f'refused: {reason}': n for reason, n in self._reasons.most_common(5)}
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
         return DiagnosticArray(status=[status])
+
+
+def _worst_age(ages: dict[str, float]) -> tuple[str, float]:
+    """Return the name and age [s] of the frame with the oldest pose; ('', 0) without frames."""
+    if not ages:
+        return '', 0.0
+    name = max(ages, key=lambda n: (ages[n], n))
+    return name, ages[name]
+
+
+def _describe_age(age: float) -> str:
+    """Return an age in words."""
+    return 'never posed' if math.isinf(age) else f'{age:.3f} s old'

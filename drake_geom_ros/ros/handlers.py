@@ -33,6 +33,7 @@ from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.scene_conversions import (
     properties_from_message,
     role_from_number,
+    set_role,
     shape_from_message,
 )
 
@@ -83,7 +84,8 @@ def register_geometry(live: LiveScene, request: Any, response: Any) -> None:
     instance = GeometryInstance(
         pose_from_message(request.pose), shape_from_message(request.shape), request.name
     )
-    roles = [(role_from_number(r.role), properties_from_message(r)) for r in request.roles]
+    for role in request.roles:
+        set_role(instance, role)
     if request.parent_geometry:
         parent = live.names.geometry(request.parent_geometry)
         geometry = scene_graph.RegisterGeometry(source, parent, instance)
@@ -92,12 +94,6 @@ def register_geometry(live: LiveScene, request: Any, response: Any) -> None:
     else:
         frame = live.names.frame(request.frame, request.source)
         geometry = scene_graph.RegisterGeometry(source, frame, instance)
-    try:
-        for _, properties in roles:
-            scene_graph.AssignRole(source, geometry, properties)
-    except RuntimeError:
-        scene_graph.RemoveGeometry(source, geometry)
-        raise
     response.geometry_id = geometry.get_value()
 
 

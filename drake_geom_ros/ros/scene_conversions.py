@@ -16,6 +16,7 @@ from drake_geom_ros.geometry import (
     Ellipsoid,
     FrameId,
     GeometryId,
+    GeometryInstance,
     GeometryProperties,
     HalfSpace,
     IllustrationProperties,
@@ -140,6 +141,15 @@ def properties_from_message(message: Any) -> GeometryProperties:
             value = list(value)
         properties.AddProperty(group, entry.name, value)
     return properties
+
+
+def set_role(instance: GeometryInstance, message: Any) -> None:
+    """Give an instance the role of a Role message; raises RuntimeError where it has it already."""
+    properties = properties_from_message(message)
+    name = role_from_number(message.role).name.removeprefix('k').lower()
+    if getattr(instance, f'{name}_properties')() is not None:
+        raise ArgumentError(f'roles names the role {message.role} ({name}) twice')
+    getattr(instance, f'set_{name}_properties')(properties)
 
 
 def _fill_value(message: Any, value: Any) -> None:

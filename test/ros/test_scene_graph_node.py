@@ -265,6 +265,11 @@ def test_impossible_requests_are_refused_and_change_nothing(client):
     refused(call(srv.RegisterFrame, 'register_frame', source='nobody', name='x'), 'nobody')
     refused(call(srv.RegisterFrame, 'register_frame', source='refusals', name='a'), 'a')
     refused(call(srv.RegisterGeometry, 'register_geometry', shape=sphere, **place), 'radius', '-1')
+    ball = msg.Shape(type=msg.Shape.SPHERE, dimensions=[1.0])
+    twice = {'shape': ball, 'roles': [msg.Role(role=1), msg.Role(role=1)]}
+    refused(call(srv.RegisterGeometry, 'register_geometry', **twice, **place), 'twice')
+    taken = {**place, 'name': 'ball', 'shape': ball, 'roles': [msg.Role(role=1)]}
+    refused(call(srv.RegisterGeometry, 'register_geometry', **taken), 'ball')
     mesh = msg.Shape(type=msg.Shape.MESH, dimensions=[1.0], mesh_uri='x.obj')
     refused(call(srv.RegisterGeometry, 'register_geometry', shape=mesh, **place), 'x.obj')
     refused(call(srv.RemoveGeometry, 'remove_geometry', geometry='refusals::a/none'), 'none')

@@ -30,7 +30,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS
 _ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
 ADDRESSES = address_table(len(PAIR_TABLE))
-_COMPILED: set[int] = set()
+_COMPILED = np.zeros(len(PAIR_TABLE), dtype=np.bool_)
 
 
 def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -42,12 +42,12 @@ def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArra
 
 def compile_rows(rows: NDArray[np.int64]) -> list[str]:
     """Compile the kernels of table rows that are not compiled yet; return their names."""
+    missing = rows[(rows >= 0) & ~_COMPILED[rows]]
     names: dict[str, None] = {}
-    for row in np.unique(rows[rows >= 0]).tolist():
-        if row not in _COMPILED:
-            ADDRESSES[row] = compiled_address(PAIR_TABLE[row].load_kernel())
-            _COMPILED.add(row)
-            names[PAIR_TABLE[row].kernel] = None
+    for row in np.unique(missing).tolist():
+        ADDRESSES[row] = compiled_address(PAIR_TABLE[row].load_kernel())
+        _COMPILED[row] = True
+        names[PAIR_TABLE[row].kernel] = None
     return list(names)
 
 

@@ -32,7 +32,8 @@ def filters_of(world):
 
 def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
     asked = []
-    monkeypatch.setattr(narrow_phase, '_COMPILED', set())
+    nothing = np.zeros_like(narrow_phase._COMPILED)
+    monkeypatch.setattr(narrow_phase, '_COMPILED', nothing)
     monkeypatch.setattr(
         narrow_phase, 'compiled_address', lambda kernel: asked.append(kernel.__name__) or 0
     )
