@@ -32,6 +32,7 @@ class SceneGraphContext:
         self._built = self._versions()
         self._frames_of: tuple[int, dict[SourceId, Indices]] = (-1, {})
         self._world = World(*_tables(model))
+        self._snapshot: Model | None = None
 
     def copy(self) -> SceneGraphContext:
         """Return a context that shares nothing that either could change."""
@@ -43,17 +44,23 @@ class SceneGraphContext:
         other._built = other._versions()
         other._frames_of = (-1, {})
         other._world = self._up_to_date_world().copy()
+        other._snapshot = None
         return other
 
     def what_if(self) -> SceneGraphContext:
-        """Return a context with poses of its own over the same model and filters.
+        """Return a snapshot that may be posed and queried, in another thread too, at little cost.
 
-        For queries only: a change of its model would be one of this context's.
+        For queries only: the snapshots of one state of the model share a copy of it.
         """
+        world = self._up_to_date_world()
+        if self._snapshot is None or self._snapshot.versions != self._model.versions:
+            self._snapshot = self._model.copy()
         other = SceneGraphContext.__new__(SceneGraphContext)
         other.__dict__.update(self.__dict__)
+        other._model = self._snapshot
+        other._filters = self._filters.copy()
         other._engine = Engine()
-        other._world = self._up_to_date_world().copy()
+        other._world = world.copy()
         return other
 
     def set_default_accuracy(self, accuracy: str) -> None:
@@ -67,8 +74,7 @@ class SceneGraphContext:
         """
         world = self._up_to_date_world()
         names = self._engine.prepare(world)
-        pairs = self._engine.candidates(world, self._filters, 0.0)
-        self._engine.signed_distances(world, pairs, self._accuracy, 0.0)
+        self._engine.signed_distances(world, self._filters, self._accuracy, 0.0)
         return names
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
@@ -77,9 +83,9 @@ class SceneGraphContext:
         Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
-        own = self._source_frames(source_id)
-        given = np.sort(poses._ids)
-        if not np.array_equal(given, own):
+        own, given = self._source_frames(source_id), poses._ids
+        # Mostly the frames come in the order of their ids.
+        if given.tobytes() != own.tobytes() and not np.array_equal(given := np.sort(given), own):
             problems = []
             if missing := np.setdiff1d(own, given).tolist():
                 problems.append(f'these frames of it have no pose: {self._describe(missing)}')
@@ -89,7 +95,7 @@ class SceneGraphContext:
                 f"Poses for source '{self._model.source_name(source_id)}' were refused, nothing "
                 f"was changed: {'; '.join(problems)}. Each fix needs exactly the source's frames."
             )
-        self._set(poses)
+        self.UpdateFramePoses(poses)
 
     def _source_frames(self, source_id: SourceId) -> Indices:
         """Return the ids of a source's frames, ascending; looked up once a version."""
@@ -106,17 +112,15 @@ class SceneGraphContext:
 
         Raises PoseError when a frame does not exist; nothing changes then.
         """
-        known = self._up_to_date_world().has_frames(poses._ids)
-        if not known.all():
+        world = self._up_to_date_world()
+        rows = world.rows_to_pose(poses._ids)
+        if rows is None:
+            unknown = poses._ids[~world.has_frames(poses._ids)]
             raise PoseError(
                 'Poses were refused, nothing was changed: these frames are not in this scene: '
-                f'{self._describe(sorted(poses._ids[~known].tolist()))}.'
+                f'{self._describe(sorted(unknown.tolist()))}.'
             )
-        self._set(poses)
-
-    def _set(self, poses: FramePoseVector) -> None:
-        world = self._up_to_date_world()
-        world.set_poses(world.frame_rows(poses._ids), poses._R_PFs, poses._p_PFs)
+        world.set_poses(rows, poses._R_PFs, poses._p_PFs)
 
     def _describe(self, values: list[int]) -> str:
         """Name frames for an error message."""

@@ -7,11 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.instances import checked_pose, checked_type
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses
+from drake_geom_ros.math.tolerances import QUATERNION_NORM
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -48,18 +50,18 @@ class FramePoseVector:
         off unit length by more than 1e-3, or a frame that is named twice.
         """
         ids = _id_values(frame_ids)
-        try:
-            R_PFs, p_PFs = matrices_from_poses(poses)
-        except RuntimeError as error:
-            raise PoseError(f'FramePoseVector.FromArrays: {error}') from None
+        R_PFs, p_PFs = _matrices(poses)
         if len(ids) != len(p_PFs):
             raise PoseError(
                 f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(p_PFs)} poses'
             )
-        values, counts = np.unique(ids, return_counts=True)
-        if len(values) != len(ids):
-            twice = values[counts > 1][0]
-            raise PoseError(f'FramePoseVector.FromArrays: frame {twice} is named more than once')
+        if not ascending(ids):
+            values, counts = np.unique(ids, return_counts=True)
+            if len(values) != len(ids):
+                twice = values[counts > 1][0]
+                raise PoseError(
+                    f'FramePoseVector.FromArrays: frame {twice} is named more than once'
+                )
         vector = cls()
         vector._values, vector._arrays = None, (ids, R_PFs, p_PFs)
         return vector
@@ -144,6 +146,19 @@ class FramePoseVector:
                 np.array([X.translation() for X in X_PFs]).reshape(-1, 3),
             )
         return self._arrays
+
+
+def _matrices(poses: ArrayLike) -> tuple[Floats, Floats]:
+    """Return R (n, 3, 3) and p (n, 3) of poses (n, 7); raises PoseError for what is no pose."""
+    if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.ndim == 2:
+        n = len(poses)
+        Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
+        if poses.shape[1] == 7 and read_poses(poses, QUATERNION_NORM, Rs, ps) == n:
+            return Rs, ps
+    try:
+        return matrices_from_poses(poses)
+    except RuntimeError as error:
+        raise PoseError(f'FramePoseVector.FromArrays: {error}') from None
 
 
 def _id_values(frame_ids: Sequence[FrameId] | NDArray[np.integer]) -> Indices:

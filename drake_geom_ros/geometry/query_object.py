@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.engine import Effects, PairBatch
-from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE
+from drake_geom_ros.geometry._proximity.engine import Effects
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
@@ -97,11 +96,18 @@ class QueryObject:
         Touching is not penetrating: the depth must exceed ``TOUCHING_DEPTH`` times the pair's
         size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``.
         """
-        return PenetrationResults(self._penetrating(accuracy))
+        context = self._context
+        world = context._up_to_date_world()
+        level = self._level(accuracy)
+        return PenetrationResults(
+            context._engine.signed_distances(world, context._filters, level, 0.0, True)
+        )
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
-        """Return whether ComputePointPairPenetration would report a pair."""
-        return len(self._penetrating(accuracy).pairs) > 0
+        """Return whether ComputePointPairPenetration would report a pair; stops at the first."""
+        context = self._context
+        world = context._up_to_date_world()
+        return context._engine.has_overlap(world, context._filters, self._level(accuracy))
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self, max_distance: float = math.inf, *, accuracy: str | None = None
@@ -115,9 +121,10 @@ class QueryObject:
         _check_distance('max_distance', max_distance)
         context = self._context
         world = context._up_to_date_world()
-        pairs = context._engine.candidates(world, context._filters, max_distance)
-        batch = context._engine.signed_distances(world, pairs, self._level(accuracy), max_distance)
-        return SignedDistanceResults(batch.where(batch.rows[:, DISTANCE] <= max_distance))
+        level = self._level(accuracy)
+        return SignedDistanceResults(
+            context._engine.signed_distances(world, context._filters, level, max_distance)
+        )
 
     def ComputeSignedDistancePairClosestPoints(
         self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
@@ -150,10 +157,9 @@ class QueryObject:
                 'See CollisionFilterManager for how to allow it.'
             )
         world = context._up_to_date_world()
-        world.update()
         pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
-        batch = context._engine.signed_distances(world, pair, self._level(accuracy), math.inf)
-        if not len(batch.pairs):
+        batch = context._engine.distance_of_pair(world, pair, self._level(accuracy))
+        if not len(batch.ids):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
@@ -200,14 +206,6 @@ class QueryObject:
         world = context._up_to_date_world()
         points = np.ascontiguousarray(np.atleast_2d(p_WQs))
         return PointDistanceResults(context._engine.point_distances(world, points, threshold))
-
-    def _penetrating(self, accuracy: str | None) -> PairBatch:
-        """Return the batch of the pairs that overlap."""
-        context = self._context
-        world = context._up_to_date_world()
-        pairs = context._engine.candidates(world, context._filters, 0.0)
-        batch = context._engine.signed_distances(world, pairs, self._level(accuracy), 0.0)
-        return batch.where(batch.penetrating())
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

@@ -14,7 +14,14 @@ from typing import Generic, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.engine import PairBatch, PointBatch
+from drake_geom_ros.geometry._proximity.batches import (
+    P_ACA,
+    P_BCB,
+    P_FACA,
+    P_FBCB,
+    PairBatch,
+    PointBatch,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
@@ -137,6 +144,11 @@ class ResultSequence(Sequence[Record], Generic[Record]):
         raise NotImplementedError
 
 
+def _vector(row: Floats, column: int) -> Floats:
+    """Return three numbers of a row as an array of its own."""
+    return row[column : column + 3].copy()
+
+
 def _from_world(R_WGs: Floats, vectors_W: Floats) -> Floats:
     """Express World vectors (k, 3) in the frames of R_WGs (k, 3, 3): R^T v for each."""
     vectors_G: Floats = np.einsum('kji,kj->ki', R_WGs, vectors_W)
@@ -147,16 +159,19 @@ class _PairSequence(ResultSequence[Record]):
     """What both pair results share: ids, normals, bounds and methods."""
 
     def __init__(self, batch: PairBatch) -> None:
-        super().__init__(len(batch.pairs))
-        world = batch.world
+        super().__init__(len(batch.ids))
         self._batch = batch
         self._rows = batch.rows
-        # Taken now: the world may move on before somebody reads an array.
-        self._R_WGs = world.R_WGs[batch.pairs]
-        self._p_WGs = world.p_WGs[batch.pairs]
-        ids = world.geometries.ids[batch.pairs]
-        self.id_A: NDArray[np.int64] = ids[:, 0]
-        self.id_B: NDArray[np.int64] = ids[:, 1]
+
+    @property
+    def id_A(self) -> NDArray[np.int64]:
+        """Id values (k,) of the first geometries."""
+        return self._batch.ids[:, 0]
+
+    @property
+    def id_B(self) -> NDArray[np.int64]:
+        """Id values (k,) of the second geometries."""
+        return self._batch.ids[:, 1]
 
     @property
     def nhat_BA_W(self) -> Floats:
@@ -166,12 +181,12 @@ class _PairSequence(ResultSequence[Record]):
     @property
     def p_WCa(self) -> Floats:
         """Witness points on A (k, 3) [m], in World."""
-        return self._p_WGs[:, 0] + self._rows[:, WITNESS_A : WITNESS_A + 3]
+        return self._rows[:, WITNESS_A : WITNESS_A + 3]
 
     @property
     def p_WCb(self) -> Floats:
         """Witness points on B (k, 3) [m], in World."""
-        return self._p_WGs[:, 0] + self._rows[:, WITNESS_B : WITNESS_B + 3]
+        return self._rows[:, WITNESS_B : WITNESS_B + 3]
 
     @property
     def error_bound(self) -> Floats:
@@ -194,13 +209,13 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
 
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]
-        p_WA = self._p_WGs[k, 0]
+        id_A, id_B = self._batch.ids[k].tolist()
         return PenetrationAsPointPair(
-            id_A=GeometryId(int(self.id_A[k])),
-            id_B=GeometryId(int(self.id_B[k])),
-            p_WCa=p_WA + row[WITNESS_A : WITNESS_A + 3],
-            p_WCb=p_WA + row[WITNESS_B : WITNESS_B + 3],
-            nhat_BA_W=row[NORMAL : NORMAL + 3].copy(),
+            id_A=GeometryId(id_A),
+            id_B=GeometryId(id_B),
+            p_WCa=_vector(row, WITNESS_A),
+            p_WCb=_vector(row, WITNESS_B),
+            nhat_BA_W=_vector(row, NORMAL),
             depth=-float(row[DISTANCE]),
             error_bound=float(row[ERROR_BOUND]),
             method=int(row[METHOD]),
@@ -210,16 +225,12 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
 class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     """The signed distances of pairs, sorted by (id_A, id_B)."""
 
-    def __init__(self, batch: PairBatch) -> None:
-        super().__init__(batch)
-        self._p_WFs = batch.world.p_WFs[batch.world.geometries.frames[batch.pairs]]
-
     def penetrations(self) -> PenetrationResults:
         """Return those of these pairs that ComputePointPairPenetration would report.
 
-        Valid until the context moves on: one narrow phase serves both answers of a cycle.
+        One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.where(self._batch.penetrating()))
+        return PenetrationResults(self._batch.penetrating())
 
     @property
     def distance(self) -> Floats:
@@ -234,33 +245,28 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     @property
     def p_ACa(self) -> Floats:
         """Witness points on A (k, 3) [m], each in its A's frame."""
-        return _from_world(self._R_WGs[:, 0], self._rows[:, WITNESS_A : WITNESS_A + 3])
+        return self._rows[:, P_ACA : P_ACA + 3]
 
     @property
     def p_BCb(self) -> Floats:
         """Witness points on B (k, 3) [m], each in its B's frame."""
-        p_AB_W = self._p_WGs[:, 1] - self._p_WGs[:, 0]
-        p_ACb_W = self._rows[:, WITNESS_B : WITNESS_B + 3]
-        return _from_world(self._R_WGs[:, 1], p_ACb_W - p_AB_W)
+        return self._rows[:, P_BCB : P_BCB + 3]
 
     def _record(self, k: int) -> SignedDistancePair:
         row = self._rows[k]
-        R_WA, R_WB = self._R_WGs[k]
-        p_WA, p_WB = self._p_WGs[k]
-        p_ACa_W = row[WITNESS_A : WITNESS_A + 3]
-        p_BCb_W = row[WITNESS_B : WITNESS_B + 3] - (p_WB - p_WA)
+        id_A, id_B = self._batch.ids[k].tolist()
         return SignedDistancePair(
-            id_A=GeometryId(int(self.id_A[k])),
-            id_B=GeometryId(int(self.id_B[k])),
-            p_ACa=R_WA.T @ p_ACa_W,
-            p_BCb=R_WB.T @ p_BCb_W,
+            id_A=GeometryId(id_A),
+            id_B=GeometryId(id_B),
+            p_ACa=_vector(row, P_ACA),
+            p_BCb=_vector(row, P_BCB),
             distance=float(row[DISTANCE]),
-            nhat_BA_W=row[NORMAL : NORMAL + 3].copy(),
+            nhat_BA_W=_vector(row, NORMAL),
             is_nhat_BA_W_unique=bool(row[UNIQUE]),
             error_bound=float(row[ERROR_BOUND]),
             method=int(row[METHOD]),
-            _p_FaCa_W=(p_WA - self._p_WFs[k, 0]) + p_ACa_W,
-            _p_FbCb_W=(p_WB - self._p_WFs[k, 1]) + p_BCb_W,
+            _p_FaCa_W=_vector(row, P_FACA),
+            _p_FbCb_W=_vector(row, P_FBCB),
         )
 
 
@@ -268,13 +274,11 @@ class PointDistanceResults(ResultSequence[SignedDistanceToPoint]):
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
     def __init__(self, batch: PointBatch) -> None:
-        super().__init__(len(batch.geometries))
-        world = batch.world
+        super().__init__(len(batch.ids))
         self._rows = batch.rows
-        self._R_WGs = world.R_WGs[batch.geometries]
-        # The kernel's A is the point, so witnesses are measured from it.
-        self._p_GQs_W = batch.p_WQs[batch.points] - world.p_WGs[batch.geometries]
-        self.id_G: NDArray[np.int64] = world.geometries.ids[batch.geometries]
+        self._R_WGs = batch.R_WGs
+        self._p_GQs_W = batch.p_GQs_W
+        self.id_G: NDArray[np.int64] = batch.ids
         self.point_index: NDArray[np.uint32] = batch.points.astype(np.uint32)
 
     @property

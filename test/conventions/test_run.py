@@ -92,6 +92,7 @@ def test_an_unknown_command_is_named():
     [
         ('requirements/core.txt', [False, True, False]),
         ('requirements/lock.txt', [False, True, False]),
+        ('requirements/peers.txt', [False, False, False]),
         ('requirements/ros.txt', [False, True, True]),
         ('requirements/build.txt', [False, True, True]),
         ('msg_defs/msg/Shape.msg', [False, False, True]),

@@ -6,8 +6,10 @@ from oracles.small_scene import SmallScene
 
 from drake_geom_ros.geometry import (
     ArgumentError,
+    CollisionFilterDeclaration,
     FrameId,
     FramePoseVector,
+    GeometrySet,
     PoseError,
     QueryObject,
     UnknownIdError,
@@ -69,6 +71,22 @@ def test_what_if_has_poses_of_its_own(scene):
     other.UpdateFramePoses(poses((scene.upper, 7)))
     assert x_of(scene, scene.upper, QueryObject(other)) == 7
     assert x_of(scene, scene.upper) == 1
+
+
+def test_a_snapshot_does_not_see_what_comes_after(scene):
+    scene.context.UpdateFramePoses(poses((scene.upper, 1)))
+    snapshot = QueryObject(scene.context.what_if())
+    before = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    scene.context.UpdateFramePoses(poses((scene.upper, 7)))
+    manager = scene.scene_graph.collision_filter_manager(scene.context)
+    everything = GeometrySet(scene.scene_graph.model_inspector().GetAllGeometryIds())
+    manager.Apply(CollisionFilterDeclaration().ExcludeWithin(everything))
+    scene.scene_graph.RemoveGeometry(scene.context, scene.arm, scene.box)
+    assert len(scene.query.ComputeSignedDistancePairwiseClosestPoints()) == 0
+    after = snapshot.ComputeSignedDistancePairwiseClosestPoints()
+    assert len(before) > 0
+    np.testing.assert_array_equal(after.distance, before.distance)
+    assert scene.box in snapshot.inspector().GetAllGeometryIds()
 
 
 def test_a_shared_context_follows_its_model(scene):

@@ -323,8 +323,12 @@ def test_effects_tell_what_ran():
     effects = scene.query.effects()
     assert effects.frames_moved == 0
     assert effects.geometries_updated == 0
+    assert (effects.cached_pairs, effects.narrowphase_pairs) == (1, 0)
+    scene.pose([0, 0, 0], [0.6, 0, 0])
+    scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    effects = scene.query.effects()
     assert effects.pairs_by_method == {'closed_form': 1}
-    assert set(effects.seconds) == {'update', 'broadphase', 'filter', 'compile', 'narrowphase'}
+    assert set(effects.seconds) == {'update', 'broadphase', 'compile', 'narrowphase'}
     manager = scene.graph.collision_filter_manager(scene.context)
     manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(scene.geometries)))
     scene.query.ComputeSignedDistancePairwiseClosestPoints()

@@ -1,52 +1,101 @@
-"""Broad phase: from bounds to the pairs that can be within a distance of one another."""
+"""Broad phase: from bounds to the pairs that can be within a distance of one another.
+
+One algorithm for all scenes, a sweep along the axis on which the bodies lie farthest apart. It is
+asked seldom, because ``near_list`` keeps its answer while nobody has moved far, and then only for
+the bodies that move: those that rest were sorted once. (A hashed grid is faster for one sweep of
+1000 equal balls, and much slower where sizes differ.)
+"""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry._proximity.world import World
 
+Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+WIDE = 4.0  # times the mean width: such bodies would make every sweep begin far back
 
 
-def candidate_pairs(world: World, max_distance: float) -> Indices:
-    """Return the pairs (k, 2), i < j in each and in lexical order, that may be within reach.
+class Boxes(NamedTuple):
+    """Boxes around some bodies, sorted by their lower ends along an axis."""
 
-    A pair is left out when both are anchored, or when the boxes around them are farther apart
-    than ``max_distance`` [m]. For a half space its plane takes the place of the box. With an
-    infinite ``max_distance`` every pair that is not anchored twice is a candidate.
+    axis: int
+    bodies: Indices  # (m,) rows of the world
+    lowers: Floats  # (m, 3) [m]
+    uppers: Floats  # (m, 3) [m]
+    widest: float  # along the axis [m]
+
+
+def widest_axis(p_WGs: Floats) -> int:
+    """Return the axis along which points (n, 3) are spread most."""
+    return int(np.argmax(np.ptp(p_WGs, axis=0))) if len(p_WGs) else 0
+
+
+def sorted_boxes(
+    axis: int, bodies: Indices, p_WGs: Floats, half_extents: Floats, paddings: Floats
+) -> Boxes:
+    """Return the boxes of ``bodies``, each wider by its padding on every side."""
+    p, half = p_WGs[bodies], half_extents[bodies] + paddings[bodies, None]
+    # What rounding may have taken off: a few spacings at the corners.
+    half += 4.0 * EPS * (np.abs(p) + half)
+    order = np.argsort(p[:, axis] - half[:, axis], kind='stable')
+    p, half = p[order], half[order]
+    widest = 2.0 * float(half[:, axis].max(initial=0.0))
+    return Boxes(axis, bodies[order], p - half, p + half, widest)
+
+
+def split_wide(bodies: Indices, half_extents: Floats, axis: int) -> tuple[Indices, Indices]:
+    """Return the ordinary bodies and those that are several times wider than the mean."""
+    widths = half_extents[bodies, axis]
+    wide = widths > WIDE * (widths.mean() if len(widths) else 0.0)
+    return bodies[~wide], bodies[wide]
+
+
+def pairs_within(boxes: Boxes) -> Indices:
+    """Return the pairs (k, 2) of bodies whose boxes overlap."""
+    return _grown(lambda pairs: _sweep_within(*boxes[:4], pairs), 64 + 8 * len(boxes.bodies))
+
+
+def pairs_between(some: Boxes, others: Boxes, skipped: Flags) -> Indices:
+    """Return the pairs (k, 2) of one of ``some`` and one of ``others`` whose boxes overlap.
+
+    Those of ``others`` for which ``skipped`` (n,) holds are left out.
     """
-    n = world.geometry_count
-    if not math.isfinite(max_distance):
-        i, j = np.triu_indices(n, k=1)
-        free = ~(world.anchored[i] & world.anchored[j])
-        return np.column_stack((i[free], j[free])).astype(np.int64)
-    bounded = np.isfinite(world.half_extents[:, 0])
-    rows = np.flatnonzero(bounded)
-    planes = np.flatnonzero(~bounded)
-    order = rows[_sweep_order(world, rows)]
-    capacity = 64 + 4 * n
-    while True:
-        pairs = np.empty((capacity, 2), dtype=np.int64)
-        args = (world.p_WGs, world.half_extents, world.anchored, max_distance, pairs)
-        count = _sweep(order, *args)
-        if planes.size:
-            count = _against_planes(planes, rows, world.R_WGs, *args, count)
-        if count <= capacity:
-            break
-        capacity = count
-    found = pairs[:count]
-    return found[np.lexsort((found[:, 1], found[:, 0]))]
+    return _grown(
+        lambda pairs: _sweep_between(*some, *others[1:], skipped, pairs),
+        64 + 8 * len(some.bodies),
+    )
 
 
-def _sweep_order(world: World, rows: Indices) -> Indices:
-    """Return the order of ``rows`` by the lower ends of their boxes along the x axis."""
-    return np.argsort(world.p_WGs[rows, 0] - world.half_extents[rows, 0], kind='stable')
+def _grown(sweep, room: int) -> Indices:  # type: ignore[no-untyped-def]
+    """Run a sweep that counts on where its room ends, again if it was too little."""
+    pairs = np.empty((room, 2), dtype=np.int64)
+    count = sweep(pairs)
+    if count > room:
+        pairs = np.empty((count, 2), dtype=np.int64)
+        sweep(pairs)
+    return pairs[:count]
+
+
+@compiled
+def _overlap(lowers_a, uppers_a, a, lowers_b, uppers_b, b):  # type: ignore[no-untyped-def]
+    """Tell whether two boxes share a point."""
+    return (
+        lowers_a[a, 0] <= uppers_b[b, 0]
+        and lowers_b[b, 0] <= uppers_a[a, 0]
+        and lowers_a[a, 1] <= uppers_b[b, 1]
+        and lowers_b[b, 1] <= uppers_a[a, 1]
+        and lowers_a[a, 2] <= uppers_b[b, 2]
+        and lowers_b[b, 2] <= uppers_a[a, 2]
+    )
 
 
 @compiled
@@ -59,56 +108,62 @@ def _put(pairs, count, i, j):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _slack(p, half_extents, i):  # type: ignore[no-untyped-def]
-    """Return what rounding may have taken off the box of i: a few spacings at its corners."""
-    reach = 0.0
-    for k in range(3):
-        reach = max(reach, abs(p[i, k]) + half_extents[i, k])
-    return 4.0 * EPS * reach
-
-
-@compiled
-def _sweep(order, p, half_extents, anchored, max_distance, pairs):  # type: ignore[no-untyped-def]
-    """Sweep along x and keep the pairs whose boxes come within the distance of one another."""
+def _sweep_within(axis, bodies, lowers, uppers, pairs):  # type: ignore[no-untyped-def]
+    """Sweep one set of boxes; return how many pairs there are."""
     count = 0
-    reach = max_distance * max_distance
-    for a in range(order.size):
-        i = order[a]
-        slack_i = _slack(p, half_extents, i)
-        end = p[i, 0] + half_extents[i, 0] + max_distance
-        for b in range(a + 1, order.size):
-            j = order[b]
-            slack = slack_i + _slack(p, half_extents, j)
-            if p[j, 0] - half_extents[j, 0] > end + slack:
+    for a in range(bodies.size):
+        end = uppers[a, axis]
+        for b in range(a + 1, bodies.size):
+            if lowers[b, axis] > end:
                 break
-            if anchored[i] and anchored[j]:
-                continue
-            squared = 0.0
-            for k in range(3):
-                gap = abs(p[i, k] - p[j, k]) - half_extents[i, k] - half_extents[j, k] - slack
-                if gap > 0.0:
-                    squared += gap * gap
-            if squared <= reach * (1.0 + 4.0 * EPS):
-                count = _put(pairs, count, i, j)
+            if _overlap(lowers, uppers, a, lowers, uppers, b):
+                count = _put(pairs, count, bodies[a], bodies[b])
     return count
 
 
 @compiled
-def _against_planes(  # type: ignore[no-untyped-def]
-    planes, rows, R, p, half_extents, anchored, max_distance, pairs, count
+def _sweep_between(  # type: ignore[no-untyped-def]
+    axis, some, lowers, uppers, _, others, other_lowers, other_uppers, widest, skipped, pairs
 ):
-    """Keep the pairs of a half space and a box that reaches its plane within the distance."""
-    for a in range(planes.size):
-        h = planes[a]
-        for b in range(rows.size):
-            g = rows[b]
-            if anchored[h] and anchored[g]:
-                continue
-            height, extent, size = 0.0, 0.0, 0.0
-            for k in range(3):
-                height += R[h, k, 2] * (p[g, k] - p[h, k])
-                extent += abs(R[h, k, 2]) * half_extents[g, k]
-                size += abs(p[g, k]) + abs(p[h, k]) + half_extents[g, k]
-            if height - extent <= max_distance + 4.0 * EPS * size:
-                count = _put(pairs, count, h, g)
+    """Sweep two sets of boxes against each other; return how many pairs there are."""
+    count, first = 0, 0
+    for a in range(some.size):
+        # Boxes are sorted by their lower ends, so nobody needs to look back behind the first one
+        # that the widest box could still reach.
+        start, end = lowers[a, axis] - widest, uppers[a, axis]
+        while first < others.size and other_lowers[first, axis] < start:
+            first += 1
+        for b in range(first, others.size):
+            if other_lowers[b, axis] > end:
+                break
+            if not skipped[others[b]] and _overlap(
+                lowers, uppers, a, other_lowers, other_uppers, b
+            ):
+                count = _put(pairs, count, some[a], others[b])
     return count
+
+
+@compiled
+def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
+    squared, reach = 0.0, 0.0
+    for k in range(3):
+        p, q = p_WGs[i, k], p_WGs[j, k]
+        sizes = half_extents[i, k] + half_extents[j, k]
+        reach = max(reach, abs(p) + abs(q) + sizes)
+        gap = abs(p - q) - sizes
+        if gap > 0.0:
+            squared += gap * gap
+    # Rounding of the corners: a few spacings where they are.
+    return max(0.0, math.sqrt(squared) - 4.0 * EPS * reach)
+
+
+@compiled
+def plane_gap(R_WGs, p_WGs, half_extents, h, g):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the box around g above the half space h."""
+    height, extent, size = 0.0, 0.0, 0.0
+    for k in range(3):
+        height += R_WGs[h, k, 2] * (p_WGs[g, k] - p_WGs[h, k])
+        extent += abs(R_WGs[h, k, 2]) * half_extents[g, k]
+        size += abs(p_WGs[g, k]) + abs(p_WGs[h, k]) + half_extents[g, k]
+    return height - extent - 4.0 * EPS * size

@@ -1,27 +1,33 @@
-"""The cycle of a query, top to bottom: candidates, filter, kernels, rows of numbers."""
+"""The cycle of a query, top to bottom: near pairs, what is known of them, kernels, arrays out."""
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.broadphase import candidate_pairs
+from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernels import calling
-from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, METHOD, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     ADDRESSES,
-    bound_phase,
+    BY_METHOD,
+    CACHED,
+    COUNTS,
+    FAR,
+    answer_pairs,
     compile_rows,
-    narrow_phase,
-    point_phase,
+    near_pairs,
     table_rows,
 )
+from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import SPHERE
-from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.point_phase import point_phase
+from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
 Floats = NDArray[np.float64]
@@ -35,144 +41,225 @@ METHODS = {
     'mesh': calling.MESH,
     'bound_only': calling.BOUND_ONLY,
 }
-_METHOD_NAMES = {number: name for name, number in METHODS.items()}
+_GAPS = {'bound': math.inf, **LEVEL_GAPS}
+STEPS = ('update', 'broadphase', 'compile', 'narrowphase')  # of a query, in order
+_KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
 
 
 @dataclass
 class Effects:
-    """What a query did and skipped: counts and seconds."""
+    """What a query did and skipped: counts and seconds.
+
+    ``broadphase_pairs = filtered_pairs + far_pairs + cached_pairs + narrowphase_pairs``, but in
+    HasCollisions, which stops at the first contact.
+    """
 
     frames_moved: int = 0
     geometries_updated: int = 0
-    broadphase_pairs: int = 0
+    broadphase_pairs: int = 0  # near enough to be looked at
     filtered_pairs: int = 0
-    narrowphase_pairs: int = 0
-    pairs_by_method: dict[str, int] = field(default_factory=dict)
+    far_pairs: int = 0  # too far apart, by their bounds or by how little they can have moved
+    cached_pairs: int = 0  # answered from the last result, because both bodies rest
+    narrowphase_pairs: int = 0  # computed by a kernel
+    pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
+    near_list_made: bool = False  # the broad phase ran
     kernels_compiled: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
 
 
-class PairBatch:
-    """The answers of one query: index pairs (k, 2) into the world, and their result rows."""
-
-    def __init__(self, world: World, pairs: Indices, rows: Floats) -> None:
-        self.world = world
-        self.pairs = pairs
-        self.rows = rows
-
-    def where(self, keep: NDArray[np.bool_]) -> PairBatch:
-        """Return the batch of the pairs in ``keep`` (k,)."""
-        return PairBatch(self.world, self.pairs[keep], self.rows[keep])
-
-    def penetrating(self) -> NDArray[np.bool_]:
-        """Return which pairs overlap by more than touching, that is by more than rounding."""
-        radii = self.world.outer_radii[self.pairs]
-        # A half space has no size of its own: the pair's size is the other body's.
-        sizes = np.where(np.isfinite(radii), radii, 0.0).sum(axis=1)
-        return self.rows[:, DISTANCE] < -TOUCHING_DEPTH * sizes  # type: ignore[no-any-return]
-
-
-@dataclass(frozen=True)
-class PointBatch:
-    """The answers of a point query: k rows, each of a point and a geometry by index."""
-
-    world: World
-    p_WQs: Floats  # (m, 3) [m]
-    points: Indices  # (k,)
-    geometries: Indices  # (k,)
-    rows: Floats
-
-
 class Engine:
-    """Answers pair queries on a world under the filters, and tells what that took."""
+    """Answers queries on a world under the filters, and tells what that took.
+
+    It belongs to one context: what it knows of pairs holds for the world that it saw last.
+    """
 
     def __init__(self) -> None:
-        self.effects = Effects()
+        self._world: World | None = None
+        self._lists: dict[bool, NearList] = {}
+        self._hits: Indices = np.zeros(0, dtype=np.int64)
+        self._last: tuple[tuple[object, ...], PairBatch] | None = None
+        self._last_contact = 0
+        # What the last query did; put in words only for those who ask.
+        self._counts = np.zeros(COUNTS, dtype=np.int64)
+        self._moved = 0, 0
+        self._considered = self._filtered = 0
+        self._list_made = False
+        self._kernels: list[str] = []
+        self._times = [0.0] * 5
+
+    @property
+    def effects(self) -> Effects:
+        """What the last query did and what it skipped."""
+        counts, times = self._counts.tolist(), self._times
+        steps = zip(STEPS, times, times[1:], strict=False)
+        return Effects(
+            *self._moved,
+            *(self._considered, self._filtered, counts[FAR], counts[CACHED]),
+            narrowphase_pairs=sum(counts[BY_METHOD:]),
+            pairs_by_method={
+                name: counts[BY_METHOD + number]
+                for name, number in METHODS.items()
+                if counts[BY_METHOD + number]
+            },
+            near_list_made=self._list_made,
+            kernels_compiled=list(self._kernels),
+            seconds={step: end - start for step, start, end in steps},
+        )
 
     def prepare(self, world: World) -> list[str]:
-        """Compile the kernels of the shape pairs that the world has; return their names."""
-        types = np.unique(world.geometries.types)
-        return compile_rows(table_rows(types[:, None], types[None, :]))
+        """Compile the kernels of the shape pairs that the world can have; return their names."""
+        types = world.geometries.types
+        moving = np.unique(types[~world.anchored])
+        return compile_rows(table_rows(moving[:, None], np.unique(types)[None, :]))
 
-    def candidates(self, world: World, filters: FilterState, max_distance: float) -> Indices:
+    def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
-        self.effects = effects = Effects()
-        start = time.perf_counter()
-        effects.frames_moved, effects.geometries_updated = world.update()
-        posed = time.perf_counter()
-        pairs = candidate_pairs(world, max_distance)
-        swept = time.perf_counter()
-        effects.broadphase_pairs = len(pairs)
-        slots = filters.slots(world.geometries.ids)
-        pairs = pairs[filters.mask(slots[pairs[:, 0]], slots[pairs[:, 1]])]
-        effects.filtered_pairs = effects.broadphase_pairs - len(pairs)
-        effects.seconds = {
-            'update': posed - start,
-            'broadphase': swept - posed,
-            'filter': time.perf_counter() - swept,
-        }
+        near = self._near(world, filters, distance)
+        scene = world.geometries.types, world.R_WGs, world.p_WGs, world.half_extents
+        count = near_pairs(near.pairs, *scene, distance, self._hits)
+        self._counts[:] = 0
+        self._counts[FAR] = len(near.pairs) - count
+        self._times[4] = time.perf_counter()
+        pairs: Indices = near.pairs[self._hits[:count]]
         return pairs
 
     def signed_distances(
-        self, world: World, pairs: Indices, accuracy: str, cutoff: float
+        self,
+        world: World,
+        filters: FilterState,
+        accuracy: str,
+        cutoff: float,
+        penetrating: bool = False,
     ) -> PairBatch:
-        """Return the signed distance of ``pairs``; beyond ``cutoff`` [m] a bound may do.
+        """Return the unfiltered pairs within ``cutoff`` [m], or only those that overlap."""
+        near = self._near(world, filters, cutoff)
+        query = _GAPS[accuracy], cutoff, penetrating
+        moment = (world.revision, filters.version, query)
+        if self._last is not None and self._last[0] == moment:
+            self._counts[:] = 0
+            self._counts[CACHED] = len(near.pairs)
+            self._times[4] = time.perf_counter()
+            return self._last[1]
+        hits = self._answer(world, near.pairs, near.slots, near.memory, query, -1)
+        batch = gathered(world, hits, near.pairs, near.slots, near.answers)
+        self._times[4] = time.perf_counter()
+        self._last = moment, batch
+        if len(near.pairs) > _KEPT_PAIRS:
+            self._last = None
+            self._lists.pop(math.isinf(cutoff))
+        return batch
 
-        Two half spaces have no signed distance: such a pair is left out.
+    def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
+        """Return whether ``signed_distances`` would return a pair that overlaps."""
+        near = self._near(world, filters, 0.0)
+        query = _GAPS[accuracy], 0.0, True
+        # Where there was a contact there still is one, mostly.
+        first = min(self._last_contact, len(near.pairs))
+        hits = self._answer(world, near.pairs, near.slots, near.memory, query, first)
+        self._times[4] = time.perf_counter()
+        if len(hits):
+            self._last_contact = int(hits[0])
+        return len(hits) > 0
+
+    def distance_of_pair(self, world: World, pair: Indices, accuracy: str) -> PairBatch:
+        """Return the signed distance of one pair (1, 2), whatever the filters say.
+
+        Two half spaces have none: the batch is empty then.
         """
-        start = time.perf_counter()
-        table = world.geometries
-        types = table.types[pairs]
+        self._begin(world)
+        types = world.geometries.types[pair]
         rows = table_rows(types[:, 0], types[:, 1])
-        if (rows < 0).any():
-            pairs, types, rows = pairs[rows >= 0], types[rows >= 0], rows[rows >= 0]
-        names = compile_rows(rows)
-        compiled = time.perf_counter()
-        results = np.zeros((len(pairs), PAIR_WIDTH))
-        scene = (table.starts, table.pool, world.R_WGs, world.p_WGs)
-        sizes = (world.outer_radii, world.inner_radii)
-        if accuracy == 'bound':
-            bound_phase(pairs, table.types, scene, sizes, results)
-        else:
-            gap = LEVEL_GAPS[accuracy]
-            swapped = types[:, 0] > types[:, 1]
-            narrow_phase(
-                *(ADDRESSES, rows, pairs, swapped, table.types, scene, sizes),
-                *(gap, cutoff, results),
-            )
-        self._note(names, results, start, compiled)
-        return PairBatch(world, pairs, results)
+        slots, answers = np.zeros(1, dtype=np.int64), np.zeros((1, PAIR_WIDTH))
+        if rows[0] < 0:
+            return gathered(world, slots[:0], pair, slots, answers)
+        self._kernels = compile_rows(rows)
+        self._considered, self._filtered = 1, 0
+        self._times[2] = self._times[3] = time.perf_counter()
+        self._make_room(1)
+        memory = answers, np.array([-math.inf]), np.array([-1]), np.zeros(1)
+        query = _GAPS[accuracy], math.inf, False
+        hits = self._answer(world, pair, slots, memory, query, -1)
+        self._times[4] = time.perf_counter()
+        return gathered(world, hits, pair, slots, answers)
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
-        self.effects = Effects()
-        start = time.perf_counter()
-        self.effects.frames_moved, self.effects.geometries_updated = world.update()
+        self._begin(world)
+        self._times[2] = time.perf_counter()
         table = world.geometries
         rows = table_rows(np.full_like(table.types, SPHERE), table.types)
-        names = compile_rows(rows)
-        compiled = time.perf_counter()
+        self._kernels = compile_rows(rows)
+        self._times[3] = time.perf_counter()
         capacity = len(p_WQs) * len(rows)
-        results = np.zeros((capacity, PAIR_WIDTH))
+        results = np.empty((capacity, PAIR_WIDTH))
         points, geometries = np.empty(capacity, np.int64), np.empty(capacity, np.int64)
         scene = (table.starts, table.pool, world.R_WGs, world.p_WGs)
-        sizes = (world.outer_radii, world.inner_radii)
         count = point_phase(
-            *(ADDRESSES, rows, table.types, p_WQs, scene, sizes),
+            *(ADDRESSES, rows, table.types, p_WQs, scene, world.outer_radii),
             *(threshold, results, points, geometries),
         )
-        self._note(names, results[:count], start, compiled)
-        return PointBatch(world, p_WQs, points[:count], geometries[:count], results[:count])
+        self._considered, self._filtered = capacity, 0
+        self._counts[:] = 0
+        self._counts[FAR] = capacity - count
+        self._counts[BY_METHOD + calling.CLOSED_FORM] = count
+        results, points, geometries = results[:count], points[:count], geometries[:count]
+        # The kernel's A is the point, so witnesses are measured from it.
+        p_GQs_W = p_WQs[points] - world.p_WGs[geometries]
+        R_WGs = world.R_WGs[geometries]
+        self._times[4] = time.perf_counter()
+        return PointBatch(table.ids[geometries], points, results, p_GQs_W, R_WGs)
 
-    def _note(self, names: list[str], results: Floats, start: float, compiled: float) -> None:
-        """Add to the effects what the narrow phase did."""
-        effects = self.effects
-        effects.kernels_compiled = names
-        effects.narrowphase_pairs = len(results)
-        methods, counts = np.unique(results[:, METHOD].astype(np.int64), return_counts=True)
-        effects.pairs_by_method = {
-            _METHOD_NAMES[m]: int(c)
-            for m, c in zip(methods.tolist(), counts.tolist(), strict=True)
-        }
-        effects.seconds['compile'] = compiled - start
-        effects.seconds['narrowphase'] = time.perf_counter() - compiled
+    # Steps.
+
+    def _begin(self, world: World) -> None:
+        """Bring the world up to date."""
+        self._times[0] = time.perf_counter()
+        if world is not self._world:
+            self._world, self._lists, self._last = world, {}, None
+        self._moved = world.update()
+        self._list_made, self._kernels = False, []
+        self._times[1] = time.perf_counter()
+
+    def _near(self, world: World, filters: FilterState, distance: float) -> NearList:
+        """Return the list of the unfiltered pairs within ``distance``, the world up to date."""
+        self._begin(world)
+        # A list of all pairs would be a burden to the queries of near ones.
+        unlimited = distance == math.inf
+        near = self._lists.get(unlimited)
+        if near is None:
+            near = self._lists[unlimited] = NearList(world)
+        self._list_made = near.bring_up_to_date(world, filters, distance)
+        self._times[2] = time.perf_counter()
+        if self._list_made:
+            types = world.geometries.types[near.pairs]
+            self._kernels = compile_rows(table_rows(types[:, 0], types[:, 1]))
+            self._make_room(len(near.pairs))
+        self._considered = near.considered
+        self._filtered = near.considered - len(near.pairs)
+        self._times[3] = time.perf_counter()
+        return near
+
+    def _make_room(self, pairs: int) -> None:
+        if len(self._hits) < pairs:
+            self._hits = np.empty(2 * pairs, dtype=np.int64)
+
+    def _answer(
+        self,
+        world: World,
+        pairs: Indices,
+        slots: Indices,
+        memory: tuple[Floats, Floats, Indices, Floats],
+        query: tuple[float, float, bool],
+        first: int,
+    ) -> Indices:
+        """Return the numbers of the pairs that ``query`` is about, their slots up to date."""
+        table = world.geometries
+        scene = (
+            *(table.types, table.starts, table.pool, world.R_WGs, world.p_WGs),
+            *(world.half_extents, world.outer_radii, world.inner_radii),
+        )
+        motion = world.revision, world.travels, world.stamps
+        found = answer_pairs(
+            ADDRESSES, pairs, slots, memory, scene, motion, query, first, self._hits, self._counts
+        )
+        return self._hits[:found]

@@ -1,4 +1,10 @@
-"""Narrow phase: one compiled loop a query, which calls the kernel of each pair by its address."""
+"""Narrow phase: one compiled loop a query over the near pairs, which does no more than it must.
+
+For each pair, in this order: what it was last time minus what both bodies can have moved since
+may prove that it is too far apart; the last answer may still stand because both rest; the bounds
+may keep it apart; only then the kernel of its row in the pair table is called, by its address, and
+starts from the pair's last normal.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +13,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling import (
+    BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
+    METHOD,
     NORMAL,
     WITNESS_A,
     WITNESS_B,
@@ -20,17 +29,23 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     compiled_address,
 )
 from drake_geom_ros.geometry._proximity.pair_table import (
+    HALF_SPACE,
     PAIR_TABLE,
     ROW_OF_TYPES,
-    SPHERE,
     TYPE_COUNT,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING, TOUCHING_DEPTH
 
 _ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
 ADDRESSES = address_table(len(PAIR_TABLE))
 _COMPILED = np.zeros(len(PAIR_TABLE), dtype=np.bool_)
+
+# What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
+FAR = 0
+CACHED = 1
+BY_METHOD = 2
+COUNTS = BY_METHOD + BOUND_ONLY + 1
 
 
 def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -52,6 +67,12 @@ def compile_rows(rows: NDArray[np.int64]) -> list[str]:
 
 
 @compiled
+def _code(type_a, type_b):  # type: ignore[no-untyped-def]
+    """Return where a pair of types stands in ROW_OF_TYPES."""
+    return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
+
+
+@compiled
 def _pose_rounding(p_WGs, i, j):  # type: ignore[no-untyped-def]
     """Return what composing world poses may have cost the pair [m]: far away, digits."""
     reach = 0.0
@@ -61,104 +82,170 @@ def _pose_rounding(p_WGs, i, j):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def narrow_phase(  # type: ignore[no-untyped-def]
-    addresses, rows, pairs, swapped, types, scene, sizes, gap, cutoff, results
-):
-    """Call the kernel of each pair; the only place where the order of A and B is exchanged."""
-    starts, pool, R_WGs, p_WGs = scene
-    p_AB_W = np.empty(3)
-    for k in range(pairs.shape[0]):
-        if swapped[k]:
-            a, b = pairs[k, 1], pairs[k, 0]
-        else:
-            a, b = pairs[k, 0], pairs[k, 1]
-        for c in range(3):
-            p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-        # The gap is absolute for bodies of a metre and more, relative below.
-        tolerance = gap * min(1.0, sizes[0][a], sizes[0][b])
-        out = results[k]
-        call_kernel(  # type: ignore[no-untyped-call]
-            addresses[rows[k]],
-            types[a],
-            pool[starts[a] : starts[a + 1]],
-            R_WGs[a],
-            types[b],
-            pool[starts[b] : starts[b + 1]],
-            R_WGs[b],
-            p_AB_W,
-            tolerance,
-            cutoff,
-            out,
-        )
-        out[ERROR_BOUND] += _pose_rounding(p_WGs, a, b)
-        if swapped[k]:
-            for c in range(3):
-                # Measured from the other body's origin from now on.
-                p_a = out[WITNESS_A + c] - p_AB_W[c]
-                p_b = out[WITNESS_B + c] - p_AB_W[c]
-                out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
-                out[NORMAL + c] = -out[NORMAL + c]
+def _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
+    if types[i] == HALF_SPACE:
+        return plane_gap(R_WGs, p_WGs, half_extents, i, j)
+    if types[j] == HALF_SPACE:
+        return plane_gap(R_WGs, p_WGs, half_extents, j, i)
+    return box_gap(p_WGs, half_extents, i, j)
 
 
 @compiled
-def bound_phase(pairs, types, scene, sizes, results):  # type: ignore[no-untyped-def]
-    """Answer each pair by the certified interval of its bounds alone."""
-    starts, pool, R_WGs, p_WGs = scene
-    inner = sizes[1]
-    p_AB_W = np.empty(3)
-    for k in range(pairs.shape[0]):
-        a, b = pairs[k, 0], pairs[k, 1]
-        for c in range(3):
-            p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-        bounding_interval(
-            (types[a], pool[starts[a] : starts[a + 1]], R_WGs[a], inner[a]),
-            (types[b], pool[starts[b] : starts[b + 1]], R_WGs[b], inner[b]),
-            p_AB_W,
-            results[k],
-        )
-        results[k, ERROR_BOUND] += _pose_rounding(p_WGs, a, b)
+def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the balls around i and j."""
+    squared, reach = 0.0, 0.0
+    for k in range(3):
+        apart = p_WGs[j, k] - p_WGs[i, k]
+        squared += apart * apart
+        reach = max(reach, abs(p_WGs[i, k]), abs(p_WGs[j, k]))
+    centres, balls = math.sqrt(squared), outer[i] + outer[j]
+    return centres - balls - 8.0 * EPS * (centres + balls + reach)
 
 
 @compiled
-def point_phase(  # type: ignore[no-untyped-def]
-    addresses, rows, types, p_WQs, scene, sizes, threshold, results, points, geometries
+def _call_in_order(  # type: ignore[no-untyped-def]
+    a, b, address, types, starts, pool, R_WGs, p_WGs, p_AB_W, tolerance, cutoff, out
 ):
-    """Call the kernel of a sphere without radius for each point and geometry within reach.
+    """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
+    swapped = types[a] > types[b]
+    if swapped:
+        a, b = b, a
+        for c in range(3):
+            out[NORMAL + c] = -out[NORMAL + c]
+    for c in range(3):
+        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
+    call_kernel(  # type: ignore[no-untyped-call]
+        address,
+        types[a],
+        pool[starts[a] : starts[a + 1]],
+        R_WGs[a],
+        types[b],
+        pool[starts[b] : starts[b + 1]],
+        R_WGs[b],
+        p_AB_W,
+        tolerance,
+        cutoff,
+        out,
+    )
+    if swapped:
+        for c in range(3):
+            # Measured from the other body's origin from now on.
+            p_a = out[WITNESS_A + c] - p_AB_W[c]
+            p_b = out[WITNESS_B + c] - p_AB_W[c]
+            out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
+            out[NORMAL + c] = -out[NORMAL + c]
 
-    ``rows`` (n,) holds the table row of SPHERE against each geometry. Returns how many of
-    ``results``, ``points`` and ``geometries`` were filled, in the order of points, then ids.
+
+@compiled
+def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type: ignore[no-untyped-def]
+    """Write a pair's answer from bounds alone."""
+    for c in range(3):
+        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
+    bounding_interval(
+        (types[a], pool[starts[a] : starts[a + 1]], R_WGs[a], inner[a]),
+        (types[b], pool[starts[b] : starts[b + 1]], R_WGs[b], inner[b]),
+        p_AB_W,
+        out,
+    )
+
+
+@compiled
+def _size(a, b, types, outer):  # type: ignore[no-untyped-def]
+    """Return the size of a pair [m]; a half space has none of its own."""
+    size = 0.0 if types[a] == HALF_SPACE else outer[a]
+    return size if types[b] == HALF_SPACE else size + outer[b]
+
+
+@compiled
+def _least(out, gap, size):  # type: ignore[no-untyped-def]
+    """Return what the distance is at least [m], by an answer that was computed for ``gap``."""
+    if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
+        # A kernel that stopped at the cutoff reports its lower bound.
+        return out[DISTANCE] - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
+    return out[DISTANCE] - out[ERROR_BOUND]
+
+
+@compiled
+def answer_pairs(  # type: ignore[no-untyped-def]
+    addresses, pairs, slots, memory, scene, motion, query, first, hits, counts
+):
+    """Bring the slots of the pairs up to date that are within reach; return how many are.
+
+    ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
+    R_WGs, p_WGs, half extents, outer and inner radii. ``motion``: revision, travels, stamps.
+    ``query``: gap [m] (infinite: bounds alone will do), cutoff [m], and whether only pairs count
+    that overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that
+    is not negative is where to begin, and then one hit is enough.
     """
-    starts, pool, R_WGs, p_WGs = scene
-    outer = sizes[0]
-    nothing, identity = np.zeros(1), np.eye(3)
-    p_QG_W = np.empty(3)
-    count = 0
-    for q in range(p_WQs.shape[0]):
-        for g in range(rows.size):
-            squared, reach = 0.0, 0.0
-            for c in range(3):
-                p_QG_W[c] = p_WGs[g, c] - p_WQs[q, c]
-                squared += p_QG_W[c] * p_QG_W[c]
-                reach = max(reach, abs(p_WQs[q, c]), abs(p_WGs[g, c]))
-            rounding = 8.0 * EPS * reach
-            if math.sqrt(squared) - outer[g] > threshold + rounding:
+    # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
+    # does an array a pair.
+    answers, slacks, seen, gaps = memory
+    types, starts, pool, R_WGs, p_WGs, half_extents, outer, inner = scene
+    revision, travels, stamps = motion
+    gap, cutoff, penetrating = query
+    scratch = np.empty(3)
+    counts[:] = 0
+    found = 0
+    for turn in range(slots.size):
+        k = turn if first < 0 else (first + turn) % slots.size
+        a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
+        travelled = travels[a] + travels[b]
+        if slacks[s] - travelled > cutoff:
+            counts[FAR] += 1
+            continue
+        out = answers[s]
+        size = _size(a, b, types, outer)
+        rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and gaps[s] <= gap
+        # What stopped at a cutoff says enough about smaller ones only.
+        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(gaps[s])):
+            counts[CACHED] += 1
+        else:
+            least = -math.inf
+            if cutoff < math.inf:
+                # The ball of a half space has no bound, and its gap is minus infinity.
+                boxes = _gap_of_boxes(a, b, types, R_WGs, p_WGs, half_extents)
+                least = max(boxes, _gap_of_balls(a, b, p_WGs, outer))
+            near = least <= cutoff
+            if near:
+                if math.isinf(gap):
+                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
+                else:
+                    address = addresses[_ROWS[_code(types[a], types[b])]]
+                    # The gap is absolute for bodies of a metre and more, relative below.
+                    tolerance = gap * min(1.0, outer[a], outer[b])
+                    _call_in_order(
+                        *(a, b, address, types, starts, pool, R_WGs, p_WGs, scratch),
+                        *(tolerance, cutoff, out),
+                    )
+                out[ERROR_BOUND] += _pose_rounding(p_WGs, a, b)
+                seen[s], gaps[s] = revision, gap
+                counts[BY_METHOD + int(out[METHOD])] += 1
+                least = _least(out, gap, size)
+            else:
+                counts[FAR] += 1
+            # What the turn of a half space moves has no bound.
+            flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
+            rounding = 4.0 * EPS * (abs(least) + travelled)
+            slacks[s] = -math.inf if flat else least + travelled - rounding
+            if not near:
                 continue
-            out = results[count]
-            call_kernel(  # type: ignore[no-untyped-call]
-                addresses[rows[g]],
-                SPHERE,
-                nothing,
-                identity,
-                types[g],
-                pool[starts[g] : starts[g + 1]],
-                R_WGs[g],
-                p_QG_W,
-                0.0,
-                math.inf,
-                out,
-            )
-            if out[DISTANCE] <= threshold:
-                out[ERROR_BOUND] += rounding
-                points[count], geometries[count] = q, g
-                count += 1
-    return count
+        limit = -TOUCHING_DEPTH * size if penetrating else cutoff
+        if out[DISTANCE] < limit or (out[DISTANCE] == limit and not penetrating):
+            hits[found] = k
+            found += 1
+            if first >= 0:
+                break
+    return found
+
+
+@compiled
+def near_pairs(pairs, types, R_WGs, p_WGs, half_extents, distance, hits):  # type: ignore[no-untyped-def]
+    """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
+    found = 0
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        if _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents) <= distance:
+            hits[found] = k
+            found += 1
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -12,9 +13,13 @@ from drake_geom_ros.geometry._proximity.kernels.bounds import (
     box_half_extents,
     shape_radii,
 )
+from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
+from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+FADING = 15 / 16  # of the pace in an update: a body that stops is still taken for slow a while
 
 
 class FrameTable(NamedTuple):
@@ -54,6 +59,7 @@ class World:
         self.p_WFs = self.p_PFs.copy()
         self._order = np.argsort(frames.ids)
         self._sorted_ids = frames.ids[self._order]
+        self._last_named = b'', np.zeros(0, dtype=np.int64)
         self._moved = np.ones(count, dtype=np.bool_)
         self._stale = True
         self._allocate_geometries()
@@ -62,12 +68,20 @@ class World:
         """Make room for the posed geometry and compute what does not depend on poses."""
         table = self.geometries
         n = len(table.ids)
-        self.R_WGs = np.empty((n, 3, 3))
-        self.p_WGs = np.empty((n, 3))
-        self.half_extents = np.empty((n, 3))  # of the box around Go, in World axes [m]
+        self.revision = 0  # of the world poses: grows with each update that moves something
+        self.stamps = np.zeros(n, dtype=np.int64)  # revision in which a geometry last moved
+        # How far any point of a geometry can have come since the first update, along the path
+        # [m], never less than the truth; and how far it came lately in one update, fading.
+        self.travels = np.zeros(n)
+        self.paces = np.zeros(n)
+        self.R_WGs = np.zeros((n, 3, 3))
+        self.p_WGs = np.zeros((n, 3))
+        self.half_extents = np.zeros((n, 3))  # of the box around Go, in World axes [m]
         self.anchored = table.frames == 0
         # Largest distance from Go and largest ball about Go that fits [m].
         self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
+        # A ball that turns about its centre goes nowhere.
+        self._turn_radii = np.where(table.types == SPHERE, 0.0, self.outer_radii)
 
     @property
     def geometry_count(self) -> int:
@@ -102,15 +116,19 @@ class World:
         """Return the rows of FrameId values, all of which are in this world."""
         return self._order[np.searchsorted(self._sorted_ids, ids)]
 
+    def rows_to_pose(self, ids: Indices) -> Indices | None:
+        """Return the rows of FrameId values, or None when not all of them can be posed."""
+        # Whoever poses frames names the same ones each time.
+        text = ids.tobytes()
+        if text != self._last_named[0]:
+            if not self.has_frames(ids).all():
+                return None
+            self._last_named = text, self.frame_rows(ids)
+        return self._last_named[1]
+
     def set_poses(self, rows: Indices, R_PFs: Floats, p_PFs: Floats) -> None:
         """Set X_PF of the frames in ``rows`` (n,); a pose that did not change is not a move."""
-        changed = np.logical_or(
-            (self.R_PFs[rows] != R_PFs).any(axis=(1, 2)), (self.p_PFs[rows] != p_PFs).any(axis=1)
-        )
-        moved = rows[changed]
-        if moved.size:
-            self.R_PFs[moved], self.p_PFs[moved] = R_PFs[changed], p_PFs[changed]
-            self._moved[moved] = True
+        if _set_poses(rows, R_PFs, p_PFs, self.R_PFs, self.p_PFs, self._moved):
             self._stale = True
 
     def update(self) -> tuple[int, int]:
@@ -118,12 +136,13 @@ class World:
         if not self._stale:
             return 0, 0
         table = self.geometries
+        self.revision += 1
         counts = _update(
-            self.frames.parents,
-            self._moved,
-            (self.R_PFs, self.p_PFs, self.R_WFs, self.p_WFs),
+            *(self.revision, self._moved),
+            (self.frames.parents, self.R_PFs, self.p_PFs, self.R_WFs, self.p_WFs),
             (table.frames, table.R_FGs, table.p_FGs, table.types, table.starts, table.pool),
             (self.R_WGs, self.p_WGs, self.half_extents),
+            (self._turn_radii, self.stamps, self.travels, self.paces),
         )
         self._moved[:] = False
         self._stale = False
@@ -131,22 +150,66 @@ class World:
 
 
 @compiled
-def _compose(R_AB, p_AB, R_BC, p_BC, R_AC, p_AC):  # type: ignore[no-untyped-def]
-    """Write X_AB X_BC to R_AC, p_AC."""
-    for i in range(3):
-        p_AC[i] = p_AB[i] + R_AB[i, 0] * p_BC[0] + R_AB[i, 1] * p_BC[1] + R_AB[i, 2] * p_BC[2]
-        for j in range(3):
-            R_AC[i, j] = (
-                R_AB[i, 0] * R_BC[0, j] + R_AB[i, 1] * R_BC[1, j] + R_AB[i, 2] * R_BC[2, j]
-            )
+def _set_poses(rows, R_news, p_news, R_PFs, p_PFs, moved):  # type: ignore[no-untyped-def]
+    """Copy the poses that differ and mark their frames; return whether one did."""
+    any_moved = False
+    for k in range(rows.size):
+        f = rows[k]
+        same = True
+        for i in range(3):
+            same &= p_news[k, i] == p_PFs[f, i]
+            p_PFs[f, i] = p_news[k, i]
+            for j in range(3):
+                same &= R_news[k, i, j] == R_PFs[f, i, j]
+                R_PFs[f, i, j] = R_news[k, i, j]
+        if not same:
+            moved[f] = True
+            any_moved = True
+    return any_moved
 
 
 @compiled
-def _update(parents, moved, frame_poses, table, posed):  # type: ignore[no-untyped-def]
+def _compose(R_ABs, p_ABs, a, R_BCs, p_BCs, b, R_ACs, p_ACs, c):  # type: ignore[no-untyped-def]
+    """Write X_AB X_BC of rows a and b to row c; return the squares of what turned and moved it.
+
+    They are the squared Frobenius norm [-] and the squared length [m^2] of the differences. (Rows
+    by number, for a view of a row costs as much as the product; by unsigned number, for the test
+    for negative ones costs half as much.)
+    """
+    a, b, c = np.uint64(a), np.uint64(b), np.uint64(c)
+    turned, moved = 0.0, 0.0
+    for i in range(3):
+        x, y, z = R_ABs[a, i, 0], R_ABs[a, i, 1], R_ABs[a, i, 2]
+        p = p_ABs[a, i] + x * p_BCs[b, 0] + y * p_BCs[b, 1] + z * p_BCs[b, 2]
+        moved += (p - p_ACs[c, i]) * (p - p_ACs[c, i])
+        p_ACs[c, i] = p
+        for j in range(3):
+            r = x * R_BCs[b, 0, j] + y * R_BCs[b, 1, j] + z * R_BCs[b, 2, j]
+            turned += (r - R_ACs[c, i, j]) * (r - R_ACs[c, i, j])
+            R_ACs[c, i, j] = r
+    return turned, moved
+
+
+@compiled
+def _way(turned, moved, turn_radius):  # type: ignore[no-untyped-def]
+    """Return how far a point of a body can have come by a step of ``_compose`` [m], rounded up.
+
+    A point at x_G moves by (R - R') x + (p - p'), and the spectral norm of the difference of two
+    rotations is their Frobenius norm over the square root of two.
+    """
+    way = math.sqrt(moved)
+    if turned > 0.0 and turn_radius > 0.0:
+        way += turn_radius * (math.sqrt(0.5 * turned) + 8.0 * EPS)
+    return way * (1.0 + 8.0 * EPS)
+
+
+@compiled
+def _update(revision, moved, frames, table, posed, motion):  # type: ignore[no-untyped-def]
     """Pose the moved frames, what hangs on them, and the geometry on either."""
-    R_PFs, p_PFs, R_WFs, p_WFs = frame_poses
-    frames, R_FGs, p_FGs, types, starts, pool = table
+    parents, R_PFs, p_PFs, R_WFs, p_WFs = frames
+    on, R_FGs, p_FGs, types, starts, pool = table
     R_WGs, p_WGs, half_extents = posed
+    turn_radii, stamps, travels, paces = motion
     moved_frames = 0
     for f in range(1, parents.size):
         parent = parents[f]
@@ -154,13 +217,22 @@ def _update(parents, moved, frame_poses, table, posed):  # type: ignore[no-untyp
         moved[f] = moved[f] or moved[parent]
         if moved[f]:
             moved_frames += 1
-            _compose(R_WFs[parent], p_WFs[parent], R_PFs[f], p_PFs[f], R_WFs[f], p_WFs[f])
+            if parent == 0:
+                p_WFs[f], R_WFs[f] = p_PFs[f], R_PFs[f]
+                continue
+            _compose(R_WFs, p_WFs, parent, R_PFs, p_PFs, f, R_WFs, p_WFs, f)
     moved_geometries = 0
-    for g in range(frames.size):
-        f = frames[g]
+    for g in range(on.size):
+        f = on[g]
         if moved[f]:
             moved_geometries += 1
-            _compose(R_WFs[f], p_WFs[f], R_FGs[g], p_FGs[g], R_WGs[g], p_WGs[g])
-            shape = pool[starts[g] : starts[g + 1]]
-            box_half_extents(types[g], shape, R_WGs[g], half_extents[g])
+            squares = _compose(R_WFs, p_WFs, f, R_FGs, p_FGs, g, R_WGs, p_WGs, g)
+            if stamps[g] == 0 or turn_radii[g] > 0.0:
+                shape = pool[starts[g] : starts[g + 1]]
+                box_half_extents(types[g], shape, R_WGs[g], half_extents[g])
+            if stamps[g] > 0:
+                way = _way(squares[0], squares[1], turn_radii[g])
+                travels[g] = (travels[g] + way) * (1.0 + 2.0 * EPS)
+                paces[g] = max(way, FADING * paces[g])
+            stamps[g] = revision
     return moved_frames, moved_geometries

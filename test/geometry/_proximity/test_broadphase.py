@@ -1,73 +1,84 @@
-"""The broad phase against all pairs: nothing within reach is missed, nothing is twice."""
-
-import math
+"""The sweeps against all pairs: nothing that overlaps is missed, nothing is twice."""
 
 import numpy as np
 import pytest
 from oracles.worlds import geometry_table, random_world
 
-from drake_geom_ros.geometry._proximity.broadphase import candidate_pairs
+from drake_geom_ros.geometry._proximity.broadphase import (
+    box_gap,
+    pairs_between,
+    pairs_within,
+    plane_gap,
+    sorted_boxes,
+    split_wide,
+    widest_axis,
+)
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
-def all_pairs(world):
-    i, j = np.triu_indices(world.geometry_count, k=1)
-    free = ~(world.anchored[i] & world.anchored[j])
-    return np.column_stack((i[free], j[free]))
+def overlapping(world, rows_a, rows_b, paddings):
+    """Return the pairs of two sets of rows whose padded boxes overlap, the slow way."""
+    pairs = set()
+    for i in rows_a.tolist():
+        for j in rows_b.tolist():
+            reach = world.half_extents[i] + world.half_extents[j] + paddings[i] + paddings[j]
+            if i != j and (np.abs(world.p_WGs[i] - world.p_WGs[j]) <= reach).all():
+                pairs.add((min(i, j), max(i, j)))
+    return pairs
 
 
-def box_gaps(world, pairs):
-    """Return the distance of the pairs' boxes [m]."""
-    i, j = pairs.T
-    apart = np.abs(world.p_WGs[i] - world.p_WGs[j])
-    gap = apart - world.half_extents[i] - world.half_extents[j]
-    return np.linalg.norm(np.maximum(gap, 0.0), axis=1)
+def boxes_of(world, rows, paddings, axis=0):
+    return sorted_boxes(axis, rows, world.p_WGs, world.half_extents, paddings)
 
 
-@pytest.mark.parametrize('max_distance', [0.0, 0.1, 0.7, math.inf])
-@pytest.mark.parametrize('anchored', [0, 12])
-def test_candidates_are_the_pairs_of_boxes_within_reach(max_distance, anchored):
-    for seed in range(5):
-        world = random_world(np.random.default_rng(seed), 40, anchored=anchored)
-        expected = all_pairs(world)
-        expected = expected[box_gaps(world, expected) <= max_distance]
-        np.testing.assert_array_equal(candidate_pairs(world, max_distance), expected)
+def as_set(pairs):
+    """Return pairs (k, 2) as a set, none of them twice, the smaller first."""
+    found = {tuple(pair) for pair in pairs.tolist()}
+    assert len(found) == len(pairs)
+    assert (pairs[:, 0] < pairs[:, 1]).all()
+    return found
+
+
+@pytest.mark.parametrize('axis', [0, 1, 2])
+def test_sweeps_find_what_overlaps(axis):
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        world = random_world(rng, 60)
+        paddings = rng.uniform(0.0, 0.1, 60)
+        some, others = np.arange(0, 60, 3), np.setdiff1d(np.arange(60), np.arange(0, 60, 3))
+        a, b = boxes_of(world, some, paddings, axis), boxes_of(world, others, paddings, axis)
+        assert as_set(pairs_within(a)) == overlapping(world, some, some, paddings)
+        skipped = np.zeros(60, dtype=bool)
+        assert as_set(pairs_between(a, b, skipped)) == overlapping(world, some, others, paddings)
+        skipped[others[:10]] = True
+        expected = overlapping(world, some, others[10:], paddings)
+        assert as_set(pairs_between(a, b, skipped)) == expected
 
 
 def test_many_overlapping_bodies_outgrow_the_first_guess_of_room():
     world = random_world(np.random.default_rng(0), 60, spread=0.01)
-    pairs = all_pairs(world)
-    expected = pairs[box_gaps(world, pairs) <= 0.0]
-    assert len(expected) > 1000
-    np.testing.assert_array_equal(candidate_pairs(world, 0.0), expected)
+    rows, nothing = np.arange(60), np.zeros(60)
+    found = as_set(pairs_within(boxes_of(world, rows, nothing)))
+    assert len(found) > 1000
+    assert found == overlapping(world, rows, rows, nothing)
 
 
-@pytest.mark.parametrize('count', [0, 1])
-def test_scenes_without_a_pair(count):
-    world = random_world(np.random.default_rng(0), count)
-    assert candidate_pairs(world, 0.0).shape == (0, 2)
-    assert candidate_pairs(world, math.inf).shape == (0, 2)
+def test_one_wide_body_among_others_is_set_apart():
+    world = random_world(np.random.default_rng(0), 30)
+    world.half_extents[7] = 50.0
+    ordinary, wide = split_wide(np.arange(30), world.half_extents, 1)
+    assert wide.tolist() == [7]
+    assert len(ordinary) == 29
+    assert [len(rows) for rows in split_wide(ordinary[:0], world.half_extents, 1)] == [0, 0]
 
 
-def test_a_half_space_meets_what_reaches_its_plane():
-    # A floor, and spheres of radius 0.1 at heights around it; the last is anchored as well.
-    heights = np.array([0.5, 0.25, 0.05, -3.0, -3.0])
-    frames = FrameTable(np.arange(1, 6), np.zeros(5, dtype=np.int64))
-    p_FGs = np.zeros((6, 3))
-    p_FGs[1:, 2] = heights
-    table = geometry_table([0, 1, 2, 3, 4, 0], [6, 1, 1, 1, 1, 1], [[], *[[0.1]] * 5], None, p_FGs)
-    world = World(frames, table)
-    world.update()
-
-    def against_floor(distance):
-        return [j for i, j in candidate_pairs(world, distance).tolist() if i == 0]
-
-    assert against_floor(0.0) == [3, 4]
-    assert against_floor(0.2) == [2, 3, 4]
-    assert against_floor(math.inf) == [1, 2, 3, 4]
+def test_the_axis_of_the_sweep_is_the_longest():
+    points = np.random.default_rng(0).normal(size=(20, 3)) * [1.0, 1.0, 30.0]
+    assert widest_axis(points) == 2
+    assert widest_axis(points[:0]) == 0
 
 
-def test_touching_boxes_far_away_are_candidates():
+def test_touching_boxes_far_away_overlap():
     # 0.1 + 0.2 is not 0.3: rounding must not lose a pair that touches.
     frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [1, 1], [[0.1], [0.2]]))
@@ -75,4 +86,28 @@ def test_touching_boxes_far_away_are_candidates():
     ps = np.array([[offset, offset, 0.0], [offset + 0.3, offset, 0.0]])
     world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), ps)
     world.update()
-    assert candidate_pairs(world, 0.0).tolist() == [[0, 1]]
+    assert pairs_within(boxes_of(world, np.arange(2), np.zeros(2))).tolist() == [[0, 1]]
+    assert box_gap(world.p_WGs, world.half_extents, 0, 1) == 0.0
+
+
+def test_gaps_are_lower_bounds_and_tight():
+    rng = np.random.default_rng(1)
+    world = random_world(rng, 40)
+    for i in range(39):
+        apart = np.abs(world.p_WGs[i] - world.p_WGs[i + 1])
+        gap = apart - world.half_extents[i] - world.half_extents[i + 1]
+        expected = np.linalg.norm(np.maximum(gap, 0.0))
+        found = box_gap(world.p_WGs, world.half_extents, i, i + 1)
+        assert expected - 1e-14 <= found <= expected
+
+
+def test_the_gap_above_a_plane():
+    # A floor at z = 1, and a box whose lowest point is at z = 1.4.
+    frames = FrameTable(np.arange(1, 3), np.zeros(2, dtype=np.int64))
+    p_FGs = np.array([[5.0, 5.0, 1.0], [0.0, 0.0, 0.0]])
+    table = geometry_table([0, 1], [6, 2], [[], [0.3, 0.2, 0.1]], None, p_FGs)
+    world = World(frames, table)
+    world.set_poses(np.array([1]), np.eye(3)[None], np.array([[0.0, 0.0, 1.5]]))
+    world.update()
+    gap = plane_gap(world.R_WGs, world.p_WGs, world.half_extents, 0, 1)
+    assert 0.4 - 1e-13 <= gap <= 0.4

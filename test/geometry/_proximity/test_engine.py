@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from oracles.worlds import geometry_table, random_rotations, random_world
+from oracles.filters import filters_of
+from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity import narrow_phase
+from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
-from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     DISTANCE,
@@ -19,15 +20,6 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 )
 from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
-
-
-def filters_of(world):
-    """Return filters that know the world's geometries, each on a frame of its own."""
-    filters = FilterState()
-    table = world.geometries
-    for key, frame, anchored in zip(table.ids, table.frames, world.anchored, strict=True):
-        filters.add(int(key), int(frame) + 100, bool(anchored))
-    return filters
 
 
 def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
@@ -53,11 +45,10 @@ def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
         world = random_world(rng, 2, types=kinds, spread=0.3)
         engine = Engine()
         ((one,), (two,)) = (
-            engine.signed_distances(world, np.array([pair]), 'exact', math.inf).rows
+            engine.distance_of_pair(world, np.array([pair]), 'exact').rows
             for pair in ([0, 1], [1, 0])
         )
         assert one[DISTANCE] == pytest.approx(two[DISTANCE], abs=1e-9)
-        p_AB = world.p_WGs[1] - world.p_WGs[0]
         for row in (one, two):
             gap = row[WITNESS_A : WITNESS_A + 3] - row[WITNESS_B : WITNESS_B + 3]
             np.testing.assert_allclose(gap, row[DISTANCE] * row[NORMAL : NORMAL + 3], atol=1e-12)
@@ -65,20 +56,49 @@ def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
             # Different types: the very same kernel call, so the same to rounding.
             np.testing.assert_array_equal(one[NORMAL : NORMAL + 3], -two[NORMAL : NORMAL + 3])
             np.testing.assert_allclose(
-                one[WITNESS_A : WITNESS_A + 3] - p_AB, two[WITNESS_B : WITNESS_B + 3], atol=1e-15
+                one[WITNESS_A : WITNESS_A + 3], two[WITNESS_B : WITNESS_B + 3], atol=1e-15
             )
+
+
+def test_witness_points_in_world_and_in_the_bodies_are_the_same_points():
+    world = random_world(np.random.default_rng(8), 12)
+    batch = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
+    for (id_A, id_B), row in zip(batch.ids, batch.rows, strict=True):
+        for key, in_world, in_body in ((id_A, WITNESS_A, P_ACA), (id_B, WITNESS_B, P_BCB)):
+            g = np.searchsorted(world.geometries.ids, key)
+            p_W = world.p_WGs[g] + world.R_WGs[g] @ row[in_body : in_body + 3]
+            np.testing.assert_allclose(p_W, row[in_world : in_world + 3], atol=1e-14)
 
 
 def test_a_cutoff_changes_no_answer_within_it():
     world = random_world(np.random.default_rng(3), 40, types=(2, 4, 5))
+    exact = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
+    cut = Engine().signed_distances(world, filters_of(world), 'exact', 0.2)
+    near = exact.rows[:, DISTANCE] <= 0.2
+    assert 20 < near.sum() < len(near) - 20
+    np.testing.assert_array_equal(cut.ids, exact.ids[near])
+    np.testing.assert_array_equal(cut.rows, exact.rows[near])
+
+
+def test_penetrating_pairs_are_those_of_negative_distance():
+    world = random_world(np.random.default_rng(9), 60)
     engine, filters = Engine(), filters_of(world)
-    pairs = engine.candidates(world, filters, math.inf)
-    exact = engine.signed_distances(world, pairs, 'exact', math.inf).rows
-    cut = engine.signed_distances(world, pairs, 'exact', 0.2).rows
-    near = exact[:, DISTANCE] <= 0.2
-    assert 20 < near.sum() < len(pairs) - 20
-    np.testing.assert_array_equal(cut[near], exact[near])
-    assert (cut[~near, DISTANCE] > 0.2).all()
+    everything = engine.signed_distances(world, filters, 'exact', math.inf)
+    deep = engine.signed_distances(world, filters, 'exact', 0.0, penetrating=True)
+    assert len(deep.ids) > 10
+    np.testing.assert_array_equal(deep.ids, everything.penetrating().ids)
+    assert engine.has_overlap(world, filters, 'exact')
+    shuffle(np.random.default_rng(10), world, spread=50.0)
+    assert not engine.has_overlap(world, filters, 'exact')
+
+
+def test_has_overlap_stops_at_the_first():
+    world = random_world(np.random.default_rng(11), 60, spread=0.1)
+    engine, filters = Engine(), filters_of(world)
+    for _ in range(3):
+        assert engine.has_overlap(world, filters, 'exact')
+        assert engine.effects.narrowphase_pairs + engine.effects.cached_pairs == 1
+        world.set_poses(np.array([1]), np.eye(3)[None], world.p_PFs[1:2] + 1e-6)
 
 
 def test_filtered_pairs_reach_no_kernel():
@@ -86,20 +106,60 @@ def test_filtered_pairs_reach_no_kernel():
     engine, filters = Engine(), filters_of(world)
     keys = tuple(world.geometries.ids.tolist())
     filters.apply([(1, keys[:5], keys[:5])])
-    pairs = engine.candidates(world, filters, math.inf)
-    assert len(pairs) == 45 - 10
-    assert engine.effects.filtered_pairs == 10
-    assert not ((pairs[:, 0] < 5) & (pairs[:, 1] < 5)).any()
+    batch = engine.signed_distances(world, filters, 'exact', math.inf)
+    effects = engine.effects
+    assert (effects.broadphase_pairs, effects.filtered_pairs) == (45, 10)
+    assert effects.narrowphase_pairs == len(batch.ids) == 35
+    assert not (batch.ids < world.geometries.ids[5]).all(axis=1).any()
 
 
 def test_the_level_bound_runs_no_kernel():
     world = random_world(np.random.default_rng(5), 10)
-    engine, filters = Engine(), filters_of(world)
-    pairs = engine.candidates(world, filters, math.inf)
-    rows = engine.signed_distances(world, pairs, 'bound', math.inf).rows
+    engine = Engine()
+    rows = engine.signed_distances(world, filters_of(world), 'bound', math.inf).rows
     assert set(rows[:, METHOD]) == {BOUND_ONLY}
     assert engine.effects.pairs_by_method == {'bound_only': 45}
     assert ACCURACY_LEVELS == ('bound', 'fast', 'balanced', 'exact')
+
+
+def test_who_rests_is_answered_from_the_last_result():
+    world = random_world(np.random.default_rng(6), 20)
+    engine, filters = Engine(), filters_of(world)
+    first = engine.signed_distances(world, filters, 'exact', math.inf)
+    assert engine.effects.narrowphase_pairs == 190
+    # The very same arrays, which nobody can write to.
+    assert engine.signed_distances(world, filters, 'exact', math.inf) is first
+    assert engine.effects.cached_pairs == 190
+    with pytest.raises(ValueError, match='read-only'):
+        first.rows[0, 0] = 1.0
+    world.set_poses(np.array([1]), np.eye(3)[None], np.zeros((1, 3)))
+    second = engine.signed_distances(world, filters, 'exact', math.inf)
+    effects = engine.effects
+    assert (effects.cached_pairs, effects.narrowphase_pairs) == (190 - 19, 19)
+    still = (second.ids != world.geometries.ids[0]).all(axis=1)
+    np.testing.assert_array_equal(second.rows[still], first.rows[still])
+    # A sharper level than the last is not in the memory, a coarser one is.
+    coarse = Engine()
+    coarse.signed_distances(world, filters, 'fast', math.inf)
+    coarse.signed_distances(world, filters, 'exact', math.inf)
+    assert coarse.effects.narrowphase_pairs == 190
+    coarse.signed_distances(world, filters, 'balanced', math.inf)
+    assert coarse.effects.cached_pairs == 190
+
+
+def test_who_cannot_have_come_near_is_not_looked_at():
+    rng = np.random.default_rng(7)
+    world = random_world(rng, 40)
+    engine, filters = Engine(), filters_of(world)
+    engine.signed_distances(world, filters, 'exact', 0.1)
+    for _ in range(5):
+        rows = np.arange(1, 41)
+        world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows] + rng.normal(0, 1e-4, (40, 3)))
+        engine.signed_distances(world, filters, 'exact', 0.1)
+    effects = engine.effects
+    assert effects.far_pairs > 20
+    total = effects.far_pairs + effects.cached_pairs + effects.narrowphase_pairs
+    assert effects.broadphase_pairs == effects.filtered_pairs + total
 
 
 def test_points_meet_what_is_within_reach():
@@ -112,13 +172,14 @@ def test_points_meet_what_is_within_reach():
     near = everything.rows[:, DISTANCE] <= 0.3
     np.testing.assert_array_equal(batch.rows, everything.rows[near])
     np.testing.assert_array_equal(batch.points, everything.points[near])
-    np.testing.assert_array_equal(batch.geometries, everything.geometries[near])
+    np.testing.assert_array_equal(batch.ids, everything.ids[near])
 
 
 def test_two_half_spaces_are_left_out():
     frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [HALF_SPACE, HALF_SPACE], [[], []]))
     world.set_poses(np.array([1, 2]), random_rotations(np.random.default_rng(7), 2), np.eye(2, 3))
-    engine = Engine()
-    pairs = engine.candidates(world, filters_of(world), math.inf)
-    assert len(engine.signed_distances(world, pairs, 'exact', math.inf).pairs) == 0
+    for distance in (0.1, math.inf):
+        batch = Engine().signed_distances(world, filters_of(world), 'exact', distance)
+        assert len(batch.ids) == 0
+    assert len(Engine().distance_of_pair(world, np.array([[0, 1]]), 'exact').ids) == 0

@@ -35,11 +35,13 @@ def test_only_what_moved_is_updated():
     world, Rs, ps = chain(np.random.default_rng(2))
     assert world.update() == (4, 4)
     assert world.update() == (0, 0)
+    assert (world.stamps == 1).all()
     # The same pose again is not a move; the third of four frames carries the fourth along.
     world.set_poses(np.arange(1, 5), Rs, ps)
     assert world.update() == (0, 0)
     world.set_poses(np.array([3]), Rs[:1], ps[:1])
     assert world.update() == (2, 2)
+    assert world.stamps.tolist() == [1, 1, 2, 2]
 
 
 def test_copy_and_original_are_independent():
@@ -61,6 +63,43 @@ def test_rebuilding_keeps_the_poses_of_frames_that_stay():
     np.testing.assert_array_equal(other.R_PFs[1], Rs[1])
     np.testing.assert_array_equal(other.p_PFs[2], ps[0])
     np.testing.assert_array_equal(other.p_WGs[1], np.zeros(3))
+
+
+@pytest.mark.parametrize('kind', [1, 2, 3, 4, 5])
+def test_no_point_comes_farther_than_its_body_travels(kind):
+    rng = np.random.default_rng(kind)
+    world = random_world(rng, 8, types=(kind,))
+    directions = rng.normal(size=(3000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    frames, table = np.arange(1, 9), world.geometries
+    assert not world.travels.any()
+    for length in (1e-9, 1e-3, 0.1, 10.0):
+        before, R_before, p_before = world.travels.copy(), world.R_WGs.copy(), world.p_WGs.copy()
+        turned = world.R_PFs[frames] @ small_rotations(rng, 8, length)
+        world.set_poses(frames, turned, world.p_PFs[frames] + length * rng.normal(size=(8, 3)))
+        world.update()
+        for g in range(8):
+            surface_G = surface_points(
+                kind, table.pool[table.starts[g] : table.starts[g + 1]], directions
+            )
+            after = surface_G @ world.R_WGs[g].T + world.p_WGs[g]
+            ways = np.linalg.norm(after - surface_G @ R_before[g].T - p_before[g], axis=1)
+            if kind == 1:  # as a set it only moves with its centre
+                ways = np.linalg.norm(world.p_WGs[g] - p_before[g])
+            travelled = world.travels[g] - before[g]
+            assert ways.max() <= travelled
+            assert travelled <= 3.0 * (ways.max() + length)
+            assert world.paces[g] >= travelled * (1 - 1e-12)
+
+
+def small_rotations(rng, n, angle):
+    """Return n rotations (n, 3, 3) by about an angle [rad], by Rodrigues' formula."""
+    axes = rng.normal(size=(n, 3))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    K = np.zeros((n, 3, 3))
+    K[:, 0, 1], K[:, 0, 2], K[:, 1, 2] = -axes[:, 2], axes[:, 1], -axes[:, 0]
+    K -= np.swapaxes(K, 1, 2)
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
 @pytest.mark.parametrize('kind', [1, 2, 3, 4, 5])

@@ -1,0 +1,147 @@
+"""One run: which libraries are there, every scene in turn, and what is written in the end."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import platform
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from bench.peers import chart, first_call, report
+from bench.peers.report import Measurement
+from bench.peers.scenes import Scene, build
+from bench.peers.sides import Side, installed
+from bench.peers.targets import GROWTH
+from bench.peers.timing import Turn, interleave
+
+PACKAGES = ('drake', 'mujoco', 'python-fcl', 'coal', 'numba', 'numpy')
+LIMITS = {'python-fcl': 1.0, 'Coal': 1.0, 'MuJoCo': 1.0, 'pydrake': 2.0, 'ours': 30.0}  # [s]
+QUICK_LIMIT = 0.25  # [s] a cycle, of peers
+POSES = 100  # cycles until the motion is run backwards
+ANCHORED = ('anchored-1000', 'anchored-2000')
+FIRST_CALLS = ('spheres-50', 'mixed-50')
+HOW = (
+    'Each cycle poses all bodies anew and asks one query; the libraries take turns of ten '
+    'cycles. Times are medians of poses and query together. Ours reads all arrays of a result, '
+    'pydrake the depth or distance of each record (less than all of it), MuJoCo the arrays of its '
+    'contacts (several a pair). python-fcl and Coal know no filters.'
+)
+
+
+class Run:
+    """Measures and keeps what it measured."""
+
+    def __init__(self, seconds: float, queries: Sequence[str], quick: bool) -> None:
+        self._seconds = seconds
+        self._queries = queries
+        self._limits = {
+            name: min(limit, QUICK_LIMIT) if quick and name != 'ours' else limit
+            for name, limit in LIMITS.items()
+        }
+        self._measurements: list[Measurement] = []
+        self._effects: list[str] = []
+        self._notes: list[str] = []
+        print(machine())
+        self._modules, missing = installed()
+        for line in missing:
+            self._note(line)
+        print(report.text_line(report.HEADINGS))
+
+    def _note(self, text: str) -> None:
+        self._notes.append(text)
+        print(text, flush=True)
+
+    def scene(self, name: str) -> None:
+        """Measure the queries of a scene, and print a row for each."""
+        scene = build(name)
+        queries = [query for query in scene.queries if query in self._queries]
+        if not queries:
+            return
+        poses = scene.motion.poses(POSES, seed=0)
+        sides: dict[str, Side] = {m.NAME: m.Side(scene) for m in self._modules}
+        layouts = {n: [side.layout(X_WFs) for X_WFs in poses] for n, side in sides.items()}
+        for query in queries:
+            turns = {
+                n: Turn(layouts[n], side.set_poses, side.answers[query])
+                for n, side in sides.items()
+                if query in side.answers
+            }
+            taken = interleave(turns, self._seconds, self._limits)
+            self._measurements.append(Measurement(name, query, taken))
+            print(report.text_line(report.cells(self._measurements[-1])), flush=True)
+            done = effects(sides['ours'].query.effects())
+            if not taken['ours'].left_out:
+                done = f'poses {1e6 * median(taken["ours"].posing):.3g} us (median), {done}'
+            self._effects.append(f'{name} {query}: {done}')
+
+    def growth(self, names: Sequence[str]) -> None:
+        """Measure what twice as many anchored boxes add, in turns, when both scenes are asked."""
+        if not set(ANCHORED) <= set(names):
+            return
+        for query in [q for q in ('penetration', 'near') if q in self._queries]:
+            turns = {name: self._alone(build(name), query) for name in ANCHORED}
+            taken = interleave(turns, self._seconds, dict.fromkeys(ANCHORED, LIMITS['ours']))
+            few, many = (taken[name].median() for name in ANCHORED)
+            if few is None or many is None:
+                self._note(f'{query} among anchored boxes: {taken}')
+                continue
+            met = 'met' if many / few < GROWTH else 'MISSED'
+            self._note(
+                f'{query} with 2000 anchored boxes takes {many / few:.2f} times what it takes '
+                f'with 1000 ({1e6 * few:.0f} us); to be under {GROWTH:g}: {met}'
+            )
+
+    def _alone(self, scene: Scene, query: str) -> Turn:
+        side = self._modules[0].Side(scene)
+        return Turn(list(scene.motion.poses(POSES, 0)), side.set_poses, side.answers[query])
+
+    def first_calls(self) -> None:
+        """Measure import and compilation in processes of their own."""
+        for name in FIRST_CALLS:
+            for state, steps in first_call.cold_and_cached(name).items():
+                told = ', '.join(f'{step} {seconds:.3g} s' for step, seconds in steps.items())
+                self._note(f'first calls of {name}, {state}: {told}')
+
+    def write(self, folder: Path) -> None:
+        """Print the summary; write peers.md and peers.png."""
+        rows = [report.cells(m) for m in self._measurements]
+        summary = report.summary(self._measurements)
+        print('\n'.join(['', *summary]))
+        parts = [
+            f'# Beside the peers\n\n{machine()}\n\n{HOW}\n\n![chart](peers.png)',
+            report.markdown(rows, report.HEADINGS),
+            *('\n'.join(f'- {line}' for line in lines) for lines in (summary, self._notes)),
+            '## What our queries did in their last cycle',
+            '\n'.join(f'- {line}' for line in self._effects),
+        ]
+        (folder / 'peers.md').write_text('\n\n'.join(parts) + '\n')
+        chart.draw(self._measurements, folder / 'peers.png')
+        print(f'written: {folder / "peers.md"}, {folder / "peers.png"}')
+
+
+def machine() -> str:
+    """Return what the figures were taken on and with."""
+    versions = []
+    for name in PACKAGES:
+        try:
+            versions.append(f'{name} {metadata.version(name)}')
+        except metadata.PackageNotFoundError:
+            continue
+    threads = os.environ.get('NUMBA_NUM_THREADS', 'as many as cores')
+    load = os.getloadavg()[0]
+    return (
+        f'Python {platform.python_version()}, {", ".join(versions)}; {os.cpu_count()} cores, '
+        f'load {load:.1f}; Numba threads: {threads}'
+    )
+
+
+def effects(told: Any) -> str:
+    """Return the counts of an Effects, those that are not zero, and its times."""
+    counts = dataclasses.asdict(told)
+    times = counts.pop('seconds')
+    lines = [f'{name} {count}' for name, count in counts.items() if count]
+    return ', '.join(lines + [f'{name} {1e6 * s:.3g} us' for name, s in times.items()])

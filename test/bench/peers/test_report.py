@@ -1,0 +1,88 @@
+"""Tables, verdicts and charts, on made-up times."""
+
+import pytest
+
+from bench.peers import chart, report
+from bench.peers.report import Measurement
+from bench.peers.timing import Taken
+
+
+def taken(microseconds, found=3, left_out=''):
+    return Taken([1e-6 * microseconds] * 5, [1e-6] * 5, [found] * 5, left_out)
+
+
+def measurement(scene='spheres-200', query='penetration', **microseconds):
+    names = {'mujoco': 'MuJoCo', 'coal': 'Coal'}
+    return Measurement(scene, query, {names.get(n, n): taken(t) for n, t in microseconds.items()})
+
+
+@pytest.mark.parametrize(
+    ('scene', 'query', 'bar'),
+    [
+        ('spheres-50', 'penetration', 2),
+        ('spheres-200', 'penetration', 4),
+        ('mixed-1000', 'penetration', 4),
+        ('mixed-1000/tenth', 'penetration', 10),
+        ('arms', 'candidates', 5),
+        ('arms', 'near', 4),
+        ('arms', 'all', 3),
+        ('hulls-20', 'points', 20),
+        ('arms', 'has_collisions', 1),
+        ('arms/apart', 'has_collisions', 2),
+    ],
+)
+def test_a_bar_is_met_from_its_ratio_on(scene, query, bar):
+    for pydrake, met in ((10 * bar + 0.1, True), (10 * bar - 0.1, False)):
+        verdict = measurement(scene, query, ours=10, pydrake=pydrake).verdicts()[0]
+        assert verdict == ('pydrake', bar, pytest.approx(pydrake / 10), met)
+
+
+def test_mujoco_is_compared_in_penetration_alone():
+    both = {'ours': 10, 'pydrake': 50, 'mujoco': 9}
+    assert measurement(**both).verdicts()[1] == ('MuJoCo', 1.0, pytest.approx(0.9), False)
+    assert len(measurement(query='near', **both).verdicts()) == 1
+
+
+def test_a_row_has_a_cell_for_every_heading():
+    row = report.cells(measurement(ours=12.34, pydrake=100, coal=1234))
+    told = dict(zip(report.HEADINGS, row, strict=True))
+    assert told['ours [us]'] == '12.3'
+    assert told['pydrake [us]'] == '100'
+    assert told['Coal [us]'] == '1234'
+    assert told['MuJoCo [us]'] == '-'
+    assert told['pydrake/ours'] == '8.1x'
+    assert told['results: ours'] == '3'
+    assert len(report.text_line(row)) == sum(report.WIDTHS)
+    assert report.markdown([row], report.HEADINGS).count('\n') == 3
+
+
+def test_a_library_that_was_left_out_has_no_time_and_a_reason():
+    m = Measurement('arms', 'all', {'ours': taken(1), 'pydrake': Taken(left_out='raised: no')})
+    assert report.cells(m)[3] == '-'
+    assert m.verdicts() == []
+    assert report.summary([m]) == ['0 of 0 bars met', 'arms all: pydrake left out: raised: no']
+
+
+def test_the_summary_tells_what_was_missed_and_where_results_differ():
+    slow = measurement('arms', 'near', ours=10, pydrake=20)
+    other = Measurement('arms', 'all', {'ours': taken(1, 4), 'pydrake': taken(9, 5)})
+    assert report.summary([slow, other]) == [
+        '1 of 2 bars met',
+        'missed: arms near: 2x pydrake, to be 4x',
+        'arms all: another number of results than pydrake in 5 of 5 cycles',
+    ]
+
+
+def test_the_chart_is_a_picture(tmp_path):
+    measurements = [
+        measurement(ours=10, pydrake=80, mujoco=20),
+        measurement('arms', 'near', ours=10, pydrake=5),
+        measurement('arms', 'all', ours=10),
+    ]
+    chart.draw(measurements, tmp_path / 'chart.png')
+    assert (tmp_path / 'chart.png').read_bytes().startswith(b'\x89PNG')
+
+
+def test_without_pydrake_there_is_no_chart(tmp_path):
+    chart.draw([measurement(ours=10)], tmp_path / 'chart.png')
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,78 @@
+"""Every scene of the bench is what it says, and builds and answers in this project."""
+
+import numpy as np
+import pytest
+
+from bench.peers import ours, scenes
+
+FEW = [name for name in scenes.names() if name.partition('/')[0] != 'anchored-2000']
+SMALL = ('spheres-50', 'arms', 'hulls-20')
+CYCLES = 5
+
+
+@pytest.mark.parametrize('name', FEW)
+def test_a_scene_is_posed_in_every_cycle(name):
+    scene = scenes.build(name)
+    poses = scene.motion.poses(CYCLES, seed=1)
+    assert scene.name == name
+    assert poses.shape == (CYCLES, len(scene.bodies), 7)
+    np.testing.assert_allclose(np.linalg.norm(poses[..., 3:], axis=-1), 1.0, atol=1e-12)
+    np.testing.assert_array_equal(poses, scenes.build(name).motion.poses(CYCLES, seed=1))
+
+
+@pytest.mark.parametrize('name', [name for name in FEW if not name.endswith(scenes.SPREAD)])
+def test_motions_are_small_and_of_as_many_bodies_as_the_variant_says(name):
+    scene = scenes.build(name)
+    poses = scene.motion.poses(CYCLES, seed=1)
+    moved = (np.diff(poses, axis=0) != 0.0).any(axis=(0, 2))
+    share = 0.1 if name.endswith(scenes.TENTH) else 1.0
+    assert moved.sum() == max(1, round(share * len(scene.bodies)))
+    assert np.abs(np.diff(poses[..., :3], axis=0)).max() < 0.05
+
+
+@pytest.mark.parametrize('name', SMALL)
+def test_a_scene_builds_and_answers_in_this_project(name):
+    scene = scenes.build(name)
+    side = ours.Side(scene)
+    side.set_poses(side.layout(scene.motion.poses(CYCLES, seed=1)[-1]))
+    found = {query: answer() for query, answer in side.answers.items()}
+    bodies, still = len(scene.bodies), len(scene.anchored)
+    pairs = bodies * (bodies - 1) // 2 + bodies * still - len(scene.filtered)
+    assert set(found) == set(scenes.QUERIES)
+    assert 0 < found['penetration'] <= found['candidates'] < pairs
+    assert found['penetration'] <= found['near'] < pairs
+    assert found['all'] == pairs
+    assert found['points'] == 100 * (bodies + still)
+    assert found['has_collisions'] == 1
+
+
+@pytest.mark.parametrize('name', SMALL)
+def test_what_is_spread_out_does_not_touch(name):
+    scene = scenes.build(name + scenes.SPREAD)
+    side = ours.Side(scene)
+    for poses in scene.motion.poses(50, seed=1)[::10]:
+        side.set_poses(poses)
+        assert side.answers['has_collisions']() == 0
+
+
+def test_more_anchored_boxes_leave_the_moving_bodies_as_they_are():
+    one, two = scenes.build('anchored-1000'), scenes.build('anchored-2000')
+    assert (len(one.anchored), len(two.anchored)) == (1000, 2000)
+    assert one.bodies == two.bodies
+    np.testing.assert_array_equal(one.motion.poses(2, 0), two.motion.poses(2, 0))
+    for (shape, X), (same, Y) in zip(one.anchored, two.anchored, strict=False):
+        assert shape == same
+        np.testing.assert_array_equal(X, Y)
+
+
+def test_a_hull_has_all_its_points_as_vertices():
+    scene = scenes.build('hulls-20')
+    assert {len(body.vertices) for body in scene.bodies} == {64}
+    from bench.peers.hull_files import hull_faces
+
+    for body in scene.bodies[:3]:
+        faces = hull_faces(body.vertices)
+        assert len(np.unique(faces)) == 64
+        a, b, c = (body.vertices[faces[:, k]] for k in range(3))
+        outward = np.einsum('ij,ij->i', np.cross(b - a, c - a), a)
+        assert (outward > 0).all()  # the origin is inside, so every face looks away from it

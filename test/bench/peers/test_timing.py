@@ -1,0 +1,65 @@
+"""Libraries take turns on the same poses; who cannot keep up is left out with a reason."""
+
+import time
+
+import pytest
+
+from bench.peers.timing import FEWEST_CYCLES, MOST_CYCLES, Turn, back_and_forth, interleave
+
+NO_LIMITS = {'a': 10.0, 'b': 10.0}
+
+
+class Library:
+    """Writes down what it is asked, into a list that it shares."""
+
+    def __init__(self, name, calls, pause=0.0):
+        self.turn = Turn([10, 11, 12], self._set_poses, self._query)
+        self._name, self._calls, self._pause = name, calls, pause
+
+    def _set_poses(self, poses):
+        self._calls.append((self._name, poses))
+
+    def _query(self):
+        time.sleep(self._pause)
+        return 2
+
+
+def test_all_see_the_same_poses_and_begin_in_turn():
+    calls = []
+    turns = {name: Library(name, calls).turn for name in 'ab'}
+    taken = interleave(turns, 0.0, NO_LIMITS)
+    timed = calls[-2 * FEWEST_CYCLES :]
+    cycles = list(zip(timed[::2], timed[1::2], strict=True))
+    assert all(first[1] == second[1] for first, second in cycles)
+    assert [first[0] for first, _ in cycles[:4]] == ['a', 'b', 'a', 'b']
+    assert [len(t.seconds) for t in taken.values()] == [FEWEST_CYCLES] * 2
+    assert taken['a'].found == [2] * FEWEST_CYCLES
+    assert taken['a'].mean_found() == 2
+
+
+def test_there_is_an_end_to_the_cycles_of_a_fast_query():
+    taken = interleave({'a': Library('a', []).turn}, 1e3, NO_LIMITS)
+    assert len(taken['a'].seconds) == MOST_CYCLES
+
+
+def test_a_slow_library_is_left_out():
+    turns = {'a': Library('a', []).turn, 'b': Library('b', [], pause=0.02).turn}
+    taken = interleave(turns, 0.0, {'a': 10.0, 'b': 0.01})
+    assert 'more than 0.01 s' in taken['b'].left_out
+    assert taken['b'].median() is None
+    assert taken['a'].median() is not None
+
+
+def test_a_library_that_raises_is_left_out():
+    def refuse():
+        raise RuntimeError('no such pair\nand more')
+
+    turns = {'a': Library('a', []).turn, 'b': Turn([0], lambda _: None, refuse)}
+    taken = interleave(turns, 0.0, NO_LIMITS)
+    assert taken['b'].left_out == 'raised: no such pair'
+    assert taken['b'].mean_found() is None
+
+
+@pytest.mark.parametrize(('length', 'walk'), [(1, [0] * 6), (3, [0, 1, 2, 1, 0, 1])])
+def test_poses_go_back_and_forth(length, walk):
+    assert [back_and_forth(number, length) for number in range(6)] == walk

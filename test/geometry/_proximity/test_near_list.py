@@ -1,0 +1,147 @@
+"""The near list: it holds whatever is near, stands while it can, and remembers by pair."""
+
+import math
+
+import numpy as np
+import pytest
+from oracles.filters import filters_of
+from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
+
+from drake_geom_ros.geometry._proximity.near_list import PATIENCE, NearList
+from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.world import FrameTable, World
+
+
+def near_pairs(world, distance):
+    """Return the pairs whose boxes come within a distance, less those of two anchored bodies."""
+    i, j = np.triu_indices(world.geometry_count, k=1)
+    gaps = np.abs(world.p_WGs[i] - world.p_WGs[j]) - world.half_extents[i] - world.half_extents[j]
+    near = np.linalg.norm(np.maximum(gaps, 0.0), axis=1) <= distance
+    keep = near & ~(world.anchored[i] & world.anchored[j])
+    return set(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
+
+
+def listed(near):
+    pairs = [tuple(pair) for pair in near.pairs.tolist()]
+    assert pairs == sorted(set(pairs))
+    return set(pairs)
+
+
+def creep(rng, world, frames, length):
+    """Move some frames a little and bring the world up to date."""
+    ps = world.p_PFs[frames] + rng.uniform(-length, length, (len(frames), 3))
+    world.set_poses(frames, world.R_PFs[frames], ps)
+    world.update()
+
+
+@pytest.mark.parametrize('anchored', [0, 30])
+@pytest.mark.parametrize('moving', [40, 4])
+def test_whatever_is_near_is_listed_and_the_list_stands_for_a_while(anchored, moving):
+    rng = np.random.default_rng(anchored + moving)
+    world = random_world(rng, 80, anchored=anchored)
+    filters, near = filters_of(world), NearList(world)
+    frames = np.arange(1, 1 + moving)
+    made = 0
+    for step in range(3 * PATIENCE):
+        distance = (0.0, 0.05)[step % 2]
+        made += near.bring_up_to_date(world, filters, distance)
+        assert near_pairs(world, distance) <= listed(near)
+        creep(rng, world, frames, 0.002)
+    assert 3 <= made <= PATIENCE
+    # Nobody else than who moves costs anything, and nobody is forgotten when they wake up.
+    shuffle(rng, world)
+    assert near.bring_up_to_date(world, filters, 0.05)
+    assert near_pairs(world, 0.05) <= listed(near)
+
+
+def test_a_list_for_more_serves_for_less_and_grows_when_it_must():
+    world = random_world(np.random.default_rng(0), 40)
+    filters, near = filters_of(world), NearList(world)
+    assert near.bring_up_to_date(world, filters, 0.2)
+    assert not near.bring_up_to_date(world, filters, 0.0)
+    assert not near.bring_up_to_date(world, filters, -1.0)
+    assert near.bring_up_to_date(world, filters, 0.3)
+    assert near_pairs(world, 0.3) <= listed(near)
+
+
+def test_teleports_are_met_by_a_list_without_margins():
+    rng = np.random.default_rng(1)
+    world = random_world(rng, 40)
+    filters, near = filters_of(world), NearList(world)
+    for _ in range(20):
+        shuffle(rng, world)
+        assert near.bring_up_to_date(world, filters, 0.0)
+        assert near_pairs(world, 0.0) <= listed(near)
+    assert len(near.pairs) <= 2 * len(near_pairs(world, 0.0))
+
+
+def test_all_pairs():
+    world = random_world(np.random.default_rng(2), 20, anchored=5)
+    near = NearList(world)
+    near.bring_up_to_date(world, filters_of(world), math.inf)
+    assert listed(near) == near_pairs(world, math.inf)
+    assert len(near.pairs) == 190 - 10
+
+
+def test_filtered_pairs_are_not_listed():
+    world = random_world(np.random.default_rng(3), 10, spread=0.01)
+    filters, near = filters_of(world), NearList(world)
+    near.bring_up_to_date(world, filters, 1.0)
+    assert (near.considered, len(near.pairs)) == (45, 45)
+    keys = tuple(world.geometries.ids.tolist())
+    filters.apply([(1, keys[:5], keys[:5])])
+    assert near.bring_up_to_date(world, filters, 1.0)
+    assert (near.considered, len(near.pairs)) == (45, 35)
+    assert not (near.pairs < 5).all(axis=1).any()
+
+
+def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
+    rng = np.random.default_rng(4)
+    world = random_world(rng, 60)
+    filters, near = filters_of(world), NearList(world)
+    known: dict[tuple[int, int], float] = {}
+    for _ in range(60):
+        near.bring_up_to_date(world, filters, 0.0)
+        slots = dict(zip(map(tuple, near.pairs.tolist()), near.slots.tolist(), strict=True))
+        assert len(set(slots.values())) == len(slots)
+        for pair, slot in slots.items():
+            if pair in known:
+                assert near.slacks[slot] == known[pair]
+            else:
+                # A new pair knows nothing, whoever had the slot before.
+                assert near.slacks[slot] == -math.inf
+                assert near.seen[slot] == -1
+                assert not near.answers[slot].any()
+            near.slacks[slot] = rng.random()
+            near.seen[slot], near.answers[slot] = 5, 1.0
+        known = {pair: near.slacks[slot] for pair, slot in slots.items()}
+        creep(rng, world, np.arange(1, 61), 0.03)
+
+
+@pytest.mark.parametrize('moving_plane', [False, True])
+def test_every_body_is_paired_with_every_plane(moving_plane):
+    frames = FrameTable(np.arange(1, 7), np.zeros(6, dtype=np.int64))
+    on = [int(moving_plane), 2, 3, 4, 0, 5]
+    table = geometry_table(on, [HALF_SPACE, 1, 1, 2, 1, HALF_SPACE], [[], *[[0.1] * 3] * 4, []])
+    world = World(frames, table)
+    rng = np.random.default_rng(5)
+    world.set_poses(np.arange(1, 6), random_rotations(rng, 5), rng.uniform(-9, 9, (5, 3)))
+    world.update()
+    near = NearList(world)
+    near.bring_up_to_date(world, filters_of(world), 0.0)
+    bodies = [1, 2, 3, 4] if moving_plane else [1, 2, 3]
+    expected = {(0, g) for g in bodies} | {(g, 5) for g in (1, 2, 3, 4)}
+    assert listed(near) == expected
+    # A plane may turn as it likes: the list stands.
+    world.set_poses(np.array([5]), random_rotations(rng, 1), np.zeros((1, 3)))
+    world.update()
+    assert not near.bring_up_to_date(world, filters_of(world), 0.0)
+
+
+@pytest.mark.parametrize('count', [0, 1])
+def test_scenes_without_a_pair(count):
+    world = random_world(np.random.default_rng(0), count)
+    for distance in (0.0, math.inf):
+        near = NearList(world)
+        near.bring_up_to_date(world, filters_of(world), distance)
+        assert near.pairs.shape == (0, 2)

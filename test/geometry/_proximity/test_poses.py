@@ -1,0 +1,48 @@
+"""Reading poses from an array: the same numbers as ``math.batched``, and what is refused."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
+from drake_geom_ros.math.batched import matrices_from_poses
+from drake_geom_ros.math.tolerances import QUATERNION_NORM
+
+
+def random_poses(n):
+    rng = np.random.default_rng(n)
+    poses = rng.normal(size=(n, 7))
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1)[:, None]
+    poses[:, 3:] *= rng.uniform(1 - 5e-4, 1 + 5e-4, (n, 1))
+    return poses
+
+
+@pytest.mark.parametrize('n', [0, 1, 200])
+def test_the_same_as_in_numpy(n):
+    poses = random_poses(n)
+    Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
+    assert read_poses(poses, QUATERNION_NORM, Rs, ps) == n
+    expected_Rs, expected_ps = matrices_from_poses(poses)
+    np.testing.assert_allclose(Rs, expected_Rs, atol=1e-15)
+    np.testing.assert_array_equal(ps, expected_ps)
+
+
+@pytest.mark.parametrize('value', [np.nan, np.inf, 1.1, 0.0])
+@pytest.mark.parametrize('column', [3, 6])
+def test_the_first_bad_row_is_named(value, column):
+    poses = random_poses(9)
+    poses[4:, 3:], poses[4:, column] = 0.0, value
+    assert read_poses(poses, QUATERNION_NORM, np.empty((9, 3, 3)), np.empty((9, 3))) == 4
+
+
+@pytest.mark.parametrize('column', [0, 1, 2])
+def test_positions_must_be_finite(column):
+    poses = random_poses(3)
+    poses[1, column] = -np.inf
+    assert read_poses(poses, QUATERNION_NORM, np.empty((3, 3, 3)), np.empty((3, 3))) == 1
+
+
+def test_ascending():
+    assert ascending(np.array([], dtype=np.int64))
+    assert ascending(np.array([3, 5, 9]))
+    assert not ascending(np.array([3, 3, 9]))
+    assert not ascending(np.array([3, 9, 5]))
