@@ -136,7 +136,8 @@ class SceneGraphContext:
 
     def _up_to_date_world(self) -> World:
         """Return the world, rebuilt, poses kept, if frames or shapes changed."""
-        if self._built != self._versions():
+        versions, built = self._model.versions, self._built
+        if built[0] != versions.frames or built[1] != versions.proximity:
             self._world = self._world.rebuilt(*_tables(self._model))
             self._built = self._versions()
         return self._world

@@ -31,6 +31,14 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.point_phase import (
+    POINT_DISTANCE,
+    POINT_ERROR_BOUND,
+    POINT_GRADIENT,
+    POINT_METHOD,
+    POINT_NEAREST,
+    POINT_UNIQUE,
+)
 from drake_geom_ros.geometry.ids import GeometryId
 
 Floats = NDArray[np.float64]
@@ -147,12 +155,6 @@ class ResultSequence(Sequence[Record], Generic[Record]):
 def _vector(row: Floats, column: int) -> Floats:
     """Return three numbers of a row as an array of its own."""
     return row[column : column + 3].copy()
-
-
-def _from_world(R_WGs: Floats, vectors_W: Floats) -> Floats:
-    """Express World vectors (k, 3) in the frames of R_WGs (k, 3, 3): R^T v for each."""
-    vectors_G: Floats = np.einsum('kji,kj->ki', R_WGs, vectors_W)
-    return vectors_G
 
 
 class _PairSequence(ResultSequence[Record]):
@@ -276,52 +278,48 @@ class PointDistanceResults(ResultSequence[SignedDistanceToPoint]):
     def __init__(self, batch: PointBatch) -> None:
         super().__init__(len(batch.ids))
         self._rows = batch.rows
-        self._R_WGs = batch.R_WGs
-        self._p_GQs_W = batch.p_GQs_W
         self.id_G: NDArray[np.int64] = batch.ids
         self.point_index: NDArray[np.uint32] = batch.points.astype(np.uint32)
 
     @property
     def distance(self) -> Floats:
         """Signed distances (k,) [m]."""
-        return self._rows[:, DISTANCE]
+        return self._rows[:, POINT_DISTANCE]
 
     @property
     def grad_W(self) -> Floats:
         """Unit gradients (k, 3) of the distances with respect to the point."""
-        return self._rows[:, NORMAL : NORMAL + 3]
+        return self._rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
 
     @property
     def is_grad_W_unique(self) -> NDArray[np.bool_]:
         """Whether each gradient is the only one (k,)."""
-        return self._rows[:, UNIQUE].astype(np.bool_)
+        return self._rows[:, POINT_UNIQUE].astype(np.bool_)
 
     @property
     def p_GN(self) -> Floats:
         """Nearest surface points (k, 3) [m], each in its geometry's frame."""
-        p_GNs_W = self._p_GQs_W + self._rows[:, WITNESS_B : WITNESS_B + 3]
-        return _from_world(self._R_WGs, p_GNs_W)
+        return self._rows[:, POINT_NEAREST : POINT_NEAREST + 3]
 
     @property
     def error_bound(self) -> Floats:
         """Certified bounds (k,) [m] on the error of the distance."""
-        return self._rows[:, ERROR_BOUND]
+        return self._rows[:, POINT_ERROR_BOUND]
 
     @property
     def method(self) -> NDArray[np.uint8]:
         """The METHOD_* constant (k,) of each answer."""
-        return self._rows[:, METHOD].astype(np.uint8)
+        return self._rows[:, POINT_METHOD].astype(np.uint8)
 
     def _record(self, k: int) -> SignedDistanceToPoint:
         row = self._rows[k]
-        p_GN_W = self._p_GQs_W[k] + row[WITNESS_B : WITNESS_B + 3]
         return SignedDistanceToPoint(
             id_G=GeometryId(int(self.id_G[k])),
-            p_GN=self._R_WGs[k].T @ p_GN_W,
-            grad_W=row[NORMAL : NORMAL + 3].copy(),
-            distance=float(row[DISTANCE]),
-            is_grad_W_unique=bool(row[UNIQUE]),
-            error_bound=float(row[ERROR_BOUND]),
-            method=int(row[METHOD]),
+            p_GN=_vector(row, POINT_NEAREST),
+            grad_W=_vector(row, POINT_GRADIENT),
+            distance=float(row[POINT_DISTANCE]),
+            is_grad_W_unique=bool(row[POINT_UNIQUE]),
+            error_bound=float(row[POINT_ERROR_BOUND]),
+            method=int(row[POINT_METHOD]),
             point_index=int(self.point_index[k]),
         )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -43,30 +42,24 @@ class PairBatch(NamedTuple):
         return PairBatch(self.ids[keep], self.rows[keep])
 
 
-@dataclass(frozen=True)
-class PointBatch:
-    """The answers of a point query: k rows, each of a point and a geometry by index."""
+class PointBatch(NamedTuple):
+    """The answers of a point query: k rows, each of a point and a geometry."""
 
-    ids: Indices  # (k,)
-    points: Indices  # (k,)
-    rows: Floats  # (k, PAIR_WIDTH), A is the point
-    p_GQs_W: Floats  # (k, 3) [m]
-    R_WGs: Floats  # (k, 3, 3)
+    ids: Indices  # (k,) of the geometries
+    points: Indices  # (k,) which point
+    rows: Floats  # (k, POINT_WIDTH), columns of ``point_phase``
 
 
 def gathered(
     world: World, hits: Indices, pairs: Indices, slots: Indices, answers: Floats
 ) -> PairBatch:
     """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of answers."""
-    table = world.geometries
     ids = np.empty((len(hits), 2), dtype=np.int64)
     rows = np.empty((len(hits), BATCH_WIDTH))
-    _gather(
-        *(hits, pairs, slots, answers, table.ids, table.types, table.frames),
-        *(world.R_WGs, world.p_WGs, world.p_WFs, world.outer_radii, ids, rows),
-    )
+    _gather(hits, pairs, slots, answers, *world.posed, ids, rows)
     # Whoever asks again gets the same arrays, if nothing has changed.
-    ids.flags.writeable = rows.flags.writeable = False
+    ids.setflags(write=False)
+    rows.setflags(write=False)
     return PairBatch(ids, rows)
 
 

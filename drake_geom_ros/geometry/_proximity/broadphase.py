@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 Floats = NDArray[np.float64]
@@ -85,7 +85,7 @@ def _grown(sweep, room: int) -> Indices:  # type: ignore[no-untyped-def]
     return pairs[:count]
 
 
-@compiled
+@inlined
 def _overlap(lowers_a, uppers_a, a, lowers_b, uppers_b, b):  # type: ignore[no-untyped-def]
     """Tell whether two boxes share a point."""
     return (
@@ -98,7 +98,7 @@ def _overlap(lowers_a, uppers_a, a, lowers_b, uppers_b, b):  # type: ignore[no-u
     )
 
 
-@compiled
+@inlined
 def _put(pairs, count, i, j):  # type: ignore[no-untyped-def]
     """Append the pair, smaller first; beyond the capacity only count it."""
     if count < pairs.shape[0]:
@@ -143,7 +143,7 @@ def _sweep_between(  # type: ignore[no-untyped-def]
     return count
 
 
-@compiled
+@inlined
 def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
     squared, reach = 0.0, 0.0
@@ -158,7 +158,7 @@ def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
     return max(0.0, math.sqrt(squared) - 4.0 * EPS * reach)
 
 
-@compiled
+@inlined
 def plane_gap(R_WGs, p_WGs, half_extents, h, g):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the box around g above the half space h."""
     height, extent, size = 0.0, 0.0, 0.0

@@ -68,9 +68,23 @@ CACHE_FOLDER = _cache_folder()
 
 def compiled(function: Callable[..., Any]) -> Any:
     """Return the function compiled on its first call, without the GIL, divisions as in NumPy."""
+    return _compiled(function, forceinline=False)
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """Return the function compiled as ``compiled`` does, for callers that must not call it.
+
+    For what is small and called for every pair: LLVM leaves many such calls as they are, and to
+    hand arrays and tuples over costs more than the work (half of the narrow phase of 1000 balls).
+    """
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable[..., Any], forceinline: bool) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER
+    options = {'nogil': True, 'error_model': 'numpy', 'forceinline': forceinline}
     try:
-        return njit(cache=bool(CACHE_FOLDER), nogil=True, error_model='numpy')(function)
+        return njit(cache=bool(CACHE_FOLDER), **options)(function)
     finally:
         config.CACHE_DIR = before

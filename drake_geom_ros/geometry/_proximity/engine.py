@@ -26,7 +26,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import SPHERE
-from drake_geom_ros.geometry._proximity.point_phase import point_phase
+from drake_geom_ros.geometry._proximity.point_phase import POINT_WIDTH, point_phase
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -191,7 +191,7 @@ class Engine:
         self._kernels = compile_rows(rows)
         self._times[3] = time.perf_counter()
         capacity = len(p_WQs) * len(rows)
-        results = np.empty((capacity, PAIR_WIDTH))
+        results = np.empty((capacity, POINT_WIDTH))
         points, geometries = np.empty(capacity, np.int64), np.empty(capacity, np.int64)
         scene = (table.starts, table.pool, world.R_WGs, world.p_WGs)
         count = point_phase(
@@ -202,12 +202,9 @@ class Engine:
         self._counts[:] = 0
         self._counts[FAR] = capacity - count
         self._counts[BY_METHOD + calling.CLOSED_FORM] = count
-        results, points, geometries = results[:count], points[:count], geometries[:count]
-        # The kernel's A is the point, so witnesses are measured from it.
-        p_GQs_W = p_WQs[points] - world.p_WGs[geometries]
-        R_WGs = world.R_WGs[geometries]
+        ids = table.ids[geometries[:count]]
         self._times[4] = time.perf_counter()
-        return PointBatch(table.ids[geometries], points, results, p_GQs_W, R_WGs)
+        return PointBatch(ids, points[:count], results[:count])
 
     # Steps.
 
@@ -253,13 +250,8 @@ class Engine:
         first: int,
     ) -> Indices:
         """Return the numbers of the pairs that ``query`` is about, their slots up to date."""
-        table = world.geometries
-        scene = (
-            *(table.types, table.starts, table.pool, world.R_WGs, world.p_WGs),
-            *(world.half_extents, world.outer_radii, world.inner_radii),
-        )
-        motion = world.revision, world.travels, world.stamps
         found = answer_pairs(
-            ADDRESSES, pairs, slots, memory, scene, motion, query, first, self._hits, self._counts
+            *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
+            *(query, first, self._hits, self._counts),
         )
         return self._hits[:found]

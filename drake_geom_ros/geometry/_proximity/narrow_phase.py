@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
@@ -66,13 +66,13 @@ def compile_rows(rows: NDArray[np.int64]) -> list[str]:
     return list(names)
 
 
-@compiled
+@inlined
 def _code(type_a, type_b):  # type: ignore[no-untyped-def]
     """Return where a pair of types stands in ROW_OF_TYPES."""
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
 
 
-@compiled
+@inlined
 def _pose_rounding(p_WGs, i, j):  # type: ignore[no-untyped-def]
     """Return what composing world poses may have cost the pair [m]: far away, digits."""
     reach = 0.0
@@ -81,7 +81,7 @@ def _pose_rounding(p_WGs, i, j):  # type: ignore[no-untyped-def]
     return 8.0 * EPS * reach
 
 
-@compiled
+@inlined
 def _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
     if types[i] == HALF_SPACE:
@@ -91,7 +91,7 @@ def _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents):  # type: ignore[no-u
     return box_gap(p_WGs, half_extents, i, j)
 
 
-@compiled
+@inlined
 def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the balls around i and j."""
     squared, reach = 0.0, 0.0
@@ -103,7 +103,7 @@ def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
     return centres - balls - 8.0 * EPS * (centres + balls + reach)
 
 
-@compiled
+@inlined
 def _call_in_order(  # type: ignore[no-untyped-def]
     a, b, address, types, starts, pool, R_WGs, p_WGs, p_AB_W, tolerance, cutoff, out
 ):
@@ -137,7 +137,7 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             out[NORMAL + c] = -out[NORMAL + c]
 
 
-@compiled
+@inlined
 def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type: ignore[no-untyped-def]
     """Write a pair's answer from bounds alone."""
     for c in range(3):
@@ -150,14 +150,14 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
     )
 
 
-@compiled
+@inlined
 def _size(a, b, types, outer):  # type: ignore[no-untyped-def]
     """Return the size of a pair [m]; a half space has none of its own."""
     size = 0.0 if types[a] == HALF_SPACE else outer[a]
     return size if types[b] == HALF_SPACE else size + outer[b]
 
 
-@compiled
+@inlined
 def _least(out, gap, size):  # type: ignore[no-untyped-def]
     """Return what the distance is at least [m], by an answer that was computed for ``gap``."""
     if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
@@ -168,12 +168,12 @@ def _least(out, gap, size):  # type: ignore[no-untyped-def]
 
 @compiled
 def answer_pairs(  # type: ignore[no-untyped-def]
-    addresses, pairs, slots, memory, scene, motion, query, first, hits, counts
+    addresses, pairs, slots, memory, scene, revision, query, first, hits, counts
 ):
     """Bring the slots of the pairs up to date that are within reach; return how many are.
 
     ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
-    R_WGs, p_WGs, half extents, outer and inner radii. ``motion``: revision, travels, stamps.
+    R_WGs, p_WGs, half extents, outer and inner radii, travels, stamps.
     ``query``: gap [m] (infinite: bounds alone will do), cutoff [m], and whether only pairs count
     that overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that
     is not negative is where to begin, and then one hit is enough.
@@ -181,8 +181,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
     # does an array a pair.
     answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, half_extents, outer, inner = scene
-    revision, travels, stamps = motion
+    types, starts, pool, R_WGs, p_WGs, half_extents, outer, inner, travels, stamps = scene
     gap, cutoff, penetrating = query
     scratch = np.empty(3)
     counts[:] = 0

@@ -1,10 +1,10 @@
 """Which pairs are near enough to be looked at, and what is known of each, from cycle to cycle.
 
-A list is made for a little more than the distance that is asked for: each body gets a margin of
-as far as it is expected to come in some updates, and the list stands until a body has used its
-margin up (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with margins of each body's
-own). Only then the broad phase runs again, and only for the bodies that move: those that rest were
-sorted, and paired among themselves, once.
+A list is made for a little more than the distance that is asked for: the box of each body gets a
+margin of as far as the body is expected to come in some updates, and the list stands until a body
+leaves its box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with margins of each
+body's own). Only then the broad phase runs again, and only for the bodies that move: those that
+rest were sorted, and paired among themselves, once.
 
 What was answered for a pair stays in its *slot* for as long as the pair is near: the row of its
 last answer, in which revision of the world that was, how sharp, and its *slack*: the certified
@@ -51,7 +51,9 @@ class NearList:
         self.slots: Indices = np.zeros(0, dtype=np.int64)  # (k,)
         self._codes: Indices = np.zeros(0, dtype=np.int64)  # (k,) i n + j
         self._version = -1  # of the filters
-        self._limits = np.zeros(n)  # (n,) travels up to which the list stands [m]
+        self._lowers = np.zeros((n, 3))  # (n, 3) [m] the boxes for which the list stands
+        self._uppers = np.zeros((n, 3))
+        self._checked = 0  # the revision in which everybody was last seen in them
         self._wanted = 0.0  # [m] the largest distance asked for since the list was made
         self._planes = np.flatnonzero(world.geometries.types == HALF_SPACE)
         self._is_plane = world.geometries.types == HALF_SPACE
@@ -61,6 +63,7 @@ class NearList:
         self._resting_pairs: Indices = self.pairs
         self._sorted_at = 0  # the revision in which the resting ones were sorted
         self._active_when_sorted = 0
+        self._made = 0  # the revision of the list
         # The slots (m,), in use and free.
         self.answers = np.zeros((0, PAIR_WIDTH))  # the last answer; A is the first of the pair
         self.slacks = np.zeros(0)  # [m] certified distance plus travels, both of the same time
@@ -78,7 +81,7 @@ class NearList:
         distance = max(distance, 0.0)
         self._wanted = max(self._wanted, distance)
         stands = distance <= self.reach and filters.version == self._version
-        if stands and (self.reach == math.inf or not _overrun(world.travels, self._limits)):
+        if stands and (self.reach == math.inf or not self._somebody_left(world)):
             return False
         if math.isinf(self._wanted):
             candidates = _all_pairs(world)
@@ -88,15 +91,25 @@ class NearList:
         self._take(world, filters, candidates)
         return True
 
+    def _somebody_left(self, world: World) -> bool:
+        """Tell whether a body is no longer in the box that the list was made for."""
+        since, self._checked = self._checked, world.revision
+        boxes = self._lowers, self._uppers
+        return since != world.revision and bool(
+            _left(since, world.stamps, world.p_WGs, world.half_extents, *boxes)
+        )
+
     # Which pairs.
 
     def _near_pairs(self, world: World, distance: float) -> Indices:
         """Return the pairs (k, 2) whose padded boxes overlap, in any order."""
-        self._active |= (world.travels > self._limits) & ~self._is_plane
-        # A plane has no travel of its own: every body is paired with it.
+        # Every body is paired with every plane, so that these may move as they like.
+        self._active |= (world.stamps > self._made) & ~self._is_plane & (self._made > 0)
         margins = np.minimum(UPDATES_AHEAD * world.paces, WIDEST_MARGIN * world.outer_radii)
         margins[(world.paces >= margins) | ~self._active] = 0.0
-        self._limits = np.where(self._is_plane, math.inf, world.travels + margins)
+        reaches = world.half_extents + margins[:, None]
+        self._lowers, self._uppers = world.p_WGs - reaches, world.p_WGs + reaches
+        self._made = self._checked = world.revision
         if distance > self._resting_within or self._many_have_changed(world):
             self._sort_resting(world, distance)
         paddings = margins + 0.5 * distance
@@ -202,11 +215,15 @@ def _all_pairs(world: World) -> Indices:
 
 
 @compiled
-def _overrun(travels, limits):  # type: ignore[no-untyped-def]
-    """Tell whether a body has come farther than the list allows for."""
-    for g in range(travels.size):
-        if not travels[g] <= limits[g]:
-            return True
+def _left(since, stamps, p_WGs, half_extents, lowers, uppers):  # type: ignore[no-untyped-def]
+    """Tell whether the box of a body that moved after a revision sticks out of another box."""
+    for g in range(stamps.size):
+        if stamps[g] <= since:
+            continue
+        for k in range(3):
+            p, half = p_WGs[g, k], half_extents[g, k]
+            if not (p - half >= lowers[g, k] and p + half <= uppers[g, k]):
+                return True
     return False
 
 

@@ -91,3 +91,14 @@ SHARPER_DEPTH = 0.1
 # A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
 # has no volume, and its faces no sides.
 FLAT_HULL = 1e-9
+
+# Squares of lengths [m^2] between these have lost no digit to underflow, and none to overflow.
+SMALL_SQUARE = 2.0**-900
+LARGE_SQUARE = 2.0**900
+
+# A step of Newton's method on a normal this small [-] was the last that mattered: its square is EPS.
+LAST_STEP = 2.0**-26
+
+# Slope of the overlap's width [m/rad], in units of its rounding, that Newton's method may leave
+# after such a step: half its square over the curvature is below rounding wherever a cap is proven.
+LOOSE_SLOPE = 32.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.bounds import (
     box_half_extents,
     shape_radii,
@@ -82,6 +82,28 @@ class World:
         self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
         # A ball that turns about its centre goes nowhere.
         self._turn_radii = np.where(table.types == SPHERE, 0.0, self.outer_radii)
+        self._gather_arguments()
+
+    def _gather_arguments(self) -> None:
+        """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
+        table = self.geometries
+        self._arguments = (
+            *(self._moved, self.frames.parents),
+            *(self.R_PFs, self.p_PFs, self.R_WFs, self.p_WFs),
+            *(table.frames, table.R_FGs, table.p_FGs, table.types, table.starts, table.pool),
+            *(self.R_WGs, self.p_WGs, self.half_extents),
+            *(self._turn_radii, self.stamps, self.travels, self.paces),
+        )
+        # For the narrow phase: shapes, where they are, how large, and how they moved.
+        self.scene = (
+            *(table.types, table.starts, table.pool, self.R_WGs, self.p_WGs),
+            *(self.half_extents, self.outer_radii, self.inner_radii, self.travels, self.stamps),
+        )
+        # For those who gather results.
+        self.posed = (
+            *(table.ids, table.types, table.frames),
+            *(self.R_WGs, self.p_WGs, self.p_WFs, self.outer_radii),
+        )
 
     @property
     def geometry_count(self) -> int:
@@ -95,6 +117,7 @@ class World:
         for name, value in self.__dict__.items():
             if isinstance(value, np.ndarray):
                 setattr(other, name, value.copy())
+        other._gather_arguments()
         return other
 
     def rebuilt(self, frames: FrameTable, geometries: GeometryTable) -> World:
@@ -135,15 +158,8 @@ class World:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
-        table = self.geometries
         self.revision += 1
-        counts = _update(
-            *(self.revision, self._moved),
-            (self.frames.parents, self.R_PFs, self.p_PFs, self.R_WFs, self.p_WFs),
-            (table.frames, table.R_FGs, table.p_FGs, table.types, table.starts, table.pool),
-            (self.R_WGs, self.p_WGs, self.half_extents),
-            (self._turn_radii, self.stamps, self.travels, self.paces),
-        )
+        counts = _update(self.revision, *self._arguments)
         self._moved[:] = False
         self._stale = False
         return counts  # type: ignore[no-any-return]
@@ -168,7 +184,7 @@ def _set_poses(rows, R_news, p_news, R_PFs, p_PFs, moved):  # type: ignore[no-un
     return any_moved
 
 
-@compiled
+@inlined
 def _compose(R_ABs, p_ABs, a, R_BCs, p_BCs, b, R_ACs, p_ACs, c):  # type: ignore[no-untyped-def]
     """Write X_AB X_BC of rows a and b to row c; return the squares of what turned and moved it.
 
@@ -190,7 +206,7 @@ def _compose(R_ABs, p_ABs, a, R_BCs, p_BCs, b, R_ACs, p_ACs, c):  # type: ignore
     return turned, moved
 
 
-@compiled
+@inlined
 def _way(turned, moved, turn_radius):  # type: ignore[no-untyped-def]
     """Return how far a point of a body can have come by a step of ``_compose`` [m], rounded up.
 
@@ -204,12 +220,29 @@ def _way(turned, moved, turn_radius):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _update(revision, moved, frames, table, posed, motion):  # type: ignore[no-untyped-def]
+def _update(  # type: ignore[no-untyped-def]
+    revision,
+    moved,
+    parents,
+    R_PFs,
+    p_PFs,
+    R_WFs,
+    p_WFs,
+    on,
+    R_FGs,
+    p_FGs,
+    types,
+    starts,
+    pool,
+    R_WGs,
+    p_WGs,
+    half_extents,
+    turn_radii,
+    stamps,
+    travels,
+    paces,
+):
     """Pose the moved frames, what hangs on them, and the geometry on either."""
-    parents, R_PFs, p_PFs, R_WFs, p_WFs = frames
-    on, R_FGs, p_FGs, types, starts, pool = table
-    R_WGs, p_WGs, half_extents = posed
-    turn_radii, stamps, travels, paces = motion
     moved_frames = 0
     for f in range(1, parents.size):
         parent = parents[f]

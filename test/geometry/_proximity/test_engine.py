@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.point_phase import POINT_DISTANCE
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
@@ -169,7 +170,7 @@ def test_points_meet_what_is_within_reach():
     batch = Engine().point_distances(world, points, 0.3)
     everything = Engine().point_distances(world, points, math.inf)
     assert len(everything.rows) == 600
-    near = everything.rows[:, DISTANCE] <= 0.3
+    near = everything.rows[:, POINT_DISTANCE] <= 0.3
     np.testing.assert_array_equal(batch.rows, everything.rows[near])
     np.testing.assert_array_equal(batch.points, everything.points[near])
     np.testing.assert_array_equal(batch.ids, everything.ids[near])

@@ -16,7 +16,7 @@ from numba import config, types
 from numba.extending import intrinsic
 
 # Columns of a result row.
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import inlined
 
 DISTANCE = 0
 NORMAL = 1  # 3: nhat_BA_W
@@ -49,7 +49,7 @@ PAIR_SIGNATURE = types.void(
 )
 
 
-@compiled
+@inlined
 def write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, error_bound, unique, method):
     """Fill one result row."""
     out[DISTANCE] = distance

@@ -14,11 +14,9 @@ q carry: candidates that differ by less count as equal, and then the choice is
 ``point_<shape>(shape, p_GQ, out)`` fills one row of POINT_WIDTH numbers for the engine.
 """
 
-import math
-
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
-from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 # Columns of a row of a point query.
@@ -30,36 +28,34 @@ POINT_UNIQUE = 8  # 1 where the nearest point is unique, else 0
 POINT_WIDTH = 9
 
 
-@compiled
+@inlined
 def length_and_direction(v):
     """Return |v| and v / |v|; the direction of the zero vector is +x."""
-    m = max(abs(v[0]), abs(v[1]), abs(v[2]))
-    if m == 0.0:
+    length = norm(v)
+    if length == 0.0:
         return 0.0, (1.0, 0.0, 0.0)
-    x, y, z = v[0] / m, v[1] / m, v[2] / m
-    n = math.sqrt(x * x + y * y + z * z)
-    return m * n, (x / n, y / n, z / n)
+    return length, unit(v)
 
 
-@compiled
+@inlined
 def clamp(x, limit):
     """Return the number nearest to x in [-limit, limit]."""
     return min(max(x, -limit), limit)
 
 
-@compiled
+@inlined
 def excess(h, v):
     """Return v minus its nearest point of the box with half sizes h: zero inside."""
     return v[0] - clamp(v[0], h[0]), v[1] - clamp(v[1], h[1]), v[2] - clamp(v[2], h[2])
 
 
-@compiled
+@inlined
 def along(k, s):
     """Return s times the k-th unit vector."""
     return s if k == 0 else 0.0, s if k == 1 else 0.0, s if k == 2 else 0.0
 
 
-@compiled
+@inlined
 def sphere_point(radius, q, slack):
     """Signed distance to a sphere."""
     rho, grad = length_and_direction(q)

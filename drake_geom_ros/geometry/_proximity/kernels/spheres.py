@@ -4,7 +4,7 @@ The nearest point and the choices where it is not unique are those of ``points``
 concentric spheres the normal is the x axis of B.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 from drake_geom_ros.geometry._proximity.kernels.points import (
@@ -18,13 +18,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import add, norm, rotate
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 
-@compiled
+@inlined
 def _centre(R_WB, p_AB_W):
     """Return p_BA in B."""
     return unrotate(R_WB, (-p_AB_W[0], -p_AB_W[1], -p_AB_W[2]))
 
 
-@compiled
+@inlined
 def _write(out, radius, R_WB, p_AB_W, extent, result):
     """Fill the row from the point query of A's centre in B's frame."""
     distance, grad, p_BCb, unique = result

@@ -2,40 +2,41 @@
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
 
 
-@compiled
+@inlined
 def add(a, b):
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-@compiled
+@inlined
 def sub(a, b):
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@compiled
+@inlined
 def scale(s, a):
     """Return s a for a scalar s."""
     return s * a[0], s * a[1], s * a[2]
 
 
-@compiled
+@inlined
 def add_scaled(a, s, b):
     """Return a + s b for a scalar s."""
     return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
 
 
-@compiled
+@inlined
 def dot(a, b):
     """Return the inner product of a and b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@compiled
+@inlined
 def cross(a, b):
     """Return the vector product a x b."""
     return (
@@ -46,27 +47,39 @@ def cross(a, b):
 
 
 @compiled
-def norm(a):
-    """Return |a|; scaled by the largest component, so that tiny and huge vectors do not vanish."""
+def _scaled(a):
+    """Return m and a / m for the largest component m; (0, 0) for the zero vector."""
     m = max(abs(a[0]), abs(a[1]), abs(a[2]))
     if m == 0.0:
-        return 0.0
-    x, y, z = a[0] / m, a[1] / m, a[2] / m
+        return 0.0, (0.0, 0.0, 0.0)
+    return m, (a[0] / m, a[1] / m, a[2] / m)
+
+
+@inlined
+def norm(a):
+    """Return |a|; tiny and huge vectors, whose squares vanish or overflow, are scaled first."""
+    squared = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    if SMALL_SQUARE < squared < LARGE_SQUARE:
+        return math.sqrt(squared)
+    m, (x, y, z) = _scaled(a)
     return m * math.sqrt(x * x + y * y + z * z)
 
 
-@compiled
+@inlined
 def unit(a):
     """Return a / |a|, or the zero vector for the zero vector."""
-    m = max(abs(a[0]), abs(a[1]), abs(a[2]))
-    if m == 0.0:
-        return 0.0, 0.0, 0.0
-    x, y, z = a[0] / m, a[1] / m, a[2] / m
-    n = math.sqrt(x * x + y * y + z * z)
+    squared = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    x, y, z = a
+    if not SMALL_SQUARE < squared < LARGE_SQUARE:
+        m, (x, y, z) = _scaled(a)
+        if m == 0.0:
+            return 0.0, 0.0, 0.0
+        squared = x * x + y * y + z * z
+    n = math.sqrt(squared)
     return x / n, y / n, z / n
 
 
-@compiled
+@inlined
 def perpendicular(a):
     """Return a unit vector at right angles to a: the axis least along a, made orthogonal."""
     x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
@@ -77,7 +90,7 @@ def perpendicular(a):
     return unit(cross(a, (0.0, 0.0, 1.0)))
 
 
-@compiled
+@inlined
 def rotate(R, v):
     """Return R v for R (3, 3)."""
     return (
@@ -87,7 +100,7 @@ def rotate(R, v):
     )
 
 
-@compiled
+@inlined
 def unrotate(R, v):
     """Return R^T v for R (3, 3)."""
     return (
@@ -97,7 +110,7 @@ def unrotate(R, v):
     )
 
 
-@compiled
+@inlined
 def column(R, k):
     """Return column k of R: the k-th axis of the frame, in World."""
     return R[0, k], R[1, k], R[2, k]
