@@ -160,7 +160,6 @@ class World:
             return 0, 0
         self.revision += 1
         counts = _update(self.revision, *self._arguments)
-        self._moved[:] = False
         self._stale = False
         return counts  # type: ignore[no-any-return]
 
@@ -268,4 +267,5 @@ def _update(  # type: ignore[no-untyped-def]
                 travels[g] = (travels[g] + way) * (1.0 + 2.0 * EPS)
                 paces[g] = max(way, FADING * paces[g])
             stamps[g] = revision
+    moved[:] = False
     return moved_frames, moved_geometries

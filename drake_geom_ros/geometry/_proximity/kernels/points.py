@@ -1,31 +1,19 @@
 """Signed distance from a point to a primitive shape, in the shape's own frame G.
 
-Two layers. ``<shape>_point(parameters, q, slack)`` returns the tuple ``(distance, grad, p_GN,
-unique)``: signed distance [m] (negative inside), its unit gradient (the outward normal at the
-nearest point), the nearest point N of the surface, and whether there is only one. It always
-holds that ``q - p_GN = distance * grad``. ``slack`` [m] is the rounding that the coordinates of
+``<shape>_point(parameters, q, slack)`` returns the tuple ``(distance, grad, p_GN, unique)``:
+signed distance [m] (negative inside), its unit gradient (the outward normal at the nearest
+point), the nearest point N of the surface, and whether there is only one. It always holds that
+``q - p_GN = distance * grad``. ``slack`` [m] is the rounding that the coordinates of
 q carry: candidates that differ by less count as equal, and then the choice is
 
 - centre of a sphere, axis of a capsule or cylinder: +x;
 - equally near faces: the face of the lowest axis, on it the positive side; a cylinder's
   barrel before its caps;
 - mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
-
-``point_<shape>(shape, p_GQ, out)`` fills one row of POINT_WIDTH numbers for the engine.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
+from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit
-from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
-
-# Columns of a row of a point query.
-POINT_DISTANCE = 0
-POINT_GRADIENT = 1  # 3: grad of the distance, in G
-POINT_NEAREST = 4  # 3: p_GN
-POINT_ERROR_BOUND = 7  # |distance - phi| <= error_bound
-POINT_UNIQUE = 8  # 1 where the nearest point is unique, else 0
-POINT_WIDTH = 9
 
 
 @inlined
@@ -62,7 +50,7 @@ def sphere_point(radius, q, slack):
     return rho - radius, grad, scale(radius, grad), rho > slack
 
 
-@compiled
+@inlined
 def box_point(h, q, slack):
     """Signed distance to a box with half sizes h."""
     beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
@@ -90,7 +78,7 @@ def box_point(h, q, slack):
     return distance, grad, p_GN, unique
 
 
-@compiled
+@inlined
 def capsule_point(radius, half_length, q, slack):
     """Signed distance to a capsule: a segment along z, grown by the radius."""
     z = clamp(q[2], half_length)
@@ -99,7 +87,7 @@ def capsule_point(radius, half_length, q, slack):
     return rho - radius, grad, p_GN, rho > slack
 
 
-@compiled
+@inlined
 def cylinder_point(radius, half_length, q, slack):
     """Signed distance to a cylinder: a rectangle in the plane of the axis and the point."""
     rho, radial = length_and_direction((q[0], q[1], 0.0))
@@ -124,65 +112,8 @@ def cylinder_point(radius, half_length, q, slack):
     )
 
 
-@compiled
+@inlined
 def half_space_point(q):
     """Signed distance to the half space z <= 0."""
     return q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True
 
-
-@compiled
-def _write(out, result, extent):
-    distance, grad, p_GN, unique = result
-    out[POINT_DISTANCE] = distance
-    for k in range(3):
-        out[POINT_GRADIENT + k] = grad[k]
-        out[POINT_NEAREST + k] = p_GN[k]
-    out[POINT_ERROR_BOUND] = CLOSED_FORM_ROUNDING * extent
-    out[POINT_UNIQUE] = 1.0 if unique else 0.0
-
-
-@compiled
-def point_sphere(shape, p_GQ, out):
-    """Fill a row with the signed distance to a sphere."""
-    q = (p_GQ[0], p_GQ[1], p_GQ[2])
-    extent = shape[0] + norm(q)
-    _write(out, sphere_point(shape[0], q, TIE * extent), extent)
-
-
-@compiled
-def point_box(shape, p_GQ, out):
-    """Fill a row with the signed distance to a box."""
-    q, h = (p_GQ[0], p_GQ[1], p_GQ[2]), (shape[0], shape[1], shape[2])
-    extent = norm(h) + norm(q)
-    _write(out, box_point(h, q, TIE * extent), extent)
-
-
-@compiled
-def point_capsule(shape, p_GQ, out):
-    """Fill a row with the signed distance to a capsule."""
-    q = (p_GQ[0], p_GQ[1], p_GQ[2])
-    extent = shape[0] + shape[1] + norm(q)
-    _write(out, capsule_point(shape[0], shape[1], q, TIE * extent), extent)
-
-
-@compiled
-def point_cylinder(shape, p_GQ, out):
-    """Fill a row with the signed distance to a cylinder."""
-    q = (p_GQ[0], p_GQ[1], p_GQ[2])
-    extent = shape[0] + shape[1] + norm(q)
-    _write(out, cylinder_point(shape[0], shape[1], q, TIE * extent), extent)
-
-
-@compiled
-def point_ellipsoid(shape, p_GQ, out):
-    """Fill a row with the signed distance to an ellipsoid."""
-    q, e = (p_GQ[0], p_GQ[1], p_GQ[2]), (shape[0], shape[1], shape[2])
-    extent = max(e) + norm(q)
-    _write(out, ellipsoid_point(e, q, TIE * extent), extent)
-
-
-@compiled
-def point_half_space(shape, p_GQ, out):
-    """Fill a row with the signed distance to the half space z <= 0."""
-    q = (p_GQ[0], p_GQ[1], p_GQ[2])
-    _write(out, half_space_point(q), norm(q))
