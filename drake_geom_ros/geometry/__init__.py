@@ -27,6 +27,7 @@ from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.geometry_set import GeometrySet
 from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
     IllustrationProperties,
@@ -88,6 +89,7 @@ __all__ = [
     'HalfSpace',
     'Convex',
     'Mesh',
+    'MeshData',
     # ids,
     'SourceId',
     'FrameId',

@@ -9,6 +9,7 @@ from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX, MESH, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.rehearsal import rehearse
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
@@ -72,10 +73,8 @@ class SceneGraphContext:
 
         Queries compile what they miss; a node does it before its first cycle.
         """
-        world = self._up_to_date_world()
-        names = self._engine.prepare(world)
-        self._engine.signed_distances(world, self._filters, self._accuracy, 0.0)
-        return names
+        rehearse()
+        return self._engine.prepare(self._up_to_date_world())
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
         """Pose all frames of a source, or none.

@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
-from drake_geom_ros.geometry.mesh_source import hull_vertices
+from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface, hull_vertices
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.rotations import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
 
 Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
+_M = TypeVar('_M', bound='_FromMesh')
 
 
 class Shape:
@@ -218,8 +219,8 @@ class HalfSpace(Shape):
         return RigidTransform._make(R_FH, offset * Hz_F)
 
 
-class _FromFile(Shape):
-    """A shape that a mesh file describes."""
+class _FromMesh(Shape):
+    """A shape that a mesh describes: a file, or numbers (``FromMeshData``)."""
 
     __slots__ = ()
     _NAMES = ('filename', 'scale3')
@@ -236,16 +237,30 @@ class _FromFile(Shape):
         given = absolute_filename if filename is None else filename
         if not given or not isinstance(given, (str, os.PathLike)):
             raise ArgumentTypeError(f'{kind}: filename = {given!r} is not the path of a file')
-        factors = np.broadcast_to(np.asarray(scale if scale3 is None else scale3, float), 3)
-        if not (np.abs(factors) >= SMALLEST_SCALE).all() or not np.isfinite(factors).all():
-            raise ArgumentError(
-                f'{kind}: |scale| must be finite and >= {SMALLEST_SCALE:g} on every axis, '
-                f'given {factors.tolist()}'
-            )
-        self._measures = (os.path.abspath(given), tuple(factors.tolist()))
+        self._measures = os.path.abspath(given), _scales(kind, scale if scale3 is None else scale3)
+
+    @classmethod
+    def FromMeshData(cls: type[_M], data: MeshData, scale: ArrayLike = 1.0) -> _M:
+        """Return the shape of a mesh that came as numbers."""
+        shape = cls.__new__(cls)
+        shape._measures = data, _scales(cls.__name__, scale)
+        return shape
+
+    def __repr__(self) -> str:
+        data = self.mesh_data()
+        if data is None:
+            return super().__repr__()
+        return f'{type(self).__name__}.FromMeshData({data!r}, {list(self._measures[1])})'
+
+    def mesh_data(self) -> MeshData | None:
+        """Return the numbers that the shape was made from; None where it was a file."""
+        mesh = self._measures[0]
+        return mesh if isinstance(mesh, MeshData) else None
 
     def filename(self) -> str:
-        """Return the absolute path of the file."""
+        """Return the absolute path of the file; raises RuntimeError where there is none."""
+        if self.mesh_data() is not None:
+            raise GeometryError(f'{type(self).__name__}: made of numbers; see mesh_data()')
         return str(self._measures[0])
 
     def extension(self) -> str:
@@ -265,19 +280,27 @@ class _FromFile(Shape):
         """Return the scale (3,) [-] along x, y and z."""
         return np.array(self._measures[1])
 
+    def hull_surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) of the convex hull, as queries see it.
+
+        Triangles are indices of vertices, counter-clockwise from outside. Raises MeshFileError
+        for a file that is not a mesh with a volume.
+        """
+        return hull_surface(self._measures[0], self.scale3())
+
     def _kernel_parameters(self) -> Floats:
-        vertices = hull_vertices(self.filename(), self.scale3())
+        vertices = hull_vertices(self._measures[0], self.scale3())
         return np.concatenate(([len(vertices)], vertices.ravel()))
 
 
-class Convex(_FromFile):
+class Convex(_FromMesh):
     """The convex hull of what a mesh file holds, scaled by ``scale``, a number or one an axis."""
 
     __slots__ = ()
     _TYPE = 7
 
 
-class Mesh(_FromFile):
+class Mesh(_FromMesh):
     """The triangle mesh in a file, scaled by ``scale``, a number or one an axis.
 
     In proximity queries it counts as its convex hull.
@@ -285,6 +308,17 @@ class Mesh(_FromFile):
 
     __slots__ = ()
     _TYPE = 8
+
+
+def _scales(kind: str, scale: ArrayLike) -> tuple[float, ...]:
+    """Return the scale along x, y and z, or raise an error that names it."""
+    factors = np.broadcast_to(np.asarray(scale, float), 3)
+    if not (np.abs(factors) >= SMALLEST_SCALE).all() or not np.isfinite(factors).all():
+        raise ArgumentError(
+            f'{kind}: |scale| must be finite and >= {SMALLEST_SCALE:g} on every axis, '
+            f'given {factors.tolist()}'
+        )
+    return tuple(factors.tolist())
 
 
 def _number(kind: str, name: str, value: Any) -> float:

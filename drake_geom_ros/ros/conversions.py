@@ -7,6 +7,7 @@ objects test it. What a message holds is checked here, once; errors name the fie
 from __future__ import annotations
 
 import array
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -27,14 +28,31 @@ from drake_geom_ros.ros.names import NameTable
 _POSE_WIDTH = 7
 
 
+def _array(code: str, values: NDArray[Any]) -> array.array[Any]:
+    """Return an array field: rclpy takes an array.array as it is, other types item by item."""
+    filled = array.array(code)
+    filled.frombytes(np.ascontiguousarray(values).data.cast('B') if values.size else b'')
+    return filled
+
+
 def floats(values: NDArray[np.float64]) -> array.array[float]:
-    """Return a float64[] field: rclpy takes an array.array as it is, other types item by item."""
-    return array.array('d', np.ascontiguousarray(values, dtype=np.float64).tobytes())
+    """Return a float64[] field."""
+    return _array('d', np.asarray(values, dtype=np.float64))
 
 
 def unsigned(values: NDArray[Any]) -> array.array[int]:
     """Return a uint64[] field."""
-    return array.array('Q', np.ascontiguousarray(values, dtype=np.uint64).tobytes())
+    return _array('Q', np.asarray(values).astype(np.uint64))
+
+
+def uint32s(values: NDArray[Any]) -> array.array[int]:
+    """Return a uint32[] field."""
+    return _array('I', np.asarray(values).astype(np.uint32))
+
+
+def seconds_of(stamp: Any) -> float:
+    """Return a builtin_interfaces/Time as a number [s]."""
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
 
 
 def pose_from_message(message: Any) -> RigidTransform:
@@ -57,7 +75,7 @@ class FramePosesReader:
 
     def __init__(self, names: NameTable) -> None:
         self._names = names
-        self._known: dict[tuple[str, ...], list[Any]] = {}
+        self._known: dict[tuple[str, ...], NDArray[np.int64]] = {}
 
     def read(self, message: Any) -> FramePoseVector:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
@@ -70,14 +88,15 @@ class FramePosesReader:
             )
         return FramePoseVector.FromArrays(frames, poses.reshape(-1, _POSE_WIDTH))
 
-    def _frames(self, message: Any) -> list[Any]:
-        """Return the frames that a message names, in its order."""
+    def _frames(self, message: Any) -> NDArray[np.int64]:
+        """Return the ids (n,) of the frames that a message names, in its order."""
         if len(message.frame_names) and len(message.frame_ids):
             raise ArgumentError('frame_names and frame_ids are both given; exactly one must be')
         key = (message.source, *message.frame_names, *map(str, message.frame_ids))
         frames = self._known.get(key)
         if frames is None:
-            frames = self._look_up(message)
+            ids = [frame.get_value() for frame in self._look_up(message)]
+            frames = np.array(ids, dtype=np.int64)
             # One list for each sender; a sender whose lists never repeat must not fill the memory.
             if len(self._known) >= 64:
                 self._known.clear()
@@ -97,7 +116,7 @@ class FramePosesReader:
             full = names.frame_names[frame]
             if source and not full.startswith(prefix):
                 raise ArgumentError(f"frame '{full}' does not belong to source '{source}'")
-            if '::' not in full:
+            if frame == names.world:
                 raise ArgumentError('the world frame cannot be posed')
         if len(set(frames)) != len(frames):
             twice = next(f for k, f in enumerate(frames) if f in frames[:k])
@@ -148,7 +167,7 @@ def fill_penetrations(message: Any, results: PenetrationResults) -> None:
     message.nhat_ba_w = floats(results.nhat_BA_W)
     message.depth = floats(results.depth)
     message.error_bound = floats(results.error_bound)
-    message.method = array.array('B', results.method.tobytes())
+    message.method = _array('B', results.method)
 
 
 def fill_signed_distances(
@@ -164,17 +183,30 @@ def fill_signed_distances(
     message.distance = floats(results.distance)
     message.is_nhat_ba_w_unique = results.is_nhat_BA_W_unique.tolist()
     message.error_bound = floats(results.error_bound)
-    message.method = array.array('B', results.method.tobytes())
+    message.method = _array('B', results.method)
 
 
-def fill_point_distances(message: Any, results: PointDistanceResults, threshold: float) -> None:
-    """Fill the arrays of a PointDistances message."""
+def fill_point_distances(
+    message: Any,
+    parts: Sequence[PointDistanceResults],
+    threshold: float,
+    indices: Sequence[NDArray[np.int64]],
+) -> None:
+    """Fill the arrays of a PointDistances message with the results of blocks of points.
+
+    ``indices[k]`` (m,) are the numbers of block k's points among all points.
+    """
+    numbers = [index[part.point_index] for part, index in zip(parts, indices, strict=True)]
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([getattr(part, name) for part in parts])
+
     message.threshold = threshold
-    message.point_index = array.array('I', results.point_index.tobytes())
-    message.id_g = unsigned(results.id_G)
-    message.p_gn = floats(results.p_GN)
-    message.distance = floats(results.distance)
-    message.grad_w = floats(results.grad_W)
-    message.is_grad_w_unique = results.is_grad_W_unique.tolist()
-    message.error_bound = floats(results.error_bound)
-    message.method = array.array('B', results.method.tobytes())
+    message.point_index = uint32s(np.concatenate(numbers))
+    message.id_g = unsigned(joined('id_G'))
+    message.p_gn = floats(joined('p_GN'))
+    message.distance = floats(joined('distance'))
+    message.grad_w = floats(joined('grad_W'))
+    message.is_grad_w_unique = joined('is_grad_W_unique').tolist()
+    message.error_bound = floats(joined('error_bound'))
+    message.method = _array('B', joined('method'))

@@ -6,11 +6,17 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import METHODS
+from drake_geom_ros.geometry import METHODS, Effects
 from drake_geom_ros.ros.conversions import fill_penetrations, fill_signed_distances
 from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.scene_view import Moment
 
 NO_SUBSCRIBER = 'no subscriber'
+_NO_POSES = 'no pose message since the last cycle'
+_STILL_NEAR = 'nothing moved so far that other pairs could have come near'
+_ALL_COMPILED = 'every kernel of the scene is compiled'
+_NONE_KEPT = 'no pair whose bodies both rest'
+_NOTHING_LEFT = 'no pair left to compute'
 
 
 @dataclass
@@ -26,85 +32,89 @@ class Effect:
 class Cycle:
     """Runs cycles of a live scene over three publishers; nothing is computed for nobody."""
 
-    def __init__(
-        self, live: LiveScene, messages: Any, world_frame: str, publishers: dict[str, Any]
-    ) -> None:
+    def __init__(self, live: LiveScene, messages: Any, publishers: dict[str, Any]) -> None:
         """Publish on ``publishers``: penetrations, signed_distances and cycle_report."""
         self._live = live
-        self._messages = messages
-        self._world_frame = world_frame
         self._publishers = publishers
+        # Filled anew each cycle: making one costs as much as filling it (30 us).
+        self._messages = {
+            'penetrations': messages.PenetrationPairs(),
+            'signed_distances': messages.SignedDistancePairs(),
+            'cycle_report': messages.CycleReport(),
+        }
         self.count = 0
+        self.worst_error_bound = 0.0  # [m] of the last cycle that computed anything
 
     def run(self, poses_taken: int, poses_seconds: float, max_distance: float) -> None:
-        """Answer for the poses of now; ``poses_seconds`` is what taking them cost."""
+        """Answer for the poses of now; ``poses_seconds`` is what taking them cost.
+
+        The caller holds the scene's lock.
+        """
         start = time.perf_counter()
         self.count += 1
         wanted = {
             name: publisher.get_subscription_count() > 0
             for name, publisher in self._publishers.items()
         }
-        effects = [Effect('poses', poses_taken, poses_seconds)]
-        query = self._live.query
+        if not any(wanted.values()):
+            return
+        moment = self._live.moment()
+        effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
+        computed = None
         if wanted['signed_distances'] or wanted['penetrations']:
-            # One narrow phase serves both: a pair's depth is minus its signed distance.
-            reach = max_distance if wanted['signed_distances'] else 0.0
-            distances = query.ComputeSignedDistancePairwiseClosestPoints(reach)
-            computed = query.effects()
-            effects += _computed(computed)
-            if wanted['penetrations']:
-                message = self._message(self._messages.PenetrationPairs)
-                fill_penetrations(message, distances.penetrations())
-                effects.append(self._publish('penetrations', message, len(message.id_a)))
-            if wanted['signed_distances']:
-                message = self._message(self._messages.SignedDistancePairs)
-                fill_signed_distances(message, distances, max_distance)
-                effects.append(self._publish('signed_distances', message, len(message.id_a)))
+            computed, published = self._answer(moment, wanted, max_distance)
         else:
-            computed = None
-            effects += [
-                Effect(name, reason=NO_SUBSCRIBER)
-                for name in ('update', 'broadphase', 'filter', 'compile', 'narrowphase')
-            ]
-        for name in ('penetrations', 'signed_distances'):
-            if not wanted[name]:
-                effects.append(Effect(f'publish ~/{name}', reason=NO_SUBSCRIBER))
+            published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['cycle_report']:
+            effects += _computed(computed) + published
             seconds = poses_seconds + time.perf_counter() - start
-            self._publishers['cycle_report'].publish(self._report(effects, computed, seconds))
+            self._report(moment, effects, computed, seconds)
 
-    def _message(self, message_class: Any) -> Any:
-        """Return a message of a kind, stamped."""
-        message = message_class()
-        self.stamp(message)
-        return message
+    def _answer(
+        self, moment: Moment, wanted: dict[str, bool], max_distance: float
+    ) -> tuple[Effects, list[Effect]]:
+        """Compute, publish what is wanted, and return what that took.
 
-    def stamp(self, message: Any) -> None:
-        """Say in a result which poses and which scene it answers for."""
-        message.header.frame_id = self._world_frame
-        if self._live.newest_stamp is not None:
-            message.header.stamp = self._live.newest_stamp
-        message.scene_version = self._live.version
-        message.oldest_pose_age = self._live.oldest_pose_age()
+        One narrow phase serves both: a pair's depth is minus its signed distance.
+        """
+        query = self._live.query
+        reach = max_distance if wanted['signed_distances'] else 0.0
+        distances = query.ComputeSignedDistancePairwiseClosestPoints(reach)
+        computed = query.effects()
+        self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
+        published = [_unpublished('penetrations'), _unpublished('signed_distances')]
+        if wanted['penetrations']:
+            fill_penetrations(self._messages['penetrations'], distances.penetrations())
+            published[0] = self._publish('penetrations', moment)
+        if wanted['signed_distances']:
+            fill_signed_distances(self._messages['signed_distances'], distances, max_distance)
+            published[1] = self._publish('signed_distances', moment)
+        return computed, published
 
-    def _publish(self, name: str, message: Any, count: int) -> Effect:
+    def _publish(self, name: str, moment: Moment) -> Effect:
         start = time.perf_counter()
+        message = self._messages[name]
+        moment.stamp(message)
         self._publishers[name].publish(message)
-        return Effect(f'publish ~/{name}', count, time.perf_counter() - start)
+        return Effect(f'publish ~/{name}', len(message.id_a), time.perf_counter() - start)
 
-    def _report(self, effects: list[Effect], computed: Any, seconds: float) -> Any:
-        """Return the CycleReport message of a cycle."""
-        message = self._message(self._messages.CycleReport)
+    def _report(
+        self, moment: Moment, effects: list[Effect], computed: Effects | None, seconds: float
+    ) -> None:
+        """Publish the CycleReport of a cycle."""
+        computed = computed or Effects()
+        message = self._messages['cycle_report']
+        moment.stamp(message)
         message.cycle = self.count
         message.seconds = seconds
-        if computed is not None:
-            message.frames_moved = computed.frames_moved
-            message.geometries_updated = computed.geometries_updated
-            message.broadphase_pairs = computed.broadphase_pairs
-            message.filtered_pairs = computed.filtered_pairs
-            methods = sorted(computed.pairs_by_method)
-            message.methods = [METHODS[m] for m in methods]
-            message.method_pairs = [computed.pairs_by_method[m] for m in methods]
+        message.frames_moved = computed.frames_moved
+        message.geometries_updated = computed.geometries_updated
+        message.broadphase_pairs = computed.broadphase_pairs
+        message.filtered_pairs = computed.filtered_pairs
+        message.cached_pairs = computed.cached_pairs
+        methods = sorted(computed.pairs_by_method)
+        message.methods = [METHODS[m] for m in methods]
+        message.method_pairs = [computed.pairs_by_method[m] for m in methods]
         message.unpublished_messages = sum(
             e.reason == NO_SUBSCRIBER and e.name.startswith('publish') for e in effects
         )
@@ -113,19 +123,39 @@ class Cycle:
         message.effect_counts = [e.count for e in effects]
         message.effect_seconds = [e.seconds for e in effects]
         message.effect_reasons = [e.reason for e in effects]
-        return message
+        self._publishers['cycle_report'].publish(message)
 
 
-def _computed(computed: Any) -> list[Effect]:
-    """Return the effects of a query, in the order in which they ran."""
+def _unpublished(name: str) -> Effect:
+    return Effect(f'publish ~/{name}', reason=NO_SUBSCRIBER)
+
+
+def _computed(computed: Effects | None) -> list[Effect]:
+    """Return the effects of a query, in the order in which they ran; None: it did not."""
+    if computed is None:
+        names = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')
+        return [Effect(name, reason=NO_SUBSCRIBER) for name in names]
     seconds = computed.seconds
-    compiled = Effect('compile', len(computed.kernels_compiled), seconds['compile'])
-    if not computed.kernels_compiled:
-        compiled = Effect('compile', reason='every kernel of the scene is compiled')
     return [
         Effect('update', computed.geometries_updated, seconds['update']),
-        Effect('broadphase', computed.broadphase_pairs, seconds['broadphase']),
-        Effect('filter', computed.filtered_pairs, seconds['filter']),
-        compiled,
-        Effect('narrowphase', computed.narrowphase_pairs, seconds['narrowphase']),
+        Effect(
+            'broadphase',
+            computed.broadphase_pairs,
+            seconds['broadphase'],
+            '' if computed.near_list_made else _STILL_NEAR,
+        ),
+        Effect('filter', computed.filtered_pairs),  # its time is part of the broad phase's
+        Effect(
+            'compile',
+            len(computed.kernels_compiled),
+            seconds['compile'],
+            '' if computed.kernels_compiled else _ALL_COMPILED,
+        ),
+        Effect('cache', computed.cached_pairs, reason='' if computed.cached_pairs else _NONE_KEPT),
+        Effect(
+            'narrowphase',
+            computed.narrowphase_pairs,
+            seconds.get('narrowphase', 0.0),
+            '' if computed.narrowphase_pairs else _NOTHING_LEFT,
+        ),
     ]

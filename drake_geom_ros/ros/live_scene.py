@@ -1,17 +1,20 @@
 """The one live scene of a node: model, poses with their age, names, leases of filters.
 
 No ROS here: times are plain seconds, messages any objects with the right fields.
+
+Several threads meet here. Whoever reads or changes the live scene holds ``lock`` meanwhile;
+``view`` takes it for itself and returns a snapshot that needs none.
 """
 
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from drake_geom_ros.geometry import (
+    ArgumentError,
     FilterId,
     FramePoseVector,
     QueryObject,
@@ -19,15 +22,20 @@ from drake_geom_ros.geometry import (
     SceneGraphInspector,
 )
 from drake_geom_ros.ros.conversions import FramePosesReader
-from drake_geom_ros.ros.names import NameTable
-from drake_geom_ros.scene_files import RobotDescription, load_scene, save_scene
+from drake_geom_ros.ros.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.ros.names import WORLD, NameTable
+from drake_geom_ros.ros.scene_view import Moment, SceneView
+from drake_geom_ros.scene_files import RobotDescription, SceneDescription, describe, register
 
 
 class LiveScene:
     """A SceneGraph and a context that shares its model, and what a node must know besides."""
 
-    def __init__(self, accuracy: str, now: Callable[[], float]) -> None:
+    def __init__(self, accuracy: str, now: Callable[[], float], world_frame: str = WORLD) -> None:
         """``now`` [s] is the clock that ages of poses and leases of filters are measured by."""
+        self.lock = threading.RLock()
+        self.files = FileAccess([ALL_PACKAGES])
+        self.world_frame = world_frame
         self._accuracy = accuracy
         self._now = now
         self._version_base = 0
@@ -44,50 +52,62 @@ class LiveScene:
         self._robots: list[RobotDescription] = []
         self.newest_stamp: Any = None
 
-    def replace(self, scene_graph: SceneGraph) -> None:
-        """Put another scene in the place of this one; versions go on growing."""
-        self._version_base = self.version + 1
-        self._adopt(scene_graph)
+    # The scene as a whole.
 
-    def load(
-        self,
-        path_or_text: str,
-        format: str = '',
-        srdf: str = '',
-        *,
-        replace: bool = False,
-    ) -> tuple[int, int]:
-        """Load a scene file, or its text, whole or not at all; return frames, geometries added.
+    def add(self, description: SceneDescription) -> tuple[int, int]:
+        """Register what is described, whole or not at all; return frames, geometries added.
 
-        Frames stand where the file puts them until their first pose comes.
+        Frames stand where the description puts them until their first pose comes.
         """
-        scene_graph = SceneGraph(accuracy=self._accuracy) if replace else self.scene_graph
-        loaded = load_scene(path_or_text, scene_graph, format, srdf)
-        if replace:
-            self.replace(scene_graph)
+        loaded = register(self.scene_graph, description)
         self.context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
         self._robots += loaded.robots.values()
         return len(loaded.frames), len(loaded.geometry_ids)
 
-    def save(self) -> str:
-        """Return the scene as YAML: persistent filters included, every frame where it is now."""
+    def replace(self, description: SceneDescription) -> tuple[int, int]:
+        """Put another scene in the place of this one, or change nothing; versions go on growing.
+
+        Takes the lock for itself, and only when the other scene is ready to answer.
+        """
+        scene_graph = SceneGraph(accuracy=self._accuracy)
+        loaded = register(scene_graph, description)
+        scene_graph.CreateSharedContext().compile_kernels()
+        with self.lock:
+            scene_graph.set_default_accuracy(self._accuracy)
+            self._version_base = self.version + 1
+            self._adopt(scene_graph)
+            self.context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
+            self._robots += loaded.robots.values()
+        return len(loaded.frames), len(loaded.geometry_ids)
+
+    def description(self) -> SceneDescription:
+        """Return the scene: persistent filters included, every frame where it is now."""
         query = self.query
         X_PFs = {
             frame: query.X_PF(frame)
             for frame in self.inspector.GetAllFrameIds()
             if frame != self.inspector.world_frame_id()
         }
-        return save_scene(self.scene_graph, X_PFs, self._robots)
+        return describe(self.scene_graph, X_PFs, self._robots)
 
     def clear(self) -> None:
         """Forget the scene."""
-        self.replace(SceneGraph(accuracy=self._accuracy))
+        self._version_base = self.version + 1
+        self._adopt(SceneGraph(accuracy=self._accuracy))
 
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy level of queries that name none."""
         self._accuracy = accuracy
         self.scene_graph.set_default_accuracy(accuracy)
         self.context.set_default_accuracy(accuracy)
+
+    def compile_kernels(self) -> list[str]:
+        """Compile what queries of the scene run, beside the cycle; return the kernels."""
+        with self.lock:
+            context = self.context.what_if()
+        return context.compile_kernels()
+
+    # Looking at it.
 
     @property
     def version(self) -> int:
@@ -112,43 +132,66 @@ class LiveScene:
 
     def _refresh(self) -> None:
         if self._named_version != self.version:
-            self._names = NameTable(self.inspector)
+            self._names = NameTable(self.inspector, self.world_frame)
             self._reader = FramePosesReader(self._names)
             self._named_version = self.version
+
+    def view(self, message: Any = None) -> SceneView:
+        """Return the scene of now, with other poses for the frames that a FramePoses names.
+
+        Frames that are not named keep their live poses. Raises RuntimeError for a message that
+        ``take_poses`` would refuse.
+        """
+        with self.lock:
+            names = self.names
+            poses = None if message is None else self._read(message)
+            context = self.context.what_if()
+            moment = self.moment()
+        if poses is not None and len(poses):
+            context.UpdateFramePoses(poses)
+        filters = self.scene_graph.collision_filter_manager(context)
+        return SceneView(QueryObject(context), filters, names, moment)
+
+    def moment(self) -> Moment:
+        """Return which scene and poses an answer of now is for."""
+        return Moment(self.version, self.newest_stamp, self.oldest_pose_age(), self.world_frame)
+
+    # Poses.
+
+    def _read(self, message: Any) -> FramePoseVector:
+        """Return the poses of a message; raises RuntimeError for what cannot be taken."""
+        self._refresh()
+        frame_id = message.header.frame_id
+        if frame_id not in ('', self.world_frame):
+            raise ArgumentError(
+                f'header.frame_id is {frame_id[:80]!r}; it must be the world frame, '
+                f'{self.world_frame!r}, or empty'
+            )
+        return self._reader.read(message)
 
     def take_poses(self, message: Any) -> int:
         """Take a FramePoses message whole, or raise RuntimeError and take nothing of it.
 
         Returns how many frames it posed.
         """
-        self._refresh()
-        poses = self._reader.read(message)
-        self.context.UpdateFramePoses(poses)
+        poses = self._read(message)
         now = self._now()
-        self._posed_at.update(dict.fromkeys(poses.id_values().tolist(), now))
-        self.newest_stamp = message.header.stamp
+        self.pose(poses, dict.fromkeys(poses.id_values().tolist(), now), message.header.stamp)
         return len(poses)
 
-    def what_if(self, message: Any) -> QueryObject:
-        """Return a query object for the poses of a message, the live one when it names none.
-
-        Frames that are not named keep their live poses, and the live scene does not change.
-        """
-        self._refresh()
-        poses = self._reader.read(message)
-        if not len(poses):
-            return self.query
-        context = self.context.what_if()
-        context.UpdateFramePoses(poses)
-        return QueryObject(context)
+    def pose(self, poses: FramePoseVector, posed_at: dict[int, float], stamp: Any) -> None:
+        """Pose frames; ``posed_at`` [s] says since when, by the value of the frame's id."""
+        self.context.UpdateFramePoses(poses)
+        self._posed_at.update(posed_at)
+        self.newest_stamp = stamp
 
     def pose_ages(self) -> dict[str, float]:
         """Return the age [s] of the pose of every frame by name; inf for one never posed."""
         posed, now = self._posed_at, self._now()
         return {
-            name: now - posed.get(frame.get_value(), -math.inf)
+            name: max(0.0, now - posed.get(frame.get_value(), -math.inf))
             for frame, name in self.names.frame_names.items()
-            if '::' in name
+            if frame != self.names.world
         }
 
     def oldest_pose_age(self) -> float:
@@ -158,7 +201,9 @@ class LiveScene:
             return 0.0
         if len(self._posed_at) < frames:
             return math.inf
-        return self._now() - float(np.min(list(self._posed_at.values())))
+        return max(0.0, self._now() - min(self._posed_at.values()))
+
+    # Leases of transient filters.
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""

@@ -25,16 +25,19 @@ class UnknownNameError(GeometryError):
 class NameTable:
     """Sources, frames and geometries of one version of a scene by name."""
 
-    def __init__(self, inspector: SceneGraphInspector) -> None:
+    def __init__(self, inspector: SceneGraphInspector, world_frame: str = WORLD) -> None:
+        """``world_frame`` is what the world is called in answers; ``world`` means it too."""
         self._sources = {inspector.GetName(s): s for s in inspector.GetAllSourceIds()}
         self._frames: dict[str, list[FrameId]] = defaultdict(list)
         self._geometries: dict[str, list[GeometryId]] = defaultdict(list)
         self.frame_names: dict[FrameId, str] = {}
         self.geometry_names: dict[GeometryId, str] = {}
         world = inspector.world_frame_id()
-        self._frames[WORLD].append(world)
-        self.frame_names[world] = WORLD
+        for name in {WORLD, world_frame}:
+            self._frames[name].append(world)
+        self.frame_names[world] = world_frame
         short = {world: WORLD}
+        self.world = world
         for frame in inspector.GetAllFrameIds():
             if frame == world:
                 continue
@@ -62,7 +65,7 @@ class NameTable:
         if name.startswith('#') and name[1:].isdigit() and int(name[1:]) in by_value:
             return by_value[int(name[1:])]
         raise UnknownNameError(
-            f'There is no source {name!r}. Sources: {_some(self._sources)}. '
+            f'There is no source {name[:80]!r}. Sources: {_some(self._sources)}. '
             'See register_source and the topic ~/scene.'
         )
 
@@ -70,11 +73,17 @@ class NameTable:
         """Return the frame of that name, looked for in ``source`` alone when that is given."""
         if name.startswith('#') and name[1:].isdigit():
             return self.frame_of_value(int(name[1:]))
-        key = f'{source}::{name}' if source and '::' not in name and name != WORLD else name
+        key = name
+        if source and '::' not in name and self._frames.get(name) != [self.world]:
+            key = f'{source}::{name}'
         found = self._frames.get(key, [])
         if len(found) == 1:
             return found[0]
         raise UnknownNameError(self._problem('frame', key, found, self.frame_names))
+
+    def frames_called(self, name: str) -> list[FrameId]:
+        """Return all frames of that name."""
+        return list(self._frames.get(name, ()))
 
     def geometry(self, name: str) -> GeometryId:
         """Return the geometry of that name or ``#<id>``."""

@@ -1,47 +1,26 @@
-"""Shapes, roles and the whole scene: messages to values of the core and back, no ROS import."""
+"""Roles and the whole scene: messages to values of the core and back, no ROS import."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drake_geom_ros.geometry import (
     ArgumentError,
-    Box,
-    Capsule,
-    Convex,
-    Cylinder,
-    Ellipsoid,
     FrameId,
     GeometryId,
     GeometryInstance,
     GeometryProperties,
-    HalfSpace,
     IllustrationProperties,
-    Mesh,
     PerceptionProperties,
     ProximityProperties,
     Rgba,
     Role,
     SceneGraphInspector,
-    Shape,
-    Sphere,
 )
-from drake_geom_ros.ros.conversions import fill_pose, floats
-from drake_geom_ros.scene_files import ResourceResolver
-
-# Shape.type, the class, and the names of its dimensions in the message's order.
-_PRIMITIVES: tuple[tuple[int, type, tuple[str, ...]], ...] = (
-    (1, Sphere, ('radius',)),
-    (2, Box, ('width', 'depth', 'height')),
-    (3, Capsule, ('radius', 'length')),
-    (4, Cylinder, ('radius', 'length')),
-    (5, Ellipsoid, ('a', 'b', 'c')),
-    (6, HalfSpace, ()),
-)
-_CONVEX, _MESH = 7, 8
+from drake_geom_ros.ros.conversions import fill_pose
+from drake_geom_ros.ros.shape_conversions import fill_shape
 
 _ROLES: tuple[tuple[int, Role, type[GeometryProperties]], ...] = (
     (1, Role.kProximity, ProximityProperties),
@@ -61,57 +40,6 @@ _VALUE_FIELDS = {
     8: 'double_array_value',
     9: 'string_array_value',
 }
-
-
-def shape_from_message(message: Any) -> Shape:
-    """Return the shape of a Shape message; raises RuntimeError for what is none."""
-    for number, shape_class, dimensions in _PRIMITIVES:
-        if message.type == number:
-            if len(message.dimensions) != len(dimensions):
-                names = ', '.join(dimensions) or 'none'
-                raise ArgumentError(
-                    f'shape.dimensions holds {len(message.dimensions)} numbers; '
-                    f'{shape_class.__name__} takes: {names}'
-                )
-            return shape_class(*map(float, message.dimensions))
-    if message.type in (_CONVEX, _MESH):
-        return _mesh_from_message(message)
-    raise ArgumentError(f'shape.type is {message.type}; it must be a constant of Shape, 1 to 8')
-
-
-def _mesh_from_message(message: Any) -> Shape:
-    """Return the Convex or Mesh of a Shape message that names a file."""
-    if len(message.vertices) or len(message.triangles) or not message.mesh_uri:
-        raise ArgumentError(
-            'shape.mesh_uri must name the file of a CONVEX or MESH (file://, package:// or an '
-            'absolute path); vertices inside the message are not taken yet'
-        )
-    if len(message.dimensions) > 1:
-        raise ArgumentError(
-            f'shape.dimensions holds {len(message.dimensions)} numbers; CONVEX and MESH take one '
-            'scale, or none'
-        )
-    if '://' not in message.mesh_uri and not message.mesh_uri.startswith('/'):
-        raise ArgumentError(f'shape.mesh_uri {message.mesh_uri!r} is not an absolute path')
-    try:
-        path = ResourceResolver().resolve(message.mesh_uri, Path('/'))
-    except ValueError as error:
-        raise ArgumentError(f'shape.mesh_uri: {error}') from None
-    scale = float(message.dimensions[0]) if len(message.dimensions) else 1.0
-    return (Convex if message.type == _CONVEX else Mesh)(str(path), scale)
-
-
-def fill_shape(message: Any, shape: Shape) -> None:
-    """Fill a Shape message."""
-    for number, shape_class, dimensions in _PRIMITIVES:
-        if isinstance(shape, shape_class):
-            message.type = number
-            message.dimensions = floats(np.array([getattr(shape, d)() for d in dimensions]))
-            return
-    message.type = _CONVEX if isinstance(shape, Convex) else _MESH
-    assert isinstance(shape, (Convex, Mesh)), f'a shape without a number: {shape!r}'
-    message.dimensions = floats(np.array([shape.scale()]))
-    message.mesh_uri = shape.filename()
 
 
 def role_from_number(number: int) -> Role:

@@ -2,53 +2,85 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from drake_geom_msgs import srv
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.ros import handlers
+from drake_geom_ros.ros import file_handlers, filter_handlers, query_handlers, scene_handlers
+from drake_geom_ros.ros.live_scene import LiveScene
 
-SERVICES = (
-    ('register_source', srv.RegisterSource, handlers.register_source),
-    ('register_frame', srv.RegisterFrame, handlers.register_frame),
-    ('register_geometry', srv.RegisterGeometry, handlers.register_geometry),
-    ('assign_role', srv.AssignRole, handlers.assign_role),
-    ('remove_role', srv.RemoveRole, handlers.remove_role),
-    ('remove_geometry', srv.RemoveGeometry, handlers.remove_geometry),
-    ('change_shape', srv.ChangeShape, handlers.change_shape),
-    ('load_scene', srv.LoadScene, handlers.load_scene),
-    ('save_scene', srv.SaveScene, handlers.save_scene),
-    ('apply_filter', srv.ApplyFilter, handlers.apply_filter),
-    ('apply_transient_filter', srv.ApplyTransientFilter, handlers.apply_transient_filter),
-    ('renew_filter', srv.RenewFilter, handlers.renew_filter),
-    ('remove_filter', srv.RemoveFilter, handlers.remove_filter),
-    ('flatten_filters', Trigger, handlers.flatten_filters),
-    ('get_filters', srv.GetFilters, handlers.get_filters),
-    ('explain_filter', srv.ExplainFilter, handlers.explain_filter),
+Handler = Callable[[LiveScene, Any, Any], None]
+
+# What changes the scene: one after the other, between two cycles.
+CHANGES: tuple[tuple[str, Any, Handler], ...] = (
+    ('register_source', srv.RegisterSource, scene_handlers.register_source),
+    ('register_frame', srv.RegisterFrame, scene_handlers.register_frame),
+    ('register_geometry', srv.RegisterGeometry, scene_handlers.register_geometry),
+    ('assign_role', srv.AssignRole, scene_handlers.assign_role),
+    ('remove_role', srv.RemoveRole, scene_handlers.remove_role),
+    ('remove_geometry', srv.RemoveGeometry, scene_handlers.remove_geometry),
+    ('change_shape', srv.ChangeShape, scene_handlers.change_shape),
+    ('apply_filter', srv.ApplyFilter, filter_handlers.apply_filter),
+    ('apply_transient_filter', srv.ApplyTransientFilter, filter_handlers.apply_transient_filter),
+    ('renew_filter', srv.RenewFilter, filter_handlers.renew_filter),
+    ('remove_filter', srv.RemoveFilter, filter_handlers.remove_filter),
+    ('flatten_filters', Trigger, filter_handlers.flatten_filters),
+)
+
+# What takes long: beside the cycle.
+BESIDE: tuple[tuple[str, Any, Handler], ...] = (
+    ('load_scene', srv.LoadScene, file_handlers.load_scene),
+    ('save_scene', srv.SaveScene, file_handlers.save_scene),
+    ('get_filters', srv.GetFilters, query_handlers.get_filters),
+    ('explain_filter', srv.ExplainFilter, query_handlers.explain_filter),
     (
         'compute_point_pair_penetration',
         srv.ComputePointPairPenetration,
-        handlers.compute_point_pair_penetration,
+        query_handlers.compute_point_pair_penetration,
     ),
     (
         'compute_signed_distance_pairwise',
         srv.ComputeSignedDistancePairwise,
-        handlers.compute_signed_distance_pairwise,
+        query_handlers.compute_signed_distance_pairwise,
     ),
     (
         'compute_signed_distance_pair',
         srv.ComputeSignedDistancePair,
-        handlers.compute_signed_distance_pair,
+        query_handlers.compute_signed_distance_pair,
     ),
     (
         'compute_signed_distance_to_point',
         srv.ComputeSignedDistanceToPoint,
-        handlers.compute_signed_distance_to_point,
+        query_handlers.compute_signed_distance_to_point,
     ),
     (
         'find_collision_candidates',
         srv.FindCollisionCandidates,
-        handlers.find_collision_candidates,
+        query_handlers.find_collision_candidates,
     ),
-    ('has_collisions', srv.HasCollisions, handlers.has_collisions),
-    ('get_pose', srv.GetPose, handlers.get_pose),
+    ('has_collisions', srv.HasCollisions, query_handlers.has_collisions),
+    ('get_pose', srv.GetPose, query_handlers.get_pose),
 )
+
+
+_LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
+
+
+def _shortened(text: str) -> str:
+    """Return a message without its middle where it is too long to be read."""
+    half = _LONGEST_MESSAGE // 2
+    return text if len(text) <= _LONGEST_MESSAGE else f'{text[:half]} ... {text[-half:]}'
+
+
+def answer(handler: Handler, live: LiveScene, request: Any, response: Any) -> Any:
+    """Run a handler and say in the response whether it did what was asked."""
+    try:
+        handler(live, request, response)
+    except RuntimeError as error:
+        response.success = False
+        response.message = _shortened(str(error))
+    else:
+        response.success = True
+    return response

@@ -1,19 +1,31 @@
-"""Runs a node until a signal or a future says stop; the callback that runs then finishes first.
+"""Runs a node until a signal or a future says stop; the callbacks that run then finish first.
 
 rclpy's own signal handler shuts the context down from another thread, under a callback that is
 about to publish: that callback then fails. So a process of ours begins with
 ``rclpy.init(signal_handler_options=SignalHandlerOptions.NO)`` and spins here.
+
+A node may name callback groups that get a thread each, so that none of them waits for another.
+rclpy's executor looks at each entity of a node before every wait, which with the services of a
+scene graph costs as much as a cycle; an executor of one group waits for that group's entities
+only, and a pose message is answered sooner (measured for an echo beside 23 services: 1.1 ms with
+one SingleThreadedExecutor, 1.3 ms with a MultiThreadedExecutor, 0.7 ms so, as much as with the
+EventsExecutor, which runs everything in one thread).
 """
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import rclpy
+from rclpy.callback_groups import CallbackGroup
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -23,6 +35,9 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Python runs its signal handlers between two waits of the executor, so this [s] is how long a
 # signal may go unnoticed.
 _LONGEST_WAIT = 0.1
+# A thread that computes hands Python's interpreter over after this [s] when another one asks for
+# it; Python's own 5 ms are ten cycles of a small scene.
+_SWITCH_INTERVAL = 0.0005
 
 
 class StopSignals:
@@ -43,14 +58,88 @@ class StopSignals:
         self.received = True
 
 
-def spin_until_stopped(node: Node, signals: StopSignals, until: Future | None = None) -> None:
-    """Serve a node's callbacks until a signal is received or a future is done."""
-    executor = SingleThreadedExecutor(context=node.context)
-    executor.add_node(node)
+class GroupExecutor(SingleThreadedExecutor):
+    """Serves the callbacks of one group of a node; other executors serve the node's others."""
+
+    def __init__(self, node: Node, group: CallbackGroup) -> None:
+        super().__init__(context=node.context)
+        self._node = node
+        self._group = group
+
+    def get_nodes(self) -> list[Node]:
+        """Return the node, which is not added: a node is added to one executor only."""
+        return [self._node]
+
+    def can_execute(self, entity: Any) -> bool:
+        """Return whether an entity is of the group, and free."""
+        return entity.callback_group is self._group and super().can_execute(entity)
+
+
+class _RemainderExecutor(SingleThreadedExecutor):
+    """Serves the callbacks of a node but those of some groups."""
+
+    def __init__(self, node: Node, others: Sequence[CallbackGroup]) -> None:
+        super().__init__(context=node.context)
+        self._others = others
+        self.add_node(node)
+
+    def can_execute(self, entity: Any) -> bool:
+        """Return whether an entity is of no other executor's group, and free."""
+        return entity.callback_group not in self._others and super().can_execute(entity)
+
+
+class _GroupThread(threading.Thread):
+    """A thread that serves one callback group until it is stopped; it keeps what went wrong."""
+
+    def __init__(self, node: Node, group: CallbackGroup) -> None:
+        super().__init__(daemon=True)
+        self._executor = GroupExecutor(node, group)
+        self._stopping = threading.Event()
+        self.error: Exception | None = None
+
+    def run(self) -> None:
+        try:
+            while not self._stopping.is_set():
+                # What was closed while its callback ran: nobody waits for the answer.
+                with contextlib.suppress(InvalidHandle):
+                    self._executor.spin_once(timeout_sec=_LONGEST_WAIT)
+        except Exception as error:
+            self.error = error
+
+    def stop(self) -> None:
+        """Let the callback that runs finish, then end."""
+        self._stopping.set()
+        self._executor.wake()
+        self.join()
+        self._executor.shutdown()
+
+
+def spin_until_stopped(
+    node: Node,
+    signals: StopSignals,
+    until: Future | None = None,
+    groups: Sequence[CallbackGroup] = (),
+) -> None:
+    """Serve a node's callbacks until a signal is received or a future is done.
+
+    Each of ``groups`` has a thread of its own, all other callbacks are served by this one.
+    An exception in any of the threads ends all of them and is raised here.
+    """
+    threads = [_GroupThread(node, group) for group in groups]
+    executor = _RemainderExecutor(node, groups)
+    if threads:
+        sys.setswitchinterval(_SWITCH_INTERVAL)
+    for thread in threads:
+        thread.start()
     try:
         while not signals.received and not (until is not None and until.done()):
             executor.spin_once(timeout_sec=_LONGEST_WAIT)
+            for thread in threads:
+                if thread.error is not None:
+                    raise thread.error
     finally:
+        for thread in threads:
+            thread.stop()
         executor.shutdown()
 
 
@@ -59,13 +148,14 @@ def run_node(
 ) -> int:
     """Run a node as a process until it is told to stop, and return the exit code.
 
-    That is 2 where making the node raises ``refusal``, for what it was given cannot be.
+    That is 2 where making the node raises ``refusal``, for what it was given cannot be. A node
+    names the callback groups that get threads of their own in its ``threaded_groups``.
     """
     with StopSignals() as signals:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         try:
             node = make_node()
-            spin_until_stopped(node, signals)
+            spin_until_stopped(node, signals, groups=getattr(node, 'threaded_groups', ()))
             node.destroy_node()
         except refusal as error:
             print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)

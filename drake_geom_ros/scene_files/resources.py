@@ -15,16 +15,23 @@ class ResourceResolver:
     ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and
     ``cmeel.prefix/share/NAME`` beside the Python packages, where pip puts robot descriptions
     such as ``example-robot-data``.
+
+    With ``allowed_roots`` a file outside these folders is refused; a link inside one is followed.
     """
 
-    def __init__(self, package_roots: Iterable[str | os.PathLike[str]] = ()):
+    def __init__(
+        self,
+        package_roots: Iterable[str | os.PathLike[str]] = (),
+        allowed_roots: Iterable[str | os.PathLike[str]] | None = None,
+    ):
         self._package_roots = [Path(root).absolute() for root in package_roots]
+        self._allowed_roots = None if allowed_roots is None else _folders(allowed_roots)
 
     def resolve(self, uri: str, folder: Path) -> Path:
         """Return the absolute path of the file that ``uri`` names; a bare path is from ``folder``.
 
         Raises ValueError for another scheme, an unknown package, a path that leaves its package,
-        and a file that does not exist.
+        a file outside the allowed roots, and one that does not exist.
         """
         scheme, _, rest = uri.partition('://')
         if not rest:
@@ -36,9 +43,18 @@ class ResourceResolver:
         else:
             raise ValueError(f'{uri!r}: scheme {scheme!r}; use package://, file:// or a path')
         path = Path(os.path.normpath(path.absolute()))
+        self._check_allowed(uri, path)
         if not path.is_file():
             raise ValueError(f'{uri!r}: there is no file {path}')
         return path
+
+    def _check_allowed(self, uri: str, path: Path) -> None:
+        roots = self._allowed_roots
+        if roots is not None and not any(path.is_relative_to(root) for root in roots):
+            raise ValueError(
+                f'{uri!r}: {path} lies outside the folders that files may be opened in: '
+                f'{", ".join(map(str, roots)) or "none"}'
+            )
 
     def _in_package(self, uri: str, rest: str) -> Path:
         name, _, inner = rest.partition('/')
@@ -58,11 +74,20 @@ class ResourceResolver:
     def _candidates(self, name: str) -> Iterator[Path]:
         for root in self._package_roots:
             yield root if root.name == name else root / name
-        for prefix in _paths(os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)):
-            yield prefix / 'share' / name
-        for entry in _paths(sys.path):
-            if entry.name in ('site-packages', 'dist-packages'):
-                yield entry / 'cmeel.prefix' / 'share' / name
+        for folder in share_folders():
+            yield folder / name
+
+
+def share_folders() -> list[Path]:
+    """Return the folders that hold the packages' files, whether or not they exist."""
+    prefixes = _paths(os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep))
+    installed = [e for e in _paths(sys.path) if e.name in ('site-packages', 'dist-packages')]
+    prefixes += [entry / 'cmeel.prefix' for entry in installed]
+    return [prefix / 'share' for prefix in prefixes]
+
+
+def _folders(roots: Iterable[str | os.PathLike[str]]) -> list[Path]:
+    return [Path(os.path.normpath(Path(root).absolute())) for root in roots]
 
 
 def _paths(entries: Sequence[str]) -> list[Path]:

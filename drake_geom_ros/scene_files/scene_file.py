@@ -31,14 +31,15 @@ def read_scene(
     format: str = '',
     srdf: PathLike = '',
     package_roots: Iterable[PathLike] = (),
+    allowed_roots: Iterable[PathLike] | None = None,
 ) -> SceneDescription:
     r"""Return what a scene file describes; nothing is registered.
 
     ``path_or_text`` is a path, or the text itself: a str with a line break in it, or one that
     begins with ``{`` or ``<``. Paths in a text count from the working folder.
     ``format`` is ``yaml`` or ``urdf``; left empty, it is told by the suffix ``.urdf`` or by a text
-    that begins with ``<``. ``srdf``, a path or a text too, goes with a URDF. ``package_roots``:
-    see ``ResourceResolver``.
+    that begins with ``<``. ``srdf``, a path or a text too, goes with a URDF. ``package_roots`` and
+    ``allowed_roots``, which hold for the files that the scene names: see ``ResourceResolver``.
     A URDF alone is a scene of one robot at the world's origin, with its own name, adjacent links
     filtered.
 
@@ -53,7 +54,7 @@ def read_scene(
         raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
     data, file, folder = _content(path_or_text)
     looks_like_urdf = text.lstrip().startswith('<') if text else file.endswith('.urdf')
-    resolver = ResourceResolver(package_roots)
+    resolver = ResourceResolver(package_roots, allowed_roots)
     if format == 'urdf' or (not format and looks_like_urdf):
         path = None if text else Path(file).absolute()
         return _urdf_scene(data, file, folder, path, srdf, resolver)

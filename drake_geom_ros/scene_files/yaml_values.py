@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
     HalfSpace,
     IllustrationProperties,
     Mesh,
+    MeshData,
     PerceptionProperties,
     ProximityProperties,
     Rgba,
@@ -93,6 +94,9 @@ def shape_of(plain: Plain, find_file: Callable[[str], str]) -> Shape:
     if kind == 'half_space':
         return HalfSpace()
     make = Convex if kind == 'convex' else Mesh
+    if 'vertices' in plain:
+        data = MeshData(plain['vertices'], plain.get('triangles', ()))
+        return make.FromMeshData(data, plain.get('scale', 1.0))
     return make(find_file(plain['uri']), plain.get('scale', 1.0))
 
 
@@ -113,7 +117,11 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
     if isinstance(shape, Convex | Mesh):
         kind = 'convex' if isinstance(shape, Convex) else 'mesh'
         scales = shape.scale3().tolist()
-        return {'type': kind, 'uri': shape.filename(), 'scale': scales}
+        data = shape.mesh_data()
+        if data is None:
+            return {'type': kind, 'uri': shape.filename(), 'scale': scales}
+        mesh = {'vertices': data.vertices.tolist(), 'triangles': data.triangles.tolist()}
+        return {'type': kind, **mesh, 'scale': scales}
     raise TypeError(f'{type(shape).__name__} has no form in a scene file')
 
 

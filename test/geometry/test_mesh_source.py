@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import (
     GeometryInstance,
     HalfSpace,
     Mesh,
+    MeshData,
     MeshFileError,
     ProximityProperties,
     SceneGraph,
@@ -122,3 +123,35 @@ def test_a_sphere_in_the_middle_of_a_cube_mesh_is_inside(cube):
     assert contact.depth == pytest.approx(0.6, abs=1e-13)
     points = pair.ComputeSignedDistanceToPoint([0.0, 0.0, 0.45])
     assert points.distance[0] == pytest.approx(-0.05, abs=1e-13)
+
+
+@pytest.mark.parametrize('kind', [Convex, Mesh])
+def test_a_mesh_of_numbers_answers_as_its_file(cube, kind):
+    triangles = [(a - 1, b - 1, c - 1) for a, b, c, _ in SIDES]
+    numbers = kind.FromMeshData(MeshData(CORNERS, triangles), 0.5)
+    assert numbers == kind.FromMeshData(MeshData(CORNERS, triangles), 0.5)
+    assert numbers != kind.FromMeshData(MeshData(CORNERS, triangles[:-1]), 0.5)
+    assert 'FromMeshData' in repr(numbers)
+    with pytest.raises(GeometryError, match='mesh_data'):
+        numbers.filename()
+    poses = [RigidTransform(), RigidTransform([0.3, 0.1, 2.0])]
+    distances = [
+        query([shape, Sphere(0.3)], poses).ComputeSignedDistancePairwiseClosestPoints()[0].distance
+        for shape in (numbers, kind(cube, 0.5))
+    ]
+    assert distances[0] == pytest.approx(distances[1], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ('vertices', 'triangles', 'words'),
+    [
+        ([[0, 0]], (), 'vertices'),
+        ([[0, 0, np.inf]], (), 'finite'),
+        (CORNERS, [[0, 1, 8]], '8 vertices'),
+        (CORNERS, [[0, 1, -1]], 'counted from 0'),
+        (CORNERS, [[0, 1]], 'triangles'),
+    ],
+)
+def test_numbers_that_are_no_mesh_are_refused(vertices, triangles, words):
+    with pytest.raises(RuntimeError, match=words):
+        MeshData(vertices, triangles)

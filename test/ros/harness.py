@@ -62,14 +62,17 @@ class Process:
         return self.popen.returncode
 
 
-def start_node(log: Path, *, namespace: str = '', **parameters) -> Process:
-    """Start scene_graph_node with parameters."""
+def start_node(
+    log: Path, *, namespace: str = '', name: str = '', remap: tuple[str, ...] = (), **parameters
+) -> Process:
+    """Start scene_graph_node with parameters, and remappings as ``from:=to``."""
     arguments = ['--ros-args']
-    if namespace:
-        arguments += ['-r', f'__ns:={namespace}']
-    for name, value in parameters.items():
+    rules = [*remap, f'__ns:={namespace}' * bool(namespace), f'__node:={name}' * bool(name)]
+    for rule in filter(None, rules):
+        arguments += ['-r', rule]
+    for parameter, value in parameters.items():
         text = str(value).lower() if isinstance(value, bool) else str(value)
-        arguments += ['-p', f'{name}:={text}']
+        arguments += ['-p', f'{parameter}:={text}']
     return Process(log, 'drake_geom_ros.ros.scene_graph_node', *arguments)
 
 
@@ -100,6 +103,11 @@ class Client:
                 return found
             self._executor.spin_once(timeout_sec=0.05)
         raise AssertionError(f'waited {patience:g} s for {what}')
+
+    def spin_until(self, moment: float) -> None:
+        """Serve callbacks until a moment of the monotonic clock."""
+        while (left := moment - time.monotonic()) > 0:
+            self._executor.spin_once(timeout_sec=left)
 
     def listen(self, message_class, topic: str, qos=10) -> list:
         """Subscribe and return the list that messages are appended to."""

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drake_geom_ros import geometry
 from drake_geom_ros.geometry import (
     FramePoseVector,
     GeometryFrame,
@@ -19,17 +18,8 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
-from drake_geom_ros.ros import conversions, scene_conversions
+from drake_geom_ros.ros import conversions
 from drake_geom_ros.ros.names import NameTable
-
-
-def mesh(uri, **fields):
-    return Plain(
-        **{'type': 8, 'mesh_uri': uri, 'dimensions': [], 'vertices': [], 'triangles': [], **fields}
-    )
-
-
-lengths = st.floats(1e-3, 1e3)
 
 
 def plain_pose():
@@ -75,62 +65,6 @@ def test_a_pose_that_is_none_is_refused():
     message.orientation.w = 0.5
     with pytest.raises(RuntimeError, match=r'norm 0\.5'):
         conversions.pose_from_message(message)
-
-
-SHAPES = [
-    ('Sphere', 1, 1),
-    ('Box', 2, 3),
-    ('Capsule', 3, 2),
-    ('Cylinder', 4, 2),
-    ('Ellipsoid', 5, 3),
-    ('HalfSpace', 6, 0),
-]
-
-
-@pytest.mark.parametrize(('name', 'number', 'count'), SHAPES)
-@given(data=st.data())
-def test_shapes_there_and_back(name, number, count, data):
-    dimensions = data.draw(st.lists(lengths, min_size=count, max_size=count))
-    message = Plain(type=number, dimensions=dimensions)
-    shape = scene_conversions.shape_from_message(message)
-    assert shape == getattr(geometry, name)(*dimensions)
-    filled = Plain()
-    scene_conversions.fill_shape(filled, shape)
-    assert (filled.type, list(filled.dimensions)) == (number, dimensions)
-
-
-@pytest.mark.parametrize(
-    ('message', 'words'),
-    [
-        (Plain(type=1, dimensions=[]), 'Sphere takes: radius'),
-        (Plain(type=2, dimensions=[1.0]), 'Box takes: width, depth, height'),
-        (Plain(type=6, dimensions=[1.0]), 'HalfSpace takes: none'),
-        (Plain(type=1, dimensions=[math.nan]), 'radius'),
-        (Plain(type=0, dimensions=[]), 'type is 0'),
-        (mesh(''), 'mesh_uri must name'),
-        (mesh('ball.obj'), 'not an absolute path'),
-        (mesh('/nowhere/ball.obj'), 'no file'),
-        (mesh('ftp://host/ball.obj'), 'scheme'),
-        (mesh('/nowhere/ball.obj', dimensions=[1.0, 2.0]), 'one scale'),
-        (mesh('', vertices=[0.0, 0.0, 0.0]), 'inside the message'),
-    ],
-)
-def test_shapes_that_are_none_are_refused(message, words):
-    with pytest.raises(RuntimeError, match=words):
-        scene_conversions.shape_from_message(message)
-
-
-def test_meshes_by_file(tmp_path):
-    path = tmp_path / 'tetra.obj'
-    path.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n')
-    for uri in (str(path), f'file://{path}'):
-        shape = scene_conversions.shape_from_message(mesh(uri, type=7, dimensions=[2.0]))
-        assert shape == geometry.Convex(str(path), 2.0)
-    shape = scene_conversions.shape_from_message(mesh(str(path)))
-    assert shape == geometry.Mesh(str(path))
-    filled = Plain()
-    scene_conversions.fill_shape(filled, shape)
-    assert (filled.type, filled.mesh_uri, list(filled.dimensions)) == (8, str(path), [1.0])
 
 
 def test_frame_poses_by_name_and_by_id(scene, names):
@@ -242,7 +176,7 @@ def test_results_fill_flat_arrays(scene, names):
     assert list(message.p_wcb) == pytest.approx([0.05, 0, 0])
     message = Plain()
     points = contact.ComputeSignedDistanceToPoint([[0, 0, 0.3], [9, 9, 9]], 1.0)
-    conversions.fill_point_distances(message, points, 1.0)
+    conversions.fill_point_distances(message, [points], 1.0, [np.arange(len(points))])
     assert list(message.point_index) == [0, 0]
     assert list(message.id_g) == [a.get_value(), b.get_value()]
     assert message.distance[0] == pytest.approx(0.2, abs=1e-15)

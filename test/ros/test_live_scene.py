@@ -11,6 +11,7 @@ from drake_geom_ros.geometry import (
     GeometrySet,
 )
 from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.scene_files import read_scene, to_yaml
 
 TEXT = """
 sources: [s]
@@ -41,13 +42,13 @@ def clock():
 @pytest.fixture
 def live(clock):
     live = LiveScene('exact', clock)
-    live.load(TEXT)
+    live.add(read_scene(TEXT))
     return live
 
 
 def message(**frames):
     poses = [float(v) for x in frames.values() for v in (x, 0, 0, 0, 0, 0, 1)]
-    header = Plain(stamp=Plain(sec=1, nanosec=0))
+    header = Plain(stamp=Plain(sec=1, nanosec=0), frame_id='')
     return Plain(header=header, source='s', frame_names=list(frames), frame_ids=[], poses=poses)
 
 
@@ -91,7 +92,7 @@ def test_a_refused_message_leaves_everything(live, clock):
 
 def test_what_if_is_not_what_is(live):
     before = distance(live)
-    query = live.what_if(message(b=3))
+    query = live.view(message(b=3)).query
     a, b = (live.names.geometry(f's::{f}/ball') for f in 'ab')
     assert query.ComputeSignedDistancePairClosestPoints(a, b).distance == pytest.approx(2.8)
     assert distance(live) == before
@@ -117,21 +118,23 @@ def test_a_lease_ends_and_renewal_prolongs_it(live, clock):
 
 
 def test_a_scene_that_cannot_be_loaded_changes_nothing(live):
-    text, version = live.save(), live.version
-    for replace in (False, True):
-        with pytest.raises(RuntimeError, match='radius'):
-            live.load(TEXT.replace('radius: 0.1', 'radius: -1'), replace=replace)
-        assert (live.save(), live.version) == (text, version)
+    text, version = to_yaml(live.description()), live.version
+    other = TEXT.replace('[s]', '[t]').replace('source: s', 'source: t')
+    other = read_scene(other.replace('frame: b', 'frame: nowhere'))
+    for change in (live.add, live.replace):
+        with pytest.raises(RuntimeError, match='nowhere'):
+            change(other)
+        assert (to_yaml(live.description()), live.version) == (text, version)
     with pytest.raises(RuntimeError, match='taken'):
-        live.load(TEXT)
-    assert (live.save(), live.version) == (text, version)
+        live.add(read_scene(TEXT))
+    assert (to_yaml(live.description()), live.version) == (text, version)
 
 
 def test_replacing_grows_the_version_and_keeps_the_text(live):
-    text, version = live.save(), live.version
-    assert live.load(text, replace=True) == (2, 2)
+    text, version = to_yaml(live.description()), live.version
+    assert live.replace(read_scene(text)) == (2, 2)
     assert live.version > version
-    assert live.save() == text
+    assert to_yaml(live.description()) == text
     live.clear()
     assert live.names.frame('world') == live.inspector.world_frame_id()
     with pytest.raises(RuntimeError, match='no frame'):

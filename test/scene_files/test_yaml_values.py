@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     HalfSpace,
     IllustrationProperties,
     Mesh,
+    MeshData,
     ProximityProperties,
     Rgba,
     Role,
@@ -145,3 +146,11 @@ def test_a_property_that_the_format_cannot_say_is_refused(value):
     properties.AddProperty('g', 'odd', value)
     with pytest.raises(TypeError, match="property 'odd'"):
         plain_roles({Role.kProximity: properties})
+
+
+@pytest.mark.parametrize('kind', [Convex, Mesh])
+def test_a_mesh_of_numbers_there_and_back(kind):
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    data = MeshData(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    shape = kind.FromMeshData(data, [1.0, 2.0, 0.5])
+    assert shape_of(plain_shape(shape), str) == shape

@@ -140,6 +140,7 @@ class Engine:
             self._counts[CACHED] = len(near.pairs)
             self._times[4] = time.perf_counter()
             return self._last[1]
+        self._compile_for(world, near, accuracy)
         hits = self._answer(world, near.pairs, near.slots, near.memory, query, -1)
         batch = gathered(world, hits, near.pairs, near.slots, near.answers)
         self._times[4] = time.perf_counter()
@@ -152,6 +153,7 @@ class Engine:
     def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
         """Return whether ``signed_distances`` would return a pair that overlaps."""
         near = self._near(world, filters, 0.0)
+        self._compile_for(world, near, accuracy)
         query = _GAPS[accuracy], 0.0, True
         # Where there was a contact there still is one, mostly.
         first = min(self._last_contact, len(near.pairs))
@@ -226,15 +228,20 @@ class Engine:
         if near is None:
             near = self._lists[unlimited] = NearList(world)
         self._list_made = near.bring_up_to_date(world, filters, distance)
-        self._times[2] = time.perf_counter()
         if self._list_made:
-            types = world.geometries.types[near.pairs]
-            self._kernels = compile_rows(table_rows(types[:, 0], types[:, 1]))
             self._make_room(len(near.pairs))
         self._considered = near.considered
         self._filtered = near.considered - len(near.pairs)
-        self._times[3] = time.perf_counter()
+        self._times[2] = self._times[3] = time.perf_counter()
         return near
+
+    def _compile_for(self, world: World, near: NearList, accuracy: str) -> None:
+        """Compile the kernels of the pairs of a list, once in its life; bounds need none."""
+        if not near.has_kernels and accuracy != 'bound':
+            types = world.geometries.types[near.pairs]
+            self._kernels = compile_rows(table_rows(types[:, 0], types[:, 1]))
+            near.has_kernels = True
+            self._times[3] = time.perf_counter()
 
     def _make_room(self, pairs: int) -> None:
         if len(self._hits) < pairs:

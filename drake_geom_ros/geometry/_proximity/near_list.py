@@ -47,6 +47,7 @@ class NearList:
         n = world.geometry_count
         self.reach = -1.0  # [m] the list holds every pair this near; below 0: not made yet
         self.considered = 0  # pairs before the filters
+        self.has_kernels = False  # those of its pairs are compiled
         self.pairs: Indices = np.zeros((0, 2), dtype=np.int64)  # (k, 2) rows of the world, i < j
         self.slots: Indices = np.zeros(0, dtype=np.int64)  # (k,)
         self._codes: Indices = np.zeros(0, dtype=np.int64)  # (k,) i n + j
@@ -170,7 +171,7 @@ class NearList:
 
     def _take(self, world: World, filters: FilterState, candidates: Indices) -> None:
         """Make the list of these pairs, less the filtered ones; who stays keeps the slot."""
-        self.considered = len(candidates)
+        self.considered, self.has_kernels = len(candidates), False
         of = filters.slots(world.geometries.ids)
         candidates = candidates[filters.mask(of[candidates[:, 0]], of[candidates[:, 1]])]
         n = world.geometry_count

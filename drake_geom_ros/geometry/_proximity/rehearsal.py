@@ -1,0 +1,48 @@
+"""A rehearsal: everything that cycles run but the kernels, compiled or loaded before it counts.
+
+Numba compiles a function when it is first called, and some of ours are first called in a second
+cycle, or when a body has moved far. So all of it is called once on three balls, at the level that
+needs no kernel.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.engine import Engine
+from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
+from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+
+
+@functools.cache
+def rehearse() -> None:
+    """Run some cycles on a small world, once a process."""
+    count = 3
+    frames = FrameTable(np.arange(1, count + 1), np.zeros(count, dtype=np.int64))
+    table = GeometryTable(
+        ids=np.arange(1, count + 1),
+        frames=np.arange(count),  # the first is anchored
+        R_FGs=np.tile(np.eye(3), (count, 1, 1)),
+        p_FGs=np.zeros((count, 3)),
+        types=np.ones(count, dtype=np.int64),
+        starts=np.arange(count + 1),
+        pool=np.ones(count),
+    )
+    world, filters, engine = World(frames, table), FilterState(), Engine()
+    for key in range(1, count + 1):
+        filters.add(key, key, key == 1)
+    rows = np.arange(1, count)
+    for step in (0.1, 0.2, 0.2, 50.0):
+        poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
+        Rs, ps = np.empty((count - 1, 3, 3)), np.empty((count - 1, 3))
+        read_poses(poses, 0.1, Rs, ps)
+        ascending(rows)
+        world.set_poses(rows, Rs, ps)
+        for reach in (0.0, math.inf):
+            engine.signed_distances(world, filters, 'bound', reach)
+        engine.has_overlap(world, filters, 'bound')
+        engine.candidates(world, filters, 0.0)

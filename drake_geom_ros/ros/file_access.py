@@ -1,0 +1,50 @@
+"""Which files may be opened on behalf of others: the parameter ``mesh_roots``. No ROS import.
+
+What comes through a service or a topic may name files: meshes, scene files, URDF and SRDF, and the
+file that a scene is saved to. Those must lie in the folders of ``mesh_roots`` or beside the
+node's own ``scene_file``. In ``mesh_roots``, ``package://`` stands for the share folders of all
+packages, and a relative folder counts from the working folder of the node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.scene_files import ResourceResolver, share_folders
+
+ALL_PACKAGES = 'package://'
+
+
+class FileAccess:
+    """The folders that files may be opened in."""
+
+    def __init__(self, mesh_roots: Sequence[str], scene_file: str = '') -> None:
+        self.folders: list[Path] = []
+        for root in filter(None, mesh_roots):
+            self.folders += share_folders() if root == ALL_PACKAGES else [Path(root).absolute()]
+        if scene_file:
+            self.folders.append(Path(scene_file).absolute().parent)
+        self._resolver = ResourceResolver(allowed_roots=self.folders)
+
+    def file(self, uri: str, what: str) -> Path:
+        """Return the path of a file that exists; raises ArgumentError for one not to be opened.
+
+        ``what`` names the field that ``uri`` came in, for the error.
+        """
+        try:
+            return self._resolver.resolve(uri, Path.cwd())
+        except ValueError as error:
+            raise ArgumentError(f'{what}: {error}. See the parameter mesh_roots.') from None
+
+    def new_file(self, path: str, what: str) -> Path:
+        """Return the path of a file to write; raises ArgumentError outside the folders."""
+        target = Path(path).absolute()
+        if not any(target.resolve().is_relative_to(root.resolve()) for root in self.folders):
+            folders = ', '.join(map(str, self.folders)) or 'none'
+            raise ArgumentError(
+                f'{what}: {str(target)!r} lies outside the folders that files may be opened in: '
+                f'{folders}. See the parameter mesh_roots.'
+            )
+        return target

@@ -1,0 +1,46 @@
+"""Services that read or write scene files.
+
+They take long, so they run in the thread of the queries, and hold the scene's lock only while
+they take the scene down or put it up. RuntimeError refuses. No ROS import here.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.scene_files import read_scene, to_yaml
+
+
+def load_scene(live: LiveScene, request: Any, response: Any) -> None:
+    """Load a scene from a file of the node's machine or from a text."""
+    if bool(request.path) == bool(request.text):
+        raise ArgumentError('path and text are both given or both empty; give exactly one')
+    files = live.files
+    # A line break tells a text from a path; an ending one changes neither YAML nor URDF.
+    scene = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
+    srdf = request.srdf
+    if srdf and not srdf.lstrip().startswith('<'):
+        srdf = str(files.file(srdf, 'srdf'))
+    description = read_scene(scene, request.format, srdf, allowed_roots=files.folders)
+    if request.replace:
+        added = live.replace(description)
+    else:
+        with live.lock:
+            added = live.add(description)
+        live.compile_kernels()
+    response.frames, response.geometries = added
+
+
+def save_scene(live: LiveScene, request: Any, response: Any) -> None:
+    """Write the scene down."""
+    target = live.files.new_file(request.path, 'path') if request.path else None
+    with live.lock:
+        description = live.description()
+    response.text = to_yaml(description)
+    if target is not None:
+        try:
+            target.write_text(response.text)
+        except OSError as error:
+            raise ArgumentError(f'the scene cannot be written to {target}: {error}') from None

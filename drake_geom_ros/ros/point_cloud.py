@@ -1,0 +1,59 @@
+"""PointCloud2 messages to arrays, no ROS import."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError
+
+_FORMATS = {7: 'f4', 8: 'f8'}  # sensor_msgs/PointField: FLOAT32, FLOAT64
+
+
+def points_from_cloud(message: Any) -> NDArray[np.float64]:
+    """Return the points (n, 3) of a PointCloud2, in its order; some may not be finite.
+
+    Takes any point_step, row_step, byte order and offsets; x, y and z are FLOAT32 or FLOAT64.
+    Raises ArgumentError for a cloud without them, or with less data than it says.
+    """
+    fields = {field.name: field for field in message.fields}
+    if missing := [axis for axis in 'xyz' if axis not in fields]:
+        raise ArgumentError(
+            f'fields lacks {", ".join(missing)}; it has {", ".join(fields)[:200] or "none"}'
+        )
+    order = '>' if message.is_bigendian else '<'
+    formats = []
+    for axis in 'xyz':
+        field = fields[axis]
+        if field.datatype not in _FORMATS or field.count > 1:
+            raise ArgumentError(
+                f'field {axis} has datatype {field.datatype} and count {field.count}; it must be '
+                'one FLOAT32 (7) or FLOAT64 (8)'
+            )
+        formats.append(order + _FORMATS[field.datatype])
+    width, height = message.width, message.height
+    try:
+        point = np.dtype(
+            {
+                'names': ['x', 'y', 'z'],
+                'formats': formats,
+                'offsets': [fields[axis].offset for axis in 'xyz'],
+                'itemsize': message.point_step,
+            }
+        )
+    except (ValueError, OverflowError) as error:
+        raise ArgumentError(f'point_step {message.point_step}: {error}') from None
+    row_step = message.row_step if height > 1 else width * message.point_step
+    needed = row_step * (height - 1) + width * message.point_step if height and width else 0
+    if row_step < width * message.point_step or len(message.data) < needed:
+        raise ArgumentError(
+            f'data holds {len(message.data)} bytes; {height} rows of {width} points with '
+            f'point_step {message.point_step} and row_step {message.row_step} do not fit in it'
+        )
+    if not needed:
+        return np.zeros((0, 3))
+    strides = (row_step, message.point_step)
+    cloud = np.ndarray((height, width), point, memoryview(message.data), strides=strides)
+    return np.stack([cloud[axis].ravel().astype(np.float64) for axis in 'xyz'], axis=1)

@@ -1,0 +1,59 @@
+"""``~/query_points`` in, ``~/point_distances`` out: distances from clouds of points.
+
+A cloud may be given in the world or in any frame of the scene. Points that are not finite, as
+depth cameras send them for what they did not see, are skipped; ``point_index`` counts them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.ros.conversions import fill_point_distances
+from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.point_cloud import points_from_cloud
+
+# The query has room for each point and geometry; that many rows of 100 bytes at a time.
+_ROWS_AT_ONCE = 1_000_000
+
+
+class PointQueries:
+    """Answers clouds beside the cycle, when somebody listens."""
+
+    def __init__(
+        self,
+        live: LiveScene,
+        publisher: Any,
+        message_class: Any,
+        threshold: Callable[[], float],
+    ) -> None:
+        """``threshold()`` [m] is that of now."""
+        self._live = live
+        self._publisher = publisher
+        self._message_class = message_class
+        self._threshold = threshold
+
+    def take(self, cloud: Any) -> None:
+        """Answer a cloud, if somebody listens; raises RuntimeError for one that is wrong."""
+        if not self._publisher.get_subscription_count():
+            return
+        self._publisher.publish(self.answer(cloud))
+
+    def answer(self, cloud: Any) -> Any:
+        """Return the PointDistances of a cloud; raises RuntimeError for one that is wrong."""
+        view, threshold = self._live.view(), self._threshold()
+        points = points_from_cloud(cloud)
+        if cloud.header.frame_id:
+            frame = view.names.frame(cloud.header.frame_id)
+            points = view.query.X_WF(frame).multiply(points.T).T
+        finite = np.flatnonzero(np.isfinite(points).all(axis=1))
+        geometries = view.query.inspector().num_geometries()
+        step = max(1, _ROWS_AT_ONCE // max(1, geometries))
+        blocks = [finite[k : k + step] for k in range(0, max(1, len(finite)), step)]
+        parts = [view.query.ComputeSignedDistanceToPoint(points[b], threshold) for b in blocks]
+        message = self._message_class()
+        fill_point_distances(message, parts, threshold, blocks)
+        view.moment.stamp(message)
+        return message

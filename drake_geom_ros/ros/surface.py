@@ -1,0 +1,104 @@
+"""Topics, services and timers that are open while the node is configured, closed together.
+
+Every topic's history, depth and reliability can be overridden by the parameters
+``qos_overrides.<topic>.<publisher or subscription>.<policy>``, read when the node is configured,
+for instance ``qos_overrides./scene_graph/frame_poses.subscription.depth``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.callback_groups import CallbackGroup
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.timer import Timer
+
+
+def sensor_data() -> QoSProfile:
+    """Return the profile of what streams in: best effort, so that any publisher fits."""
+    return QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+def results() -> QoSProfile:
+    """Return the profile of what streams out: reliable, so that any subscriber fits."""
+    return QoSProfile(depth=10)
+
+
+def latched() -> QoSProfile:
+    """Return the profile of what late comers get too: the last message is kept for them."""
+    return QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def transforms(*, static: bool) -> QoSProfile:
+    """Return the profile that TF has: many publishers, and static transforms are latched."""
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if static else DurabilityPolicy.VOLATILE
+    return QoSProfile(depth=100, durability=durability)
+
+
+class Surface:
+    """Opens what a node offers, and remembers it for closing."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._open: list[tuple[Callable[[Any], Any], Any]] = []
+
+    def publisher(self, kind: Any, topic: str, profile: QoSProfile) -> Publisher:
+        """Open a topic to publish on."""
+        publisher = self._node.create_publisher(
+            kind,
+            topic,
+            profile,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+        self._open.append((self._node.destroy_publisher, publisher))
+        return publisher
+
+    def subscription(
+        self,
+        kind: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        profile: QoSProfile,
+        group: CallbackGroup | None = None,
+    ) -> None:
+        """Open a topic to listen to."""
+        subscription = self._node.create_subscription(
+            kind,
+            topic,
+            callback,
+            profile,
+            callback_group=group,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+        self._open.append((self._node.destroy_subscription, subscription))
+
+    def service(
+        self,
+        kind: Any,
+        name: str,
+        callback: Callable[[Any, Any], Any],
+        group: CallbackGroup | None = None,
+    ) -> None:
+        """Open a service."""
+        service = self._node.create_service(kind, name, callback, callback_group=group)
+        self._open.append((self._node.destroy_service, service))
+
+    def timer(
+        self, period: float, callback: Callable[[], None], group: CallbackGroup | None = None
+    ) -> Timer:
+        """Call something every ``period`` [s] of real time, also while simulated time rests."""
+        timer = self._node.create_timer(period, callback, callback_group=group, clock=self._steady)
+        self._open.append((self._node.destroy_timer, timer))
+        return timer
+
+    def close(self) -> None:
+        """Close everything."""
+        while self._open:
+            destroy, handle = self._open.pop()
+            destroy(handle)

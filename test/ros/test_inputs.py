@@ -1,0 +1,128 @@
+"""TF and simulated time on the real middleware."""
+
+import subprocess
+import sys
+
+import pytest
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray
+from drake_geom_msgs import msg, srv
+from geometry_msgs.msg import TransformStamped
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros.harness import ROOT, environment, start_node
+from ros.scene_calls import accepted, add_pair, exclude, poses
+from rosgraph_msgs.msg import Clock
+
+SCENE = ROOT / 'scenes' / 'minimal.yaml'
+STATIC = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def transform(parent, child, x, stamp=1):
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id = parent
+    message.header.stamp.sec = stamp
+    message.transform.translation.x = x
+    return message
+
+
+def values(diagnostics):
+    return {v.key: v.value for v in diagnostics[-1].status[0].values} if diagnostics else {}
+
+
+def test_tf_poses_frames_by_name(tmp_path, lone_client):
+    tf2_msgs = pytest.importorskip('tf2_msgs.msg', reason='not among the wheels of PyPI')
+    node = start_node(tmp_path / 'log', scene_file=SCENE, max_distance=5.0, use_tf=True)
+    client = lone_client
+    try:
+        results = client.listen(msg.SignedDistancePairs, 'signed_distances')
+        diagnostics = client.listen(DiagnosticArray, '/diagnostics')
+        static = client.node.create_publisher(tf2_msgs.TFMessage, '/tf_static', STATIC)
+        moving = client.node.create_publisher(tf2_msgs.TFMessage, '/tf', 10)
+        static.publish(tf2_msgs.TFMessage(transforms=[transform('world', 'room', 1.0)]))
+
+        def at(x, stamp):
+            moving.publish(tf2_msgs.TFMessage(transforms=[transform('room', 'ball', x, stamp)]))
+            pose = accepted(client.call(srv.GetPose, 'get_pose', frame='ball')).pose
+            return pose.pose.position.x == 1.0 + x
+
+        client.wait_for(lambda: at(2.0, 10), 'the ball where TF says')
+        client.wait_for(lambda: [m for m in results if m.header.stamp.sec == 10], 'a result')
+        # A gap in TF: stale, and where it was.
+        client.wait_for(
+            lambda: 'ball' in values(diagnostics).get('names of stale frames', ''), 'staleness'
+        )
+        assert (
+            accepted(client.call(srv.GetPose, 'get_pose', frame='ball')).pose.pose.position.x == 3
+        )
+        bad = transform('room', 'ball', float('nan'), 20)
+        moving.publish(tf2_msgs.TFMessage(transforms=[bad]))
+        client.wait_for(lambda: values(diagnostics).get('refused from /tf') == '1', 'the refusal')
+        # Time goes back, as when a bag begins anew.
+        client.wait_for(lambda: at(4.0, 2), 'the ball of the new time')
+    finally:
+        assert node.end() == 0, node.output()
+
+
+def test_tf_without_its_messages_is_refused_at_the_start(tmp_path):
+    """What a set-up without tf2_msgs says; with it the module is hidden."""
+    code = (
+        'import importlib.util as u, sys; find = u.find_spec; '
+        "u.find_spec = lambda name, *a: None if name == 'tf2_msgs' else find(name, *a); "
+        'from drake_geom_ros.ros.scene_graph_node import main; '
+        "sys.exit(main(['--ros-args', '-p', 'use_tf:=true']))"
+    )
+    done = subprocess.run(
+        [sys.executable, '-c', code],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert 'tf2_msgs' in done.stderr
+
+
+def test_simulated_time_rules_ages_and_leases(tmp_path, lone_client):
+    node = start_node(tmp_path / 'log', max_distance=1.0, stale_after=5.0, use_sim_time=True)
+    client = lone_client
+    try:
+        clock = client.node.create_publisher(Clock, '/clock', 10)
+        small, _ = add_pair(client, 'simulated')
+        results = client.listen(msg.SignedDistancePairs, 'signed_distances')
+        diagnostics = client.listen(DiagnosticArray, '/diagnostics')
+        publisher = client.publisher(msg.FramePoses, 'frame_poses')
+
+        def answered_at(seconds, age):
+            clock.publish(Clock(clock=Time(sec=seconds)))
+            if age == 0.0:
+                publisher.publish(poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)], stamp=seconds))
+            answer = client.call(
+                srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise'
+            )
+            return accepted(answer).result.oldest_pose_age == age
+
+        client.wait_for(lambda: answered_at(100, 0.0), 'fresh poses at 100 s')
+        client.wait_for(lambda: answered_at(103, 3.0), 'an age of simulated 3 s')
+        assert results[0].id_a[0] == small
+        lease = {'declaration': exclude('a/ball', 'b/ball'), 'lease': 10.0}
+        filter_id = accepted(
+            client.call(srv.ApplyTransientFilter, 'apply_transient_filter', **lease)
+        ).filter_id
+
+        def active(seconds):
+            clock.publish(Clock(clock=Time(sec=seconds)))
+            state = accepted(client.call(srv.GetFilters, 'get_filters'))
+            return filter_id in state.active_filter_ids
+
+        for _ in range(5):
+            assert active(112)
+        client.wait_for(lambda: not active(114), 'the lease to end in simulated time')
+        stale = 'simulated::a, simulated::b'
+        client.wait_for(
+            lambda: values(diagnostics).get('names of stale frames') == stale, 'stale frames'
+        )
+        # Time goes back, as in a simulation that is reset: ages do not become negative.
+        client.wait_for(lambda: answered_at(50, 0.0), 'fresh poses at 50 s')
+    finally:
+        assert node.end() == 0, node.output()

@@ -1,0 +1,73 @@
+"""The managed life cycle: what each transition keeps, over and over."""
+
+import pytest
+from drake_geom_msgs import msg, srv
+from lifecycle_msgs.msg import State, Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from ros.harness import LATCHED, ROOT, start_node
+from ros.scene_calls import accepted, poses
+
+SCENE = ROOT / 'scenes' / 'minimal.yaml'
+
+
+@pytest.fixture
+def node(tmp_path):
+    process = start_node(
+        tmp_path / 'log', scene_file=SCENE, max_distance=1.0, autostart=False, rate=50.0
+    )
+    yield process
+    process.end()
+
+
+def change(client, transition):
+    request = Transition(id=transition)
+    assert client.call(ChangeState, 'change_state', transition=request).success
+
+
+def state(client):
+    return client.call(GetState, 'get_state').current_state.id
+
+
+def test_twice_through_the_life_of_a_node(client):
+    results = client.listen(msg.SignedDistancePairs, 'signed_distances')
+    assert state(client) == State.PRIMARY_STATE_UNCONFIGURED
+    for _ in range(2):
+        change(client, Transition.TRANSITION_CONFIGURE)
+        publisher = client.publisher(msg.FramePoses, 'frame_poses')
+
+        def posed(publisher=publisher):
+            publisher.publish(poses(['ball'], [(0.25, 0, 1)]))
+            pose = accepted(client.call(srv.GetPose, 'get_pose', frame='ball')).pose
+            return pose.pose.position.x == 0.25
+
+        # Inactive: poses are taken and questions answered, and nothing is published.
+        client.wait_for(posed, 'the pose')
+        results.clear()
+        assert accepted(client.call(srv.HasCollisions, 'has_collisions'))
+        assert results == []
+        change(client, Transition.TRANSITION_ACTIVATE)
+        client.wait_for(lambda: len(results) > 3, 'results')
+        scenes = client.listen(msg.Scene, 'scene', LATCHED)
+        client.wait_for(lambda scenes=scenes: scenes, 'the scene')
+        accepted(client.call(srv.RegisterSource, 'register_source', name='mine'))
+        change(client, Transition.TRANSITION_DEACTIVATE)
+        pose = accepted(client.call(srv.GetPose, 'get_pose', frame='ball')).pose
+        assert pose.pose.position.x == 0.25
+        change(client, Transition.TRANSITION_CLEANUP)
+        assert state(client) == State.PRIMARY_STATE_UNCONFIGURED
+        client.wait_for(
+            lambda: client.node.count_publishers('/scene_graph/signed_distances') == 0,
+            'the topics to close',
+        )
+    change(client, Transition.TRANSITION_UNCONFIGURED_SHUTDOWN)
+    assert state(client) == State.PRIMARY_STATE_FINALIZED
+
+
+def test_a_qos_override_that_cannot_be_leaves_it_unconfigured(tmp_path, lone_client):
+    bad = {'qos_overrides./scene_graph/frame_poses.subscription.reliability': 'sometimes'}
+    node = start_node(tmp_path / 'bad', scene_file=SCENE, **bad)
+    try:
+        lone_client.wait_for(lambda: 'sometimes' in node.output(), 'the reason in the log')
+        assert state(lone_client) == State.PRIMARY_STATE_UNCONFIGURED
+    finally:
+        assert node.end() == 0
