@@ -40,7 +40,10 @@ Floats = NDArray[np.float64]
 BODIES = 40
 SCALES = (1e-6, 1e-3, 1.0, 1e4)  # [m]
 ROUNDING = 1e-12  # of the size, in the identities
-WIDE = 2e-9  # of the size: a certified bound at level exact above this is counted
+# Of the size: certified bounds at level exact above these are counted. Rings of equal minima, on a
+# lattice, leave EPA with about 1e-7; nothing has been seen to leave more than the second.
+WIDE = 2e-9
+VERY_WIDE = 1e-5
 
 
 def random_shape(rng: np.random.Generator, scale: float, lattice: bool) -> Shape:
@@ -87,7 +90,8 @@ def broken(results: SignedDistanceResults, scale: float) -> Counter[str]:
             'witness points apart': int(
                 np.count_nonzero(~(np.linalg.norm(identity, axis=1) <= 10 * ROUNDING * scale))
             ),
-            'wide bound': int(np.count_nonzero(~(results.error_bound <= WIDE * max(scale, 1e-9)))),
+            'wide bound': int(np.count_nonzero(~(results.error_bound <= WIDE * scale))),
+            'very wide bound': int(np.count_nonzero(~(results.error_bound <= VERY_WIDE * scale))),
         }
     )
 

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from numba import config
 
 from drake_geom_ros.geometry import (
     Box,
@@ -25,7 +26,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 BODIES = 24
-CYCLES = 400
+CYCLES = 12 if config.DISABLE_JIT else 400
 REACH = 0.1  # [m]
 
 
@@ -212,6 +213,6 @@ def test_a_fresh_engine_agrees_after_whatever_happened(seed, mesh):
             expected = fresh.ComputeSignedDistancePairwiseClosestPoints()
             assert_same_distances(everything, expected, math.inf)
     # It was a test of something.
-    assert CYCLES / 20 < made < CYCLES
+    assert CYCLES / 20 < made <= CYCLES
     assert cached > CYCLES
     assert far > CYCLES

@@ -96,7 +96,8 @@ FLAT_HULL = 1e-9
 SMALL_SQUARE = 2.0**-900
 LARGE_SQUARE = 2.0**900
 
-# A step of Newton's method on a normal this small [-] was the last that mattered: its square is EPS.
+# A step of Newton's method on a normal this small [-] was the last that mattered: its square is
+# EPS.
 LAST_STEP = 2.0**-26
 
 # Slope of the overlap's width [m/rad], in units of its rounding, that Newton's method may leave

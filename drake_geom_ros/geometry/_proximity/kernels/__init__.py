@@ -14,8 +14,13 @@ tolerance  gap [m] between the certified bounds at which an iteration may stop;
            a closed form ignores it
 cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
            its lower bound with BOUND_ONLY as method; infinity: never
-out        one row of PAIR_WIDTH numbers, see ``calling``
+out        one row of PAIR_WIDTH numbers, see ``calling``. On entry its normal is a *hint*:
+           nhat_BA_W of an earlier answer of the same pair, or zeros
 ========== ========================================================================
+
+An iterative kernel starts from the hint: a good one saves most of its time, a bad one some steps.
+Whatever it is, of any length or not even finite, the certificate of the answer holds. Closed forms
+ignore it.
 
 Signs and frames. ``phi(A, B) = max over unit n of (-h_A(n) - h_B(-n))`` with n out of A
 towards B: a gap where positive, minus the least translation that separates where negative.

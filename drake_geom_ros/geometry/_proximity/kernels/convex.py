@@ -1,39 +1,87 @@
-"""Signed distance of convex pairs that have no closed form: GJK apart, EPA overlapping.
+"""Signed distance of convex pairs that have no closed form, by the cheapest way that is certain.
 
-One function, ``signed_distance_of_cores``, serves every pair and is compiled once; a kernel is its
-name with two type numbers. See ``supports`` for the cores and ``gjk`` and ``epa`` for the bounds.
+One function, ``signed_distance_of_cores``, serves every pair and is compiled once. The cores are
+those of ``supports``. In this order, each only where the one before could not certify its answer:
 
-Where the answer is not unique (UNIQUE is 0) the direction is the one that EPA came to first, which
-depends on the poses alone: the same call gives the same answer. UNIQUE is 1 where the bounds
-exclude every direction more than 8 degrees away, so with a loose tolerance it may be 0 for an
-answer that is unique.
+1. the slab along the hint, or along the line of centres, is wider than the cutoff: BOUND_ONLY;
+2. Newton's method on the normal (``normals``): apart, its two witness points are the certificate;
+3. overlapping: ``revolution`` for parallel axes, ``creases`` for a box or capsule in a cylinder,
+   else ``epa``, which starts from what Newton's method found;
+4. ``gjk`` from the best normal so far, and ``epa`` for what that leaves open.
+
+Hulls have no derivatives and start at 3 with a hint, at 4 without.
+
+Where the answer is not unique (UNIQUE is 0) the direction is the one that was come to first, which
+depends on the poses and the hint alone: the same call gives the same answer. UNIQUE is 1 where the
+bounds exclude every direction more than 8 degrees away, so with a loose tolerance it may be 0 for
+an answer that is unique.
 """
 
+import numpy as np
+
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, ITERATIVE, write
+from drake_geom_ros.geometry._proximity.kernels.axes import least_along_axes
+from drake_geom_ros.geometry._proximity.kernels.calling import (
+    BOUND_ONLY,
+    ITERATIVE,
+    NORMAL,
+    write,
+)
+from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
 from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
     OVERLAP,
     distance_of_cores,
+    support_points,
 )
-from drake_geom_ros.geometry._proximity.kernels.revolution import common_axis, depth_of_revolution
+from drake_geom_ros.geometry._proximity.kernels.normals import (
+    NOTHING,
+    hold,
+    nearby_minimum,
+    widest_cap,
+)
+from drake_geom_ros.geometry._proximity.kernels.revolution import (
+    common_axis,
+    depth_of_revolution,
+)
+from drake_geom_ros.geometry._proximity.kernels.sums import (
+    difference_of,
+    feet,
+    likely_normal,
+    share_a_point,
+    vector,
+    width,
+)
 from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
     bounding_radius,
     core_radius,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import add, add_scaled, norm, scale, sub
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+)
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     NEAR_TOUCH,
     ROUNDING,
+    SAME_DIRECTION,
     SHARPER,
     SHARPER_DEPTH,
 )
 
-# Caps of EPA. An ordinary smooth minimum takes 20 to 150 vertices to 1e-10, and arrays of that
-# size cost nothing to get: ten times larger ones go back to the system after each call, which
+# Caps of EPA. An ordinary minimum takes 8 to 40 vertices, a hard one 150, and arrays of that size
+# cost nothing to get: ten times larger ones go back to the system after each call, which
 # costs as much as EPA does. Only minima that are almost a ring, of shapes almost in a symmetric
 # position, get to the second cap, which leaves about 1e-6 of the size between the bounds.
 FEW_VERTICES = 160
@@ -41,23 +89,167 @@ MANY_VERTICES = 3000
 
 
 @compiled
-def depth_and_bounds(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance):
-    """Return what ``epa.depth_of_cores`` does, by the cheaper way."""
+def depth_and_bounds(pair, difference, n, near, size, tolerance):
+    """Return what ``epa.depth_of_cores`` does; where its bounds are far apart, axes may do better.
+
+    That is the case in symmetric positions and where the difference has no volume.
+    """
+    found = iterated_depth(pair, difference, n, near, size, tolerance)
+    upper, lower, _, _, _, _, unique = found
+    if upper - lower <= 4.0 * max(tolerance, ROUNDING * EPS * size):
+        return found
+    h, m, a, b = least_along_axes(pair, upper)
+    if h >= upper:
+        return found
+    aside = norm(sub(sub(a, b), scale(h, m)))
+    return h, min(lower, h), m, a, b, aside, unique and dot(m, found[2]) >= SAME_DIRECTION
+
+
+@compiled
+def iterated_depth(pair, difference, n, near, size, tolerance):
+    """Return what ``epa.depth_of_cores`` does, by the cheapest way there is for the pair."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     u, move = common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB)
-    enough = max(tolerance, ROUNDING * EPS * size)
+    noise = ROUNDING * EPS * size
+    enough = max(tolerance, noise)
     if move <= 0.5 * enough:
         return depth_of_revolution(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
         )
+    if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
+        complete, h, n, unique = least_on_creases(difference, n, enough, noise)
+        if complete and h > 0.0 and nearby_minimum(difference, n, noise)[0] != NOTHING:
+            a, b = feet(difference, n)
+            if share_a_point(pair, a, b):
+                return h, h, n, a, b, 0.0, unique
     most_vertices = FEW_VERTICES
     while True:
-        found = depth_of_cores(
-            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, tolerance, most_vertices
-        )
+        found = depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices)
         # Where the difference has the origin on its surface the bounds add up to some tolerances.
-        if found[0] - found[1] <= 4.0 * enough or most_vertices == MANY_VERTICES:
+        closed = found[0] - found[1] <= 4.0 * enough or found[0] < -noise
+        if closed or most_vertices == MANY_VERTICES:
             return found
         most_vertices = MANY_VERTICES
+
+
+@compiled
+def hint_of(out, p):
+    """Return (n, hinted): a unit vector out of A by the hint in a result row, else along p."""
+    n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
+    if dot(n, n) > 0.5:
+        return n, True
+    n = unit(p)
+    return (n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)), False
+
+
+@compiled
+def by_newton(difference, n, noise, tolerance, cutoff):
+    """Return (end, upper, lower, n, a, b) as ``gjk.distance_of_cores`` does, from the normal n.
+
+    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative.
+    """
+    terms, _, last, r_A, r_B = difference
+    lower = -width(terms, last, r_A + r_B, n)
+    if lower > cutoff:
+        hold(terms, last, n)
+        a, b = feet(difference, n)
+        return BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b
+    found = nearby_minimum(difference, n, noise)
+    _, n, h, _ = found
+    if found[0] == NOTHING:
+        return OVERLAP, np.inf, np.inf, n, vector(terms, 0), vector(terms, 0)
+    a, b = feet(difference, n)
+    upper = norm(sub(a, b))
+    if -h > cutoff:
+        return BEYOND_CUTOFF, upper, -h, n, a, b
+    end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
+    return end, upper, -h, n, a, b
+
+
+@compiled
+def is_strict(difference, n, noise):
+    """Tell whether touching cores have no normal but n.
+
+    Normals of a point of a convex body make a cone: one that is alone around itself is alone, but
+    for its opposite where the body is flat.
+    """
+    terms, _, last, r_A, r_B = difference
+    if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
+        return False
+    return widest_cap(difference, nearby_minimum(difference, n, noise), noise) > 0.0
+
+
+@compiled
+def drawn_to(distance, n, a, b):
+    """Return a and b moved as little as makes ``b - a = distance n``."""
+    centre = scale(0.5, add(a, b))
+    return add_scaled(centre, -0.5 * distance, n), add_scaled(centre, 0.5 * distance, n)
+
+
+@compiled
+def is_polytope(kind):
+    """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
+    return kind != CYLINDER and kind != ELLIPSOID
+
+
+@compiled
+def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
+    """Return (end, distance, upper, lower, n, a, b, unique) of two cores.
+
+    ``lower <= phi <= upper`` for their signed distance phi, of which ``distance`` is the answer;
+    ``b - a = distance n`` for points a of A and b of B, on the surface if it is negative.
+    """
+    noise = ROUNDING * EPS * size
+    depth_tolerance = 0.0 if is_polytope(pair[0]) and is_polytope(pair[3]) else tolerance
+    difference = difference_of(pair)
+    if difference[2] > 0:
+        if not hinted:
+            n = likely_normal(difference, n)
+        end, upper, lower, n, a, b = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+        if end == BEYOND_CUTOFF:
+            return end, lower, upper, lower, n, a, b, True
+        if end == CLOSED:
+            distance = upper if lower > 0.0 else lower
+            unique = lower > noise or is_strict(difference, n, noise)
+            a, b = drawn_to(distance, n, a, b)
+            return end, distance, upper, lower, n, a, b, unique
+        overlap = lower < 0.0
+    else:
+        a, b = support_points(pair, n, 0.0)
+        overlap = hinted and dot(sub(a, b), n) > noise
+    if overlap:  # or so it seems: that they do is certain when a ball is in the difference
+        depth, least, n_in, a, b, _, unique = depth_and_bounds(
+            pair, difference, n, True, size, SHARPER_DEPTH * depth_tolerance
+        )
+        if least > 0.0:
+            a, b = drawn_to(-depth, n_in, a, b)
+            return CLOSED, -depth, -least, -depth, n_in, a, b, unique
+    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
+    distance, unique = upper, True
+    near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
+    if end == BEYOND_CUTOFF:
+        return end, distance, upper, lower, n, a, b, True
+    if end == CLOSED and not near:
+        if difference[2] > 0:  # from near the answer Newton's method finds the last digits
+            sharper = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+            if sharper[0] == CLOSED:
+                _, distance, lower, n, a, b = sharper
+                a, b = drawn_to(distance, n, a, b)
+                return end, distance, distance, lower, n, a, b, True
+        return end, distance, upper, lower, n, a, b, True
+    depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
+        pair, difference, n, False, size, SHARPER_DEPTH * depth_tolerance
+    )
+    gap, upper = upper - lower, min(upper, -least)
+    if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
+        distance, lower, n = -depth, max(lower, -depth), n_in
+        unique = unique_in or distance > noise
+        # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's
+        # where they are apart or EPA saw a flat from one end.
+        if aside <= norm(sub(sub(a, b), scale(depth, n))):
+            a, b = a_in, b_in
+        a, b = drawn_to(distance, n, a, b)
+    return CLOSED, distance, upper, lower, n, a, b, unique
 
 
 @compiled
@@ -68,39 +260,15 @@ def signed_distance_of_cores(
     r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
-    noise = ROUNDING * EPS * size
-    end, upper, lower, n, a, b = distance_of_cores(
-        kind_A,
-        shape_A,
-        R_WA,
-        kind_B,
-        shape_B,
-        R_WB,
-        p,
-        size,
-        SHARPER * tolerance,
-        cutoff + r_A + r_B,
+    n, hinted = hint_of(out, p)
+    end, distance, upper, lower, n, a, b, unique = bounds_of_cores(
+        (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p),
+        *(n, hinted, size, tolerance, cutoff + r_A + r_B),
     )
-    distance, unique, method = upper, True, ITERATIVE
+    method = ITERATIVE
     if end == BEYOND_CUTOFF:
-        method = BOUND_ONLY
-        distance = lower
-        b = add_scaled(a, lower, n)
-    elif end != CLOSED or upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise):
-        depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, size, SHARPER_DEPTH * tolerance
-        )
-        gap, upper = upper - lower, min(upper, -least)
-        if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
-            distance, lower, n = -depth, max(lower, -depth), n_in
-            unique = unique_in or distance > noise
-            # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's
-            # where they are apart or EPA saw a flat from one end.
-            if aside <= norm(sub(sub(a, b), scale(depth, n))):
-                a, b = a_in, b_in
-            centre = scale(0.5, add(a, b))
-            a, b = add_scaled(centre, 0.5 * depth, n), add_scaled(centre, -0.5 * depth, n)
-    error_bound = max(upper - distance, distance - lower) + noise
+        method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
+    error_bound = max(upper - distance, distance - lower) + ROUNDING * EPS * size
     write(
         out,
         distance - r_A - r_B,

@@ -2,11 +2,16 @@
 
 Van den Bergh (*Proximity queries and penetration depth computation on 3D game objects*, Game
 Developers Conference 2001) grows a polytope P of points of the Minkowski difference D = A - B at
-the face nearest to the origin. Two things are done differently here.
+the face nearest to the origin. Three things are done differently here.
 
 *The polytope need not start around the origin.* Faces have signed offsets and the most negative
 one is expanded first, so no enclosing simplex is asked of GJK, and touching shapes, whose
 difference has the origin on its surface, are the normal case.
+
+*It starts at the answer, where that can be guessed.* Newton's method (see ``normals``) finds the
+local minimum next to a hint, and a cap of directions in which there is nothing less. Faces are
+only asked to be farther away than that minimum, outside its cap: a dozen vertices do, and the last
+digits of the distance and of the normal cost nothing.
 
 *The bounds do not trust the planes.* Above: ``h_D(n)``, the width of the overlap along the unit n,
 holds for any n. Below: a triangle with vertices v_i is no nearer to the origin than
@@ -18,10 +23,17 @@ visibility test is needed for that. D must have a volume: see ``revolution`` for
 that have none.
 """
 
+import math
+
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row, support_points
+from drake_geom_ros.geometry._proximity.kernels.normals import (
+    NOTHING,
+    nearby_minimum,
+    widest_cap,
+)
 from drake_geom_ros.geometry._proximity.kernels.polytope import (
     ALIVE,
     FACE_WIDTH,
@@ -33,46 +45,71 @@ from drake_geom_ros.geometry._proximity.kernels.polytope import (
     link_tetrahedron,
     pop_living,
 )
-from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
+from drake_geom_ros.geometry._proximity.kernels.simplices import (
+    closest_on_triangle,
+    weighted,
+)
+from drake_geom_ros.geometry._proximity.kernels.sums import feet
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
-    column,
     cross,
     dot,
     norm,
+    perpendicular,
     scale,
     sub,
     unit,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, FOLD, ROUNDING, SAME_DIRECTION
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    FOLD,
+    ROUNDING,
+    SAME_DIRECTION,
+    SLIVER,
+)
+
+LEAST_TILT = 0.1  # [rad]
+COS_120 = (1.0, -0.5, -0.5)
+SIN_120 = (0.0, math.sqrt(0.75), -math.sqrt(0.75))
 
 
 @compiled
-def first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points):
-    """Fill in four support points that span a volume.
-
-    Directions are taken from the axes of B, so that the answer turns with the pair where it is not
-    unique.
-    """
-    x, y = column(R_WB, 0), column(R_WB, 1)
-    n = scale(-1.0, x)
-    along = y
-    for k in range(4):
+def first_points(pair, n, points):
+    """Fill in support points 1 to 3, so that they span a volume with point 0, extreme along n."""
+    along = n
+    m = scale(-1.0, n)
+    for k in range(1, 4):
         best = -1.0
-        for turn in range(2 if k > 0 else 1):
-            m = scale(1.0 - 2.0 * turn, n) if k != 1 else scale(-1.0, n)
-            a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, m, 0.0)
-            rise = 0.0 if k == 0 else abs(dot(sub(sub(a, b), row(points, 0, 0)), n))
+        for turn in range(2 if k > 1 else 1):
+            a, b = support_points(
+                pair,
+                scale(1.0 - 2.0 * turn, m),
+                0.0,
+            )
+            rise = abs(dot(sub(sub(a, b), row(points, 0, 0)), m))
             if rise > best:
                 best = rise
                 put(points, k, a, b)
         if k == 1:
             along = unit(sub(row(points, 1, 0), row(points, 0, 0)))
-            n = cross(along, x)
-            n = unit(n if norm(n) > 0.5 else cross(along, y))
+            m = perpendicular(along)
         if k == 2:
-            n = unit(cross(along, sub(row(points, 2, 0), row(points, 0, 0))))
+            m = unit(cross(along, sub(row(points, 2, 0), row(points, 0, 0))))
+
+
+@compiled
+def ring_points(pair, n, tilt, points):
+    """Fill in four support points: three around n, at the angle ``tilt`` from it, and opposite."""
+    e = perpendicular(n)
+    f = cross(n, e)
+    for k in range(4):
+        m = scale(-1.0, n)
+        if k > 0:
+            around = add_scaled(scale(COS_120[k - 1], e), SIN_120[k - 1], f)
+            m = add_scaled(scale(math.cos(tilt), n), math.sin(tilt), around)
+        a, b = support_points(pair, m, 0.0)
+        put(points, k, a, b)
 
 
 @compiled
@@ -101,67 +138,157 @@ def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
             b = weighted(row(points, i, 6), row(points, j, 6), row(points, k, 6), t)
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
-    return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n), least
+    return (
+        add_scaled(centre, 0.5 * upper, n),
+        add_scaled(centre, -0.5 * upper, n),
+        least,
+    )
 
 
 @compiled
-def depth_of_cores(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, tolerance, most_vertices
-):
+def growth_arrays(most_vertices):
+    """Return what a polytope of so many vertices grows in (see ``polytope``)."""
+    rows = 8 * most_vertices
+    return (
+        np.empty((most_vertices, 9)),
+        np.empty((rows, FACE_WIDTH), dtype=np.int32),
+        np.empty((rows, PLANE_WIDTH)),
+        np.empty((rows, 3), dtype=np.int32),
+        np.empty(rows, dtype=np.int32),
+        np.full(most_vertices, -1, dtype=np.int32),
+        np.empty(rows, dtype=np.int32),
+    )
+
+
+@compiled
+def is_in_cap(m, offset, n, rival, cap):
+    """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
+
+    A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later.
+    """
+    if cap == 0.0 or offset <= 0.0:
+        return False
+    away = math.acos(min(max(dot(m, n), -1.0), 1.0))
+    return away + math.acos(min(offset / rival, 1.0)) <= cap
+
+
+@compiled
+def nearest_known(difference, n, width, a, b, enough, noise):
+    """Return (exact, width, n, a, b, cap): the minimum next to n, or what was given if none is.
+
+    ``a`` and ``b`` are the points extreme along n; a minimum's are one over the other along it.
+    """
+    found = nearby_minimum(difference, n, noise)
+    if found[0] == NOTHING or found[2] > width + noise:
+        return False, width, n, a, b, 0.0
+    a, b = feet(difference, found[1])
+    return True, found[2], found[1], a, b, widest_cap(difference, found, enough)
+
+
+@compiled
+def is_flat(points, size):
+    """Tell whether vertices 0 to 3 span no volume to speak of."""
+    a, b, c, d = row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
+    n = cross(sub(b, a), sub(c, a))
+    return abs(dot(sub(d, a), n)) <= SLIVER * size * max(norm(n), SLIVER * size * size)
+
+
+@compiled
+def start(pair, known, near, growth, size, noise):
+    """Make the first polytope, around a minimum that has a cap; return (count, total, waiting).
+
+    They are the numbers of vertices, of faces, and of those on the heap. ``known`` is what
+    ``nearest_known`` returns; ``near`` tells that its n is thought to be near the answer.
+    """
+    points, faces, planes, rim, stack, starting_at, heap = growth
+    _, _, n, a, b, cap = known
+    put(points, 0, a, b)
+    if cap > 0.0 or near:
+        ring_points(pair, n, max(0.5 * cap, LEAST_TILT), points)
+    if not (cap > 0.0 or near) or is_flat(points, size):
+        put(points, 0, a, b)
+        first_points(pair, n, points)
+    link_tetrahedron(points, faces)
+    waiting = add_faces(points, faces, planes, heap, 0, 4, 0, size)
+    total = 4
+    for f in range(4):
+        m = planes[f, 0], planes[f, 1], planes[f, 2]
+        above = dot(sub(a, b), m) > planes[f, OFFSET] + noise
+        if cap > 0.0 and total == 4 and above and dot(m, n) > 0.5:
+            total = expand(points, faces, planes, rim, stack, starting_at, f, a, b, 4, 4, size)
+            waiting = add_faces(points, faces, planes, heap, 4, total, waiting, size)
+    return (4 if total == 4 else 5), total, waiting
+
+
+@compiled
+def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
     """Return (upper, lower, n, a, b, aside, unique) of two overlapping or touching cores.
 
-    ``upper`` is the width of the overlap along the unit n (from A to B). ``lower`` is the radius
-    of a ball around the origin in the Minkowski difference, or minus a length within which the
-    difference has a point. Points a and b, from Ao, have ``a - b = upper n``; ``aside`` is of
-    ``witness``. ``unique`` tells that the bounds exclude every clearly different direction: once
-    they have met, faces turned elsewhere go on growing until none is as near.
+    ``pair`` is that of ``support_points``, ``difference`` that of ``sums``, and n any direction to
+    start from: the better it is, the less there is to do, and ``near`` tells that it may be good
+    and that the cores are thought to overlap. ``upper`` is the width of the overlap
+    along the unit n (from A to B). ``lower`` is the radius of a ball around the origin in the
+    Minkowski difference, or minus a length within which the difference has a point. Points a and
+    b, from Ao, have ``a - b = upper n``; ``aside`` is of ``witness``. ``unique`` tells that the
+    bounds exclude every clearly different direction: once they have met, faces turned elsewhere go
+    on growing until none is as near. Cores that are no hulls and turn out to be apart end the
+    growth, with a negative ``upper``.
     """
-    rows = 8 * most_vertices
-    points, planes = np.empty((most_vertices, 9)), np.empty((rows, PLANE_WIDTH))
-    faces, rim = np.empty((rows, FACE_WIDTH), dtype=np.int32), np.empty((rows, 3), dtype=np.int32)
-    heap, stack = np.empty(rows, dtype=np.int32), np.empty(rows, dtype=np.int32)
-    starting_at = np.full(most_vertices, -1, dtype=np.int32)
-    enough = max(tolerance, ROUNDING * EPS * size)
-    first_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, points)
-    link_tetrahedron(points, faces)
-    count, total, waiting, settled = 4, 4, 0, False
-    waiting = add_faces(points, faces, planes, heap, 0, total, waiting, size)
-    best, lower, unique = np.inf, -np.inf, False
-    n, a, b = column(R_WB, 0), row(points, 0, 3), row(points, 0, 6)
-    while waiting > 0:
+    growth = growth_arrays(most_vertices)
+    points, faces, planes, rim, stack, starting_at, heap = growth
+    noise = ROUNDING * EPS * size
+    enough = max(tolerance, noise)
+    a, b = support_points(pair, n, 0.0)
+    known = nearest_known(difference, n, dot(sub(a, b), n), a, b, enough, noise)
+    count, total, waiting = start(pair, known, near, growth, size, noise)
+    exact, best, n, a, b, cap = known
+    lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
+    while True:
         f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0 or (settled and planes[f, OFFSET] > best + enough):
-            unique = settled
+            lower = lower if settled else best  # all that is left is in the cap
+            unique = True
             break
-        m = planes[f, 0], planes[f, 1], planes[f, 2]
+        m, offset = (planes[f, 0], planes[f, 1], planes[f, 2]), planes[f, OFFSET]
+        if is_in_cap(m, offset, n, best + enough, cap):
+            least_in_cap = min(least_in_cap, offset)
+            continue
+        if not settled and lower > 0.0 and offset < min(lower, least_in_cap) - FOLD * size:
+            break
+        lower = lower if settled else max(lower, offset)
+        settled = settled or (exact and lower >= best - enough)
         if settled and dot(m, n) >= SAME_DIRECTION:
             continue
-        if not settled and lower > 0.0 and planes[f, OFFSET] < lower - FOLD * size:
-            break
-        lower = lower if settled else max(lower, planes[f, OFFSET])
-        s_A, s_B = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, m, 0.0)
-        w = sub(s_A, s_B)
-        width = dot(w, m)
+        s_A, s_B = support_points(pair, m, 0.0)
+        width = dot(sub(s_A, s_B), m)
         if settled and width <= best + 2.0 * enough:
             break
         closed = not settled and width - lower <= enough
-        if closed or (width < best and not settled):
-            best, n, a, b = width, m, s_A, s_B
+        if closed or (not settled and width < best - noise):
+            known = nearest_known(difference, m, width, s_A, s_B, enough, noise)
+            exact, best, n, a, b, cap = known
+            if exact and dot(sub(a, b), m) > offset + noise:
+                s_A, s_B = a, b
         if closed:
             settled = True
             continue
+        if near and best < -noise:
+            break
         # A corner again: rounding has nothing more to offer here.
-        known = count == most_vertices or is_corner(points, faces, f, w)
         grown = total
-        if not known:
+        if count < most_vertices and not is_corner(points, faces, f, sub(s_A, s_B)):
             grown = expand(
-                points, faces, planes, rim, stack, starting_at, f, s_A, s_B, count, total, size
+                *(points, faces, planes, rim, stack, starting_at), f, s_A, s_B, count, total, size
             )
             waiting = add_faces(points, faces, planes, heap, total, grown, waiting, size)
         if grown == total:
             break
         count, total = count + 1, grown
-    a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
+    aside = 0.0
+    if exact:
+        lower = min(lower, best)
+    else:
+        a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
     if lower <= 0.0:
         lower = -(abs(best) + aside)
     return best, lower, n, a, b, aside, unique

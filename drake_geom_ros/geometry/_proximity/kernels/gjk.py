@@ -24,7 +24,12 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, INSIDE, RIGHT_ANGLE, ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    INSIDE,
+    RIGHT_ANGLE,
+    ROUNDING,
+)
 
 # How a walk ended.
 CLOSED = 0  # the bounds met, to tolerance or to rounding
@@ -37,8 +42,12 @@ WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
 
 @compiled
-def support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, right_angle):
-    """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
+def support_points(pair, n, right_angle):
+    """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n.
+
+    ``pair`` is (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB).
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB = pair
     a = support(kind_A, shape_A, R_WA, n, right_angle)
     b = add(p_AB, support(kind_B, shape_B, R_WB, scale(-1.0, n), right_angle))
     return a, b
@@ -110,8 +119,8 @@ def is_known(points, count, w):
 
 
 @compiled
-def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, tolerance, cutoff):
-    """Return (end, upper, lower, n, a, b) for the distance of two cores.
+def distance_of_cores(pair, n, size, tolerance, cutoff):
+    """Return (end, upper, lower, n, a, b) for the distance of two cores, walking from the unit n.
 
     ``lower <= distance <= upper``, where ``upper`` is |a - b| for points a and b of the cores,
     from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding, a and
@@ -120,10 +129,7 @@ def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, 
     """
     points = np.empty((4, WEIGHT + 1))
     noise = ROUNDING * EPS * size
-    n = unit(p_AB)
-    if n == (0.0, 0.0, 0.0):
-        n = (1.0, 0.0, 0.0)
-    a, b = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE)
+    a, b = support_points(pair, n, RIGHT_ANGLE)
     v = sub(a, b)
     put(points, 0, a, b)
     points[0, WEIGHT] = 1.0
@@ -134,9 +140,7 @@ def distance_of_cores(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, size, 
         if upper <= noise:
             return OVERLAP, upper, lower, n, a, b
         n = scale(-1.0 / upper, v)
-        s_A, s_B = support_points(
-            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, RIGHT_ANGLE
-        )
+        s_A, s_B = support_points(pair, n, RIGHT_ANGLE)
         w = sub(s_A, s_B)
         slab = -dot(w, n)
         gained = slab > lower

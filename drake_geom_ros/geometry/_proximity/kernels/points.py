@@ -116,4 +116,3 @@ def cylinder_point(radius, half_length, q, slack):
 def half_space_point(q):
     """Signed distance to the half space z <= 0."""
     return q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True
-

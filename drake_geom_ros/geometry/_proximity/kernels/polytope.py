@@ -7,7 +7,10 @@ of its vertices along it). Dead faces keep their row. Vertices are the rows of `
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row
-from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
+from drake_geom_ros.geometry._proximity.kernels.simplices import (
+    closest_on_triangle,
+    weighted,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     cross,
     dot,
@@ -44,7 +47,11 @@ def normal(a, b, c):
 @compiled
 def set_plane(faces, planes, points, f, size):
     """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
-    a, b, c = row(points, faces[f, 0], 0), row(points, faces[f, 1], 0), row(points, faces[f, 2], 0)
+    a, b, c = (
+        row(points, faces[f, 0], 0),
+        row(points, faces[f, 1], 0),
+        row(points, faces[f, 2], 0),
+    )
     n = normal(a, b, c)
     x, y, z = dot(n, a), dot(n, b), dot(n, c)
     offset = min(x, y, z)
@@ -74,7 +81,12 @@ def is_corner(points, faces, f, w):
 @compiled
 def link_tetrahedron(points, faces):
     """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
-    a, b, c, d = row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
+    a, b, c, d = (
+        row(points, 0, 0),
+        row(points, 1, 0),
+        row(points, 2, 0),
+        row(points, 3, 0),
+    )
     i, j = (1, 2) if dot(sub(d, a), cross(sub(b, a), sub(c, a))) <= 0.0 else (2, 1)
     corners = ((0, i, j), (0, 3, i), (0, j, 3), (i, 3, j))
     across = ((1, 3, 2), (2, 3, 0), (0, 3, 1), (1, 2, 0))

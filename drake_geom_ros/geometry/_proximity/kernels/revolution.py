@@ -64,7 +64,11 @@ def axis_of_revolution(kind, shape):
         return 2, np.inf
     if kind != ELLIPSOID:
         return 2, 0.0
-    ab, bc, ca = abs(shape[0] - shape[1]), abs(shape[1] - shape[2]), abs(shape[2] - shape[0])
+    ab, bc, ca = (
+        abs(shape[0] - shape[1]),
+        abs(shape[1] - shape[2]),
+        abs(shape[2] - shape[0]),
+    )
     if ab <= bc and ab <= ca:
         return 2, ab
     if bc <= ca:
@@ -216,13 +220,15 @@ def depth_of_revolution(
 ):
     """Return what ``epa.depth_of_cores`` does, for cores round about the common axis u."""
     enough = max(0.5 * tolerance, ROUNDING * EPS * size)
+    u = unit(u)  # orientations are rotations to rounding only
     axial = dot(p_AB, u)
     if axial < 0.0:
         axial, u = -axial, scale(-1.0, u)
     across = add_scaled(p_AB, -axial, u)
     radial = norm(across)
     e = unit(across)
-    if radial <= EPS * size:  # any direction about the axis is as good
+    e = unit(add_scaled(e, -dot(e, u), u))
+    if radial <= 4.0 * EPS * size:  # all rounding: any direction about the axis is as good
         side = cross(u, column(R_WB, 0))
         e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(R_WB, 1))))
         radial = 0.0
@@ -230,7 +236,8 @@ def depth_of_revolution(
         kind_A, shape_A, kind_B, shape_B, radial, axial, enough, COPLANAR * EPS * size
     )
     n = unit(add_scaled(scale(s, e), c, u))
-    s_A, s_B = support_points(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, n, 0.0)
+    pair = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB)
+    s_A, s_B = support_points(pair, n, 0.0)
     upper = dot(sub(s_A, s_B), n)
     a, b = add_scaled(scale(a[0], e), a[1], u), add_scaled(scale(b[0], e), b[1], u)
     lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move

@@ -44,8 +44,9 @@ def _truth(pair):
     return phi
 
 
-def _evaluate(pair, tolerance=1e-9, cutoff=np.inf):
+def _evaluate(pair, tolerance=1e-9, cutoff=np.inf, hint=(0.0, 0.0, 0.0)):
     out = np.full(calling.PAIR_WIDTH, np.nan)
+    out[calling.NORMAL : calling.NORMAL + 3] = hint
     convex.signed_distance_of_cores(
         pair.kind_A, pair.size_A, np.ascontiguousarray(pair.R_WA),
         pair.kind_B, pair.size_B, np.ascontiguousarray(pair.R_WB),
@@ -292,3 +293,50 @@ def test_beyond_the_cutoff_the_lower_bound_is_told():
     near = _evaluate(pair, cutoff=10.0)
     assert near == pytest.approx(sharp, abs=0)
     assert near[calling.METHOD] == calling.ITERATIVE
+
+
+@pytest.mark.parametrize('name', ROWS)
+def test_a_hint_changes_the_work_and_not_the_answer(name):
+    rng = np.random.default_rng(17)
+    for pair in random_pairs(rng, ROWS[name], COUNT):
+        row = _check(pair)
+        close = row[1:4] + 1e-2 * rng.normal(size=3)
+        for hint in (
+            row[1:4],
+            close,
+            -close,
+            1e9 * rng.normal(size=3),
+            [np.nan] * 3,
+            [np.inf] * 3,
+        ):
+            other = _evaluate(pair, hint=hint)
+            bounds = row[calling.ERROR_BOUND] + other[calling.ERROR_BOUND]
+            assert abs(other[0] - row[0]) <= bounds, (pair, hint)
+            assert other[calling.ERROR_BOUND] <= 4e-9
+            assert other[4:7] - other[7:10] == pytest.approx(other[0] * other[1:4], abs=1e-14)
+
+
+@pytest.mark.parametrize('name', ROWS)
+def test_answers_repeat_bit_for_bit(name):
+    for pair in random_pairs(np.random.default_rng(18), ROWS[name], COUNT):
+        row = _evaluate(pair)
+        assert _evaluate(pair).tobytes() == row.tobytes()
+
+
+@pytest.mark.parametrize('name', ROWS)
+def test_normals_are_good_to_eight_digits(name):
+    """Between the support points along a known normal, that is the normal."""
+    rng = np.random.default_rng(19)
+    for pair in random_pairs(rng, ROWS[name], COUNT):
+        n = rng.normal(size=3)
+        n /= np.linalg.norm(n)
+        points = [
+            _support(kind, size, R, m)
+            for kind, size, R, m in (
+                (pair.kind_A, pair.size_A, pair.R_WA, n),
+                (pair.kind_B, pair.size_B, pair.R_WB, -n),
+            )
+        ]
+        row = _check(replace(pair, p_AB_W=points[0] - points[1] + 0.01 * n))
+        assert row[1:4] == pytest.approx(-n, abs=1e-8)
+        assert row[calling.ERROR_BOUND] <= 1e-13

@@ -4,17 +4,19 @@ from oracles.pairs import random_rotation
 from oracles.support_function import signed_distance
 
 from drake_geom_ros.geometry._proximity.kernels import epa
+from drake_geom_ros.geometry._proximity.kernels.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CONVEX, CYLINDER
 
 ALIGNED = np.eye(3)
+X = (1.0, 0.0, 0.0)
 
 
-def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertices=400):
+def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertices=400, n=None):
     shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
     size = np.abs(shape_A).sum() + np.abs(shape_B).sum() + np.linalg.norm(p)
-    p = tuple(map(float, p))
+    pair = kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, tuple(map(float, p))
     return epa.depth_of_cores(
-        kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, p, size, tolerance, most_vertices
+        *(pair, difference_of(pair), n or X, n is not None, size, tolerance, most_vertices)
     )
 
 
@@ -45,9 +47,13 @@ def test_hulls_end_exactly():
         phi, _ = signed_distance(
             (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
         )
-        upper, lower, *_ = _grow(CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0)
+        upper, lower, n, *_ = _grow(CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0)
         assert upper - lower <= 1e-13
         assert -phi == pytest.approx(upper, abs=1e-11)
+        hint = np.add(n, 0.1 * rng.normal(size=3))
+        hint = tuple(hint / np.linalg.norm(hint))
+        again, *_ = _grow(CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0, n=hint)
+        assert again == pytest.approx(upper, abs=1e-13)
 
 
 @pytest.mark.parametrize('most_vertices', [5, 8, 20, 60])
@@ -77,3 +83,18 @@ def test_a_tighter_tolerance_narrows_the_bounds():
         gaps.append(upper - lower)
         assert gaps[-1] <= tolerance
     assert gaps[2] < gaps[0]
+
+
+def test_a_guess_of_overlap_ends_where_the_cores_are_apart():
+    n = (0.6, 0.8, 0.0)
+    upper, lower, *_ = _grow(BOX, [0.5] * 3, CYLINDER, [0.2, 0.3], ALIGNED, (2.0, 0.0, 0.0), n=n)
+    assert lower <= upper < -0.1
+
+
+def test_a_cap_is_left_where_a_face_may_be_nearer_beyond_it():
+    n, m = (0.0, 0.0, 1.0), (0.0, np.sin(0.2), np.cos(0.2))
+    assert not epa.is_in_cap(m, 0.9, n, 1.0, 0.0)
+    assert not epa.is_in_cap(m, -0.1, n, 1.0, 0.8)
+    # Nearer than 1 within acos(0.9) = 0.451 of m, which is 0.2 from n.
+    assert epa.is_in_cap(m, 0.9, n, 1.0, 0.66)
+    assert not epa.is_in_cap(m, 0.9, n, 1.0, 0.64)

@@ -12,8 +12,9 @@ ALIGNED = np.eye(3)
 def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):
     shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
     size = np.abs(shape_A).max() + np.abs(shape_B).max() + np.linalg.norm(p)
-    arguments = kind_A, shape_A, R_WA, kind_B, shape_B, R_WB
-    return gjk.distance_of_cores(*arguments, tuple(map(float, p)), size, tolerance, cutoff)
+    pair = kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, tuple(map(float, p))
+    n = tuple(np.array(p) / np.linalg.norm(p)) if np.any(p) else (1.0, 0.0, 0.0)
+    return gjk.distance_of_cores(pair, n, size, tolerance, cutoff)
 
 
 def _hull(rng, count):
@@ -52,7 +53,8 @@ def test_bounds_hold_for_every_gap(gap):
         n /= np.linalg.norm(n)
         shape_A, shape_B = np.array([0.3, 0.7]), np.array([0.2, 0.4, 0.1])
         none = (0.0, 0.0, 0.0)
-        a, b = gjk.support_points(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none, tuple(n), 0.0)
+        pair = CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none
+        a, b = gjk.support_points(pair, tuple(n), 0.0)
         p = np.subtract(a, b) + gap * n
         _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, p)
         noise = 1e-15 * (1 + gap)

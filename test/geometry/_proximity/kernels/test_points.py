@@ -63,7 +63,8 @@ def _query(kind, size, q):
     normal = _outward_normal(kind, size, p_GN)
     if normal is not None:
         # p_GN comes measured from the point, and a far one costs it digits.
-        lost = 16 * EPS * extent * size.max() / size.min() ** 2
+        least = size.min() if kind == ELLIPSOID else size[0]
+        lost = 16 * EPS * extent * size.max() / least**2
         np.testing.assert_allclose(grad, normal, rtol=0, atol=1e-13 + lost, err_msg=str(case))
     return distance, grad, p_GN, unique
 

@@ -1,0 +1,119 @@
+"""Time of one pair, for each row of the pair table at several distances, in microseconds.
+
+    ./run exec python bench/kernels.py [--pairs 300] [--only Cylinder]
+
+Bodies of 10 to 20 cm at random poses, brought to each distance along their normal (negative:
+overlapping). Two figures each: without a hint, and with the normal of the pose before, 1 mm away.
+The median over rounds of the mean over pairs, one thread, without the engine around the kernels.
+"""
+
+import argparse
+import statistics
+import time
+
+import numpy as np
+from numba import njit
+
+from drake_geom_ros.geometry._proximity.kernels.calling import (
+    DISTANCE,
+    NORMAL,
+    PAIR_WIDTH,
+    call_kernel,
+    compiled_address,
+)
+from drake_geom_ros.geometry._proximity.pair_table import CONVEX, PAIR_TABLE, SHAPE_NAMES
+
+DISTANCES = (0.05, 0.002, 0.0, -0.001, -0.01, -0.05)
+PARAMETERS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+HULL_VERTICES = 64
+ROUNDS = 7
+STEP = 0.001  # [m]
+EXACT = 1e-9
+
+
+@njit
+def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, gap, rows):
+    """Call the kernel once for each pair."""
+    for k in range(p_AB_Ws.shape[0]):
+        call_kernel(
+            address,
+            kind_A,
+            shapes_A[k],
+            R_WAs[k],
+            kind_B,
+            shapes_B[k],
+            R_WBs[k],
+            p_AB_Ws[k],
+            gap,
+            np.inf,
+            rows[k],
+        )
+
+
+def random_shapes(rng, kind, count):
+    """Return kernel parameters (count, n) of bodies with half sizes of 5 to 10 cm."""
+    if kind != CONVEX:
+        return rng.uniform(0.05, 0.1, (count, PARAMETERS[kind]))
+    directions = rng.normal(size=(count, HULL_VERTICES, 3))
+    directions /= np.linalg.norm(directions, axis=2)[:, :, None]
+    vertices = (directions * rng.uniform(0.05, 0.1, (count, 1, 3))).reshape(count, -1)
+    return np.hstack([np.full((count, 1), float(HULL_VERTICES)), vertices])
+
+
+def random_rotations(rng, count):
+    """Return rotation matrices (count, 3, 3)."""
+    Qs = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
+    return Qs * np.linalg.det(Qs)[:, None, None]
+
+
+def microseconds(arguments, gap, hints):
+    """Return the median time of a pair, every round from the same hints."""
+    times = []
+    for _ in range(ROUNDS):
+        rows = np.zeros((len(hints), PAIR_WIDTH))
+        rows[:, NORMAL : NORMAL + 3] = hints
+        start = time.perf_counter()
+        run(*arguments, gap, rows)
+        times.append((time.perf_counter() - start) / len(hints) * 1e6)
+    return statistics.median(times), rows
+
+
+def measure(row, pairs):
+    """Return the times of a row of the pair table, (without, with hint) for each distance."""
+    rng = np.random.default_rng(1)
+    address = compiled_address(row.load_kernel())
+    bodies = (
+        *(row.type_a, random_shapes(rng, row.type_a, pairs), random_rotations(rng, pairs)),
+        *(row.type_b, random_shapes(rng, row.type_b, pairs), random_rotations(rng, pairs)),
+    )
+    away = rng.normal(size=(pairs, 3))
+    away *= 0.3 / np.linalg.norm(away, axis=1)[:, None]
+    none = np.zeros((pairs, 3))
+    _, first = microseconds((address, *bodies, away), EXACT, none)
+    found = []
+    for distance in DISTANCES:
+        shift = first[:, DISTANCE, None] - distance
+        placed = away + shift * first[:, NORMAL : NORMAL + 3]
+        plain, rows = microseconds((address, *bodies, placed), EXACT, none)
+        moved = placed + STEP * rng.normal(size=(pairs, 3))
+        hints = rows[:, NORMAL : NORMAL + 3].copy()
+        hinted, _ = microseconds((address, *bodies, moved), EXACT, hints)
+        found.append((plain, hinted))
+    return found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--pairs', type=int, default=300, help='pairs of each row (default: 300)')
+    parser.add_argument('--only', default='', help='rows with this in their names')
+    options = parser.parse_args()
+    print(f'{"us a pair":24}', *(f'{1000 * d:>7.0f} mm   ' for d in DISTANCES))
+    for row in PAIR_TABLE:
+        name = f'{SHAPE_NAMES[row.type_a]}-{SHAPE_NAMES[row.type_b]}'
+        if options.only in name:
+            times = measure(row, options.pairs)
+            print(f'{name:24}', *(f'{plain:6.2f}/{hint:6.2f}' for plain, hint in times))
+
+
+if __name__ == '__main__':
+    main()

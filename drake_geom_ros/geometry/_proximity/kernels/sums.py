@@ -1,0 +1,244 @@
+"""The Minkowski difference of two cores that are not hulls, as a sum with derivatives.
+
+Such a core is a sum of segments (a box of three, a capsule or cylinder of its axis) and at most
+one ellipsoid (a cylinder's disk is a flat one), less a ball (see ``supports``). So is the
+difference D = A - B: its support function is
+
+    h(n) = sum |s . n| + |E_A n| + |E_B n| - r - p . n
+
+smooth but where n is at right angles to a segment or along the axis of a disk, with known
+curvature. The rows of E are the semi-axes. The least h is minus the signed distance of the cores.
+
+``terms`` holds a row for p, four for segments, three for the semi-axes of A and of B, and one for
+the point of A's and of B's disk where n is along its axis. Column LENGTH is that of the row.
+Column SHARE of a segment tells where on it the support point is: at an end, -1 or 1, or anywhere
+between where n is at right angles to it and h has a kink; the segment is *held* there.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    core_radius,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    scale,
+    sub,
+    unit,
+    unrotate,
+)
+from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
+
+SEGMENT = 1
+MOST_SEGMENTS = 4
+AXES_A = 5
+AXES_B = 8
+LEAN_A = 11
+LEAN_B = 12
+ROWS = 13
+SHARE = 3
+LENGTH = 4
+
+
+@compiled
+def vector(terms, k):
+    """Return row k as a vector."""
+    return terms[k, 0], terms[k, 1], terms[k, 2]
+
+
+@compiled
+def _put(terms, k, s, R, axis):
+    """Store s times an axis of R in row k, with its length."""
+    for i in range(3):
+        terms[k, i] = s * R[i, axis]
+    terms[k, LENGTH] = s
+
+
+@compiled
+def _put_shape(terms, kind, shape, R, segment, axes):
+    """Store the terms of one core; return the row of the next segment."""
+    if kind == BOX:
+        for k in range(3):
+            _put(terms, segment + k, shape[k], R, k)
+        return segment + 3
+    if kind == ELLIPSOID:
+        for k in range(3):
+            _put(terms, axes + k, shape[k], R, k)
+        return segment
+    if kind == CYLINDER:
+        _put(terms, axes, shape[0], R, 0)
+        _put(terms, axes + 1, shape[0], R, 1)
+    if kind == CAPSULE or kind == CYLINDER:
+        _put(terms, segment, shape[1], R, 2)
+        return segment + 1
+    return segment
+
+
+@compiled
+def difference_of(pair):
+    """Return (terms, first, last, r_A, r_B) of the two cores of a ``gjk.support_points`` pair.
+
+    The segments of A have rows below ``first``, those of B below ``last``, which is 0 if one is a
+    hull; r_A and r_B [m] are the radii of the balls that are taken away.
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    terms = np.zeros((ROWS, 5))
+    for i in range(3):
+        terms[0, i] = p[i]
+    first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
+    last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
+    if kind_A == CONVEX or kind_B == CONVEX:
+        last = 0
+    r_A = core_radius(kind_A, shape_A) if kind_A == ELLIPSOID else 0.0
+    r_B = core_radius(kind_B, shape_B) if kind_B == ELLIPSOID else 0.0
+    return terms, first, last, r_A, r_B
+
+
+@compiled
+def _stretch(terms, axes, n):
+    """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
+    x, y, z = (
+        dot(vector(terms, axes), n),
+        dot(vector(terms, axes + 1), n),
+        dot(vector(terms, axes + 2), n),
+    )
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@compiled
+def width(terms, last, radius, n):
+    """Return h(n) [m] for the unit n."""
+    h = -radius - dot(vector(terms, 0), n)
+    for k in range(SEGMENT, last):
+        h += abs(dot(vector(terms, k), n))
+    return h + _stretch(terms, AXES_A, n) + _stretch(terms, AXES_B, n)
+
+
+@compiled
+def likely_normal(difference, n):
+    """Return n or what separates better: faces, crossed edges and axes of the two cores."""
+    terms, _, last, r_A, r_B = difference
+    radius = r_A + r_B
+    least = width(terms, last, radius, n)
+    for i in range(SEGMENT, last):
+        for j in range(i + 1, last):
+            m = unit(cross(vector(terms, i), vector(terms, j)))
+            n, least = _better(terms, last, radius, m, n, least)
+    for axes in (AXES_A, AXES_B):
+        m = unit(cross(vector(terms, axes), vector(terms, axes + 1)))
+        n, least = _better(terms, last, radius, m, n, least)
+        if terms[axes + 2, LENGTH] > 0.0:
+            for k in range(2):
+                m = scale(1.0 / terms[axes + k, LENGTH], vector(terms, axes + k))
+                n, least = _better(terms, last, radius, m, n, least)
+    return n
+
+
+@compiled
+def _better(terms, last, radius, m, n, least):
+    """Return (m, h(m)), or (-m, h(-m)), if that is less than (n, least), else (n, least)."""
+    if dot(m, m) == 0.0:
+        return n, least
+    if dot(m, vector(terms, 0)) < 0.0:
+        m = scale(-1.0, m)
+    h = width(terms, last, radius, m)
+    return (m, h) if h < least else (n, least)
+
+
+@compiled
+def bend(terms, axes, n, e, f):
+    """Return (|E n|, its derivatives along e and f, and the three radii of curvature there).
+
+    For the unit n and e, f at right angles to it and to each other. The radii of curvature of
+    ``y = |E n|`` are ``(|E e x E n|^2, (E e x E n) . (E f x E n), |E f x E n|^2) / y^3`` [m]. At
+    the axis of a disk, where y has no derivative, all are 0.
+    """
+    a, b, c = vector(terms, axes), vector(terms, axes + 1), vector(terms, axes + 2)
+    u = (dot(a, n), dot(b, n), dot(c, n))
+    y = math.sqrt(dot(u, u))
+    if y <= RIGHT_ANGLE * terms[axes, LENGTH]:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    v = (dot(a, e), dot(b, e), dot(c, e))
+    w = (dot(a, f), dot(b, f), dot(c, f))
+    v_, w_ = cross(v, u), cross(w, u)
+    s = 1.0 / (y * y * y)
+    return (
+        y,
+        dot(u, v) / y,
+        dot(u, w) / y,
+        s * dot(v_, v_),
+        s * dot(v_, w_),
+        s * dot(w_, w_),
+    )
+
+
+@compiled
+def tip(terms, axes, n):
+    """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
+    a, b, c = vector(terms, axes), vector(terms, axes + 1), vector(terms, axes + 2)
+    u = (dot(a, n), dot(b, n), dot(c, n))
+    y = math.sqrt(dot(u, u))
+    if y <= RIGHT_ANGLE * terms[axes, LENGTH]:
+        return 0.0, 0.0, 0.0
+    return add_scaled(add_scaled(scale(u[0] / y, a), u[1] / y, b), u[2] / y, c)
+
+
+@compiled
+def ends_at(terms, last, n):
+    """Return the sum of -p and of the segments' ends that are extreme along n."""
+    base = scale(-1.0, vector(terms, 0))
+    for k in range(SEGMENT, last):
+        s = vector(terms, k)
+        base = add_scaled(base, 1.0 if dot(s, n) >= 0.0 else -1.0, s)
+    return base
+
+
+@compiled
+def feet(difference, n):
+    """Return the points (a, b), from Ao, of the cores, extreme along n and -n by the shares."""
+    terms, first, last, r_A, r_B = difference
+    a = add_scaled(add(tip(terms, AXES_A, n), vector(terms, LEAN_A)), -r_A, n)
+    b = add_scaled(add(tip(terms, AXES_B, n), vector(terms, LEAN_B)), -r_B, n)
+    for k in range(SEGMENT, first):
+        a = add_scaled(a, terms[k, SHARE], vector(terms, k))
+    for k in range(first, last):
+        b = add_scaled(b, terms[k, SHARE], vector(terms, k))
+    return a, add_scaled(vector(terms, 0), -1.0, b)
+
+
+@compiled
+def is_point_of(kind, shape, q):
+    """Tell whether q, in the shape's frame, is a point of a core that is a solid."""
+    if kind == BOX:
+        return abs(q[0]) <= shape[0] and abs(q[1]) <= shape[1] and abs(q[2]) <= shape[2]
+    if kind == CYLINDER:
+        return q[0] * q[0] + q[1] * q[1] <= shape[0] * shape[0] and abs(q[2]) <= shape[1]
+    return False
+
+
+@compiled
+def share_a_point(pair, a, b):
+    """Tell whether a is seen to be a point of B, b of A, or their middle of both.
+
+    ``a`` is a point of A and ``b`` one of B; a solid is a box or a cylinder.
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    middle = scale(0.5, add(a, b))
+    if is_point_of(kind_B, shape_B, unrotate(R_WB, sub(a, p))):
+        return True
+    if is_point_of(kind_A, shape_A, unrotate(R_WA, b)):
+        return True
+    return is_point_of(kind_A, shape_A, unrotate(R_WA, middle)) and is_point_of(
+        kind_B, shape_B, unrotate(R_WB, sub(middle, p))
+    )
