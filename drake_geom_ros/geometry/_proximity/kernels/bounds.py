@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,
@@ -30,7 +30,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS
 HALF_SPACE = 6
 
 
-@compiled
+@inlined
 def support_value(shape_type, shape, n_G):
     """Return the support value h(n) [m] from Go; n a unit vector in G. A half space has none.
 
@@ -44,7 +44,7 @@ def support_value(shape_type, shape, n_G):
     if shape_type == CAPSULE:
         return shape[0] + z * shape[1]
     if shape_type == CYLINDER:
-        return shape[0] * math.hypot(x, y) + z * shape[1]
+        return shape[0] * math.sqrt(x * x + y * y) + z * shape[1]
     if shape_type == ELLIPSOID:
         return norm((x * shape[0], y * shape[1], z * shape[2]))
     if shape_type == CONVEX:

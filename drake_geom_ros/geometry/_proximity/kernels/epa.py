@@ -27,7 +27,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row, support_points
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
@@ -160,7 +160,7 @@ def growth_arrays(most_vertices):
     )
 
 
-@compiled
+@inlined
 def is_in_cap(m, offset, n, rival, cap):
     """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
 

@@ -9,7 +9,7 @@ them.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
@@ -41,7 +41,7 @@ GJK_STEPS = 64
 WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
 
-@compiled
+@inlined
 def support_points(pair, n, right_angle):
     """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n.
 
@@ -53,13 +53,13 @@ def support_points(pair, n, right_angle):
     return a, b
 
 
-@compiled
+@inlined
 def row(points, k, column):
     """Return three numbers of row k as a vector: w at column 0, a at 3, b at 6."""
     return points[k, column], points[k, column + 1], points[k, column + 2]
 
 
-@compiled
+@inlined
 def put(points, k, a, b):
     """Store w = a - b, a and b in row k."""
     for i in range(3):
@@ -109,7 +109,7 @@ def combine(points, count, column):
     return x, y, z
 
 
-@compiled
+@inlined
 def is_known(points, count, w):
     """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
     for k in range(count):

@@ -5,7 +5,7 @@ is alive) and a row of numbers (its plane: a unit normal out of the polytope and
 of its vertices along it). Dead faces keep their row. Vertices are the rows of ``gjk.put``.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row
 from drake_geom_ros.geometry._proximity.kernels.simplices import (
     closest_on_triangle,
@@ -29,7 +29,7 @@ PLANE_WIDTH = 4
 ZERO = (0.0, 0.0, 0.0)
 
 
-@compiled
+@inlined
 def normal(a, b, c):
     """Return the unit normal of a triangle from its two shorter edges, 0 for corners in a row.
 
@@ -71,7 +71,7 @@ def set_plane(faces, planes, points, f, size):
     planes[f, OFFSET] = offset
 
 
-@compiled
+@inlined
 def is_corner(points, faces, f, w):
     """Tell whether w is a vertex of face f."""
     i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
@@ -160,7 +160,7 @@ def link_cone(faces, rim, edges, tip, total, starting_at):
     return total + edges
 
 
-@compiled
+@inlined
 def push(heap, count, planes, f):
     """Add face f to the heap of offsets."""
     k = count

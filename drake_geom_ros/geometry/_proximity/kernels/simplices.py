@@ -8,11 +8,11 @@ nearest is taken, so a sign that rounding got wrong on a sliver costs rounding a
 region.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, cross, dot, scale, sub
 
 
-@compiled
+@inlined
 def weighted(a, b, c, weights):
     """Return the sum of three vectors times their weights."""
     return add_scaled(add_scaled(scale(weights[0], a), weights[1], b), weights[2], c)

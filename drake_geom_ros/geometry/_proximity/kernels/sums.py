@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,
     CAPSULE,
@@ -51,13 +51,13 @@ SHARE = 3
 LENGTH = 4
 
 
-@compiled
+@inlined
 def vector(terms, k):
     """Return row k as a vector."""
     return terms[k, 0], terms[k, 1], terms[k, 2]
 
 
-@compiled
+@inlined
 def _put(terms, k, s, R, axis):
     """Store s times an axis of R in row k, with its length."""
     for i in range(3):
@@ -105,7 +105,7 @@ def difference_of(pair):
     return terms, first, last, r_A, r_B
 
 
-@compiled
+@inlined
 def _stretch(terms, axes, n):
     """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
     x, y, z = (
@@ -116,7 +116,7 @@ def _stretch(terms, axes, n):
     return math.sqrt(x * x + y * y + z * z)
 
 
-@compiled
+@inlined
 def width(terms, last, radius, n):
     """Return h(n) [m] for the unit n."""
     h = -radius - dot(vector(terms, 0), n)
@@ -145,7 +145,7 @@ def likely_normal(difference, n):
     return n
 
 
-@compiled
+@inlined
 def _better(terms, last, radius, m, n, least):
     """Return (m, h(m)), or (-m, h(-m)), if that is less than (n, least), else (n, least)."""
     if dot(m, m) == 0.0:
@@ -183,7 +183,7 @@ def bend(terms, axes, n, e, f):
     )
 
 
-@compiled
+@inlined
 def tip(terms, axes, n):
     """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
     a, b, c = vector(terms, axes), vector(terms, axes + 1), vector(terms, axes + 2)
@@ -194,7 +194,7 @@ def tip(terms, axes, n):
     return add_scaled(add_scaled(scale(u[0] / y, a), u[1] / y, b), u[2] / y, c)
 
 
-@compiled
+@inlined
 def ends_at(terms, last, n):
     """Return the sum of -p and of the segments' ends that are extreme along n."""
     base = scale(-1.0, vector(terms, 0))

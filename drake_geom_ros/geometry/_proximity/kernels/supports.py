@@ -15,7 +15,7 @@ area.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import rotate, unrotate
 
 # Type numbers, as in the messages.
@@ -27,7 +27,7 @@ ELLIPSOID = 5
 CONVEX = 7
 
 
-@compiled
+@inlined
 def core_radius(kind, shape):
     """Return the radius [m] of the ball that the core of a shape is grown by."""
     if kind == SPHERE or kind == CAPSULE:
@@ -58,7 +58,7 @@ def bounding_radius(kind, shape):
     return math.sqrt(farthest)
 
 
-@compiled
+@inlined
 def signed(size, direction, right_angle):
     """Return size with the sign of direction, 0 for a direction below right_angle."""
     if direction >= right_angle:
@@ -110,7 +110,7 @@ def local_support(kind, shape, n, right_angle):
     return 0.0, 0.0, 0.0
 
 
-@compiled
+@inlined
 def support(kind, shape, R, n, right_angle):
     """Return the point of the core extreme along the unit n, from Go, both in World axes [m]."""
     return rotate(R, local_support(kind, shape, unrotate(R, n), right_angle))
