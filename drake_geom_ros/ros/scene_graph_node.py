@@ -323,7 +323,8 @@ class SceneGraphNode(LifecycleNode):
                 self._tf.follow_scene()
         for filter_id in expired:
             self.get_logger().info(
-                f'the lease of transient filter {filter_id.get_value()} ran out: removed'
+                f'the lease of transient filter {filter_id.get_value()} ran out: removed',
+                throttle_duration_sec=_LOG_PERIOD,
             )
         self._publish_scene()
 

@@ -9,7 +9,7 @@ ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interface
 
 # Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
 LAYERS = {
-    '': ((), ()),
+    '': (('command_line',), ()),
     'math': (('math',), ('numpy',)),
     'geometry/_proximity': (('math', 'geometry/_proximity'), ('numpy', 'numba', 'llvmlite')),
     'geometry': (('math', 'geometry', 'geometry/_proximity'), ('numpy',)),
@@ -24,6 +24,10 @@ LAYERS = {
     'demo': (
         ('math', 'geometry', 'scene_files', 'trajectories', 'demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits'),
+    ),
+    'command_line': (
+        ('math', 'geometry', 'scene_files', 'trajectories', 'command_line'),
+        ('numpy',),
     ),
     'ros': (('math', 'geometry', 'scene_files', 'trajectories', 'demo', 'ros'), ('numpy', 'ROS')),
 }

@@ -35,9 +35,12 @@ ROS_PACKAGES = {
     'builtin_interfaces',
     'diagnostic_msgs',
     'geometry_msgs',
+    'launch',
+    'launch_ros',
     'lifecycle_msgs',
     'rcl_interfaces',
     'rclpy',
+    'ros2launch',
     'rosidl_default_generators',
     'rosidl_default_runtime',
     'sensor_msgs',
@@ -165,7 +168,7 @@ def test_entry_points_exist():
 
 
 def test_an_installed_package_holds_every_file(tmp_path):
-    """What setup.py builds is what the source tree has: modules, data, scenes."""
+    """What setup.py builds is what the source tree has: modules, data, scenes, launch files."""
     command = [sys.executable, 'setup.py', '-q', 'egg_info', '-e', str(tmp_path), 'build', '-b']
     command += [str(tmp_path / 'build'), 'install_data', '-d', str(tmp_path / 'data')]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
@@ -175,7 +178,10 @@ def test_an_installed_package_holds_every_file(tmp_path):
     wanted = [*SOURCES, *PACKAGE.rglob('*.json')]
     assert [name_of(path) for path in wanted if path.relative_to(ROOT) not in built] == []
     share = tmp_path / 'data/share/drake_geom_ros'
-    for path in [ROOT / 'package.xml', *(ROOT / 'scenes').glob('*.*')]:
+    shared = [
+        path for room in ('scenes', 'launch', 'config') for path in (ROOT / room).glob('*.*')
+    ]
+    for path in [ROOT / 'package.xml', *shared]:
         assert (share / path.relative_to(ROOT)).read_bytes() == path.read_bytes()
 
 

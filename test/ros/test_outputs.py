@@ -210,9 +210,7 @@ def test_a_robot_description_becomes_a_source_and_another_takes_its_place(client
     diagnostics = client.listen(DiagnosticArray, '/diagnostics')
     client.wait_for(
         lambda: any(
-            v.key == 'refused from description'
-            for d in diagnostics
-            for v in d.status[0].values
+            v.key == 'refused from description' for d in diagnostics for v in d.status[0].values
         ),
         'the refusal',
     )

@@ -1,9 +1,18 @@
-"""The README's client against a real node: it prints what the README says."""
+"""The README against a real node: its client, its requests and its topics."""
 
+import re
 import subprocess
 import sys
+from importlib import import_module
 
+import pytest
+import yaml
 from ros.harness import ROOT, environment, start_node
+from ros.scene_calls import accepted
+
+from drake_geom_ros.ros.services import BESIDE, CHANGES
+
+README = (ROOT / 'README.md').read_text()
 
 
 def test_the_client_prints_what_the_readme_says(tmp_path):
@@ -20,4 +29,57 @@ def test_the_client_prints_what_the_readme_says(tmp_path):
     finally:
         node.end()
     assert done.returncode == 0, done.stderr + node.output()
-    assert f'```\n{done.stdout}```' in (ROOT / 'README.md').read_text()
+    assert f'```\n{done.stdout}```' in README
+
+
+def filled(message, values):
+    """Return a message with the fields of a mapping, as `ros2 service call` fills it."""
+    kinds = message.get_fields_and_field_types()
+    for name, value in values.items():
+        kind = kinds[name]
+        item = kind.removeprefix('sequence<').removesuffix('>')
+        if isinstance(value, dict):
+            filled(getattr(message, name), value)
+        elif isinstance(value, list) and '/' in item:
+            package, _, short = item.partition('/')
+            made = getattr(import_module(f'{package}.msg'), short)
+            setattr(message, name, [filled(made(), each) for each in value])
+        else:
+            whole = [float(v) for v in value] if item == 'double' and kind != item else value
+            setattr(message, name, float(value) if kind == 'double' else whole)
+    return message
+
+
+@pytest.fixture(scope='module')
+def minimal(tmp_path_factory):
+    node = start_node(tmp_path_factory.mktemp('minimal') / 'log', scene_file='scenes/minimal.yaml')
+    yield node
+    assert node.end() == 0, node.output()
+
+
+def test_every_request_in_the_table_goes_through_in_order(minimal, lone_client):
+    rows = re.findall(r'^\| `(\w+)` \| `(\{.*?\})`(?= \|| \()', README, re.M)
+    kinds = {name: kind for name, kind, _ in (*CHANGES, *BESIDE)}
+    assert sorted(name for name, _ in rows) == sorted(kinds)
+    for name, request in rows:
+        fields = filled(kinds[name].Request(), yaml.safe_load(request))
+        named = {field: getattr(fields, field) for field in fields.get_fields_and_field_types()}
+        accepted(lone_client.call(kinds[name], name, **named))
+
+
+def test_every_topic_in_the_table_is_there(minimal, lone_client):
+    # /tf needs use_tf, and tf2_msgs, which not every installation has.
+    rows = re.findall(r'^\| `([\w~/]+)`(?: \((?:in|latched)\))? \| `([\w/]+)` \|', README, re.M)
+    listed = {
+        name.replace('~', '/scene_graph') if name.startswith(('~', '/')) else f'/{name}': kind
+        if '/' in kind
+        else f'drake_geom_msgs/{kind}'
+        for name, kind in rows
+    }
+    assert len(listed) == 10
+
+    def there():
+        topics = dict(lone_client.node.get_topic_names_and_types())
+        return listed.items() <= {n: k[0].replace('/msg/', '/') for n, k in topics.items()}.items()
+
+    lone_client.wait_for(there, f'the topics {listed}')

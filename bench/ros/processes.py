@@ -1,0 +1,58 @@
+"""Processes of a measurement: Python modules, started here and ended by their own pids."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import TracebackType
+
+ROOT = Path(__file__).resolve().parents[2]
+_GRACE = 20.0  # [s] to end after being asked to
+
+
+class Processes:
+    """Starts modules; all that still run are ended on leaving."""
+
+    def __init__(self) -> None:
+        self._environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        self._started: list[subprocess.Popen[str]] = []
+
+    def start(self, module: str, *arguments: str, **parameters: object) -> subprocess.Popen[str]:
+        """Start ``python -m module``; ``parameters`` are ROS parameters; its output is piped."""
+        command = [sys.executable, '-m', module, *arguments]
+        if parameters:
+            command.append('--ros-args')
+            for name, value in parameters.items():
+                command += ['-p', f'{name}:={value}']
+        process = subprocess.Popen(
+            command, cwd=ROOT, env=self._environment, stdout=subprocess.PIPE, text=True
+        )
+        self._started.append(process)
+        return process
+
+    def __enter__(self) -> Processes:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for process in reversed(self._started):
+            if process.poll() is None:
+                process.terminate()
+                try:
+                    process.wait(_GRACE)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
+            process.stdout.close()
+
+
+def memory(pid: int) -> float:
+    """Return the resident memory of a process [MB]."""
+    pages = int(Path(f'/proc/{pid}/statm').read_text().split()[1])
+    return pages * os.sysconf('SC_PAGE_SIZE') / 1e6

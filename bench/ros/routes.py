@@ -1,0 +1,83 @@
+"""There and back: pose messages out on a schedule, results in, each with its delay."""
+
+from __future__ import annotations
+
+import array
+import time
+
+import numpy as np
+from drake_geom_msgs.msg import CycleReport, FramePoses, SignedDistancePairs
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from bench.ros.scenes import Played
+
+POSES = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+LAST_ANSWERS = 1.0  # [s] what has not come then after the last message is lost
+WARM_UP = 50  # messages
+
+
+class Route:
+    """A server of results: a publisher to it, and when each answer came."""
+
+    def __init__(self, node: Node, server: str) -> None:
+        self.server = server
+        self.publisher = node.create_publisher(FramePoses, f'/{server}/frame_poses', POSES)
+        topic = f'/{server}/signed_distances'
+        node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
+        self.latest = SignedDistancePairs()
+        self._sent: dict[int, float] = {}
+        self.delays: dict[int, float] = {}
+
+    def _receive(self, message: SignedDistancePairs) -> None:
+        number = message.header.stamp.sec
+        if number in self._sent and number not in self.delays:
+            self.delays[number] = time.perf_counter() - self._sent[number]
+            self.latest = message
+
+    def send(self, message: FramePoses, number: int) -> None:
+        """Send a message; its answer is known by the number in its stamp."""
+        message.header.stamp.sec = number
+        self._sent[number] = time.perf_counter()
+        self.publisher.publish(message)
+
+    def result(self) -> tuple[list[float], int]:
+        """Return the delays [s] after warming up, and how many answers were lost."""
+        counted = [n for n in self._sent if n > WARM_UP]
+        delays = [self.delays[n] for n in counted if n in self.delays]
+        return delays, len(counted) - len(delays)
+
+
+class Reports:
+    """Keeps the seconds of each effect of every cycle."""
+
+    def __init__(self, node: Node, server: str) -> None:
+        self.cycles: list[float] = []
+        self.effects: dict[str, list[float]] = {}
+        self.pairs: list[int] = []
+        node.create_subscription(CycleReport, f'/{server}/cycle_report', self._take, 10)
+
+    def _take(self, report: CycleReport) -> None:
+        self.cycles.append(report.seconds)
+        self.pairs.append(sum(report.method_pairs))
+        for name, seconds in zip(report.effects, report.effect_seconds, strict=True):
+            self.effects.setdefault(name, []).append(seconds)
+
+
+def stream(
+    executor: SingleThreadedExecutor, route: Route, played: Played, rate: float, seconds: float
+) -> None:
+    """Send the motion at a rate, without waiting for answers, and then wait for the last ones."""
+    message = FramePoses(frame_names=played.frame_names)
+    first = max(route.delays, default=0) + 1
+    start = time.perf_counter()
+    for k in range(WARM_UP + round(rate * seconds)):
+        poses = np.ascontiguousarray(played.poses(k / rate))
+        message.poses = array.array('d', poses.tobytes())
+        while (left := start + k / rate - time.perf_counter()) > 0.0:
+            executor.spin_once(timeout_sec=left)
+        route.send(message, first + k)
+    end = time.perf_counter() + LAST_ANSWERS
+    while (left := end - time.perf_counter()) > 0.0:
+        executor.spin_once(timeout_sec=left)

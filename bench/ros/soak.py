@@ -1,0 +1,204 @@
+"""Everything at once for a while: `./run soak --minutes 10` prints what it did and what it cost.
+
+Beside a stream of poses, eight callers change the scene, filter, ask and try the impossible (see
+``mix``), hostile messages arrive (see ``hostile``), a subscriber never reads, and the player is
+killed and started again. At the end the scene is saved, the node is killed with SIGKILL and comes
+back from the file. The exit code is 1 where anything was not as expected.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from drake_geom_msgs import msg, srv
+from rclpy.executors import SingleThreadedExecutor
+
+from bench.ros.hostile import pose_messages
+from bench.ros.listener import QUANTILES
+from bench.ros.mix import MixedClient, Tally, open_services
+from bench.ros.processes import ROOT, Processes, memory
+
+SERVER = '/scene_graph'
+NODE, PLAYER = 'drake_geom_ros.ros.scene_graph_node', 'drake_geom_ros.ros.pose_player'
+SCENE, MOTION = ROOT / 'scenes/two_pandas.yaml', ROOT / 'scenes/two_pandas_motion.yaml'
+CALL_PERIOD = 0.1  # [s] between two calls of a caller, if the first was answered
+HOSTILE_PERIOD = 0.2  # [s] between two hostile messages
+PLAYER_LIFE = 30.0  # [s]
+MEMORY_PERIOD = 1.0  # [s]
+WARM_UP = 15.0  # [s] before memory counts: caches fill, kernels of new pairs are loaded
+SHOWN = 12  # refusals listed
+
+
+@dataclass
+class Soak:
+    """What happened so far."""
+
+    tally: Tally = field(default_factory=Tally)
+    hostile: int = 0
+    player_lives: int = 1
+    memory: list[tuple[float, float]] = field(default_factory=list)  # [s], [MB]
+    status: dict[str, str] = field(default_factory=dict)
+
+
+class Driver:
+    """The node of this process: callers, hostile messages, diagnostics."""
+
+    def __init__(self, soak: Soak, callers: int, seed: int) -> None:
+        self._soak = soak
+        rclpy.init()
+        self.node = rclpy.create_node('soak')
+        self._executor = SingleThreadedExecutor()
+        self._executor.add_node(self.node)
+        services = open_services(self.node, SERVER)
+        self.callers = [
+            MixedClient(services, f'caller_{k}', seed + k, soak.tally) for k in range(callers)
+        ]
+        frames = ['objects::can', 'objects::cube']
+        self._messages = [message for _, message, _ in pose_messages(frames, 'objects')]
+        self._poses = self.node.create_publisher(msg.FramePoses, f'{SERVER}/frame_poses', 5)
+        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._take_status, 10)
+        self.node.create_timer(HOSTILE_PERIOD, self._send_hostile)
+        self.node.create_timer(CALL_PERIOD, self._call)
+        self._save = services['save_scene']
+
+    def _call(self) -> None:
+        for caller in self.callers:
+            caller.tick()
+
+    def _send_hostile(self) -> None:
+        self._poses.publish(self._messages[self._soak.hostile % len(self._messages)])
+        self._soak.hostile += 1
+
+    def _take_status(self, message: DiagnosticArray) -> None:
+        if message.status[0].name == SERVER:
+            self._soak.status = {v.key: v.value for v in message.status[0].values}
+
+    def spin(self, seconds: float) -> None:
+        """Serve what comes in for a while."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=left)
+
+    def save(self, path: Path) -> str:
+        """Let the node save its scene; return the text."""
+        future = self._save.call_async(srv.SaveScene.Request(path=str(path)))
+        self._executor.spin_until_future_complete(future, 60.0)
+        if not future.done() or not future.result().success:
+            raise RuntimeError(f'the scene was not saved: {future.result()}')
+        return future.result().text
+
+
+def start_player(processes: Processes, rate: float) -> subprocess.Popen[str]:
+    """Start the player of the two arms."""
+    files = {'scene_file': SCENE, 'trajectory_file': MOTION}
+    return processes.start(PLAYER, **files, rate=float(rate))
+
+
+def run(options: argparse.Namespace, folder: Path) -> tuple[Soak, dict]:
+    """Run everything; return what happened and what the listener measured."""
+    soak = Soak()
+    with Processes() as processes:
+        roots = {'mesh_roots': f'["package://", "{folder}"]'}
+        node = processes.start(NODE, scene_file=SCENE, max_distance=0.1, **roots)
+        driver = Driver(soak, options.callers, options.seed)
+        player = start_player(processes, options.rate)
+        processes.start('bench.ros.deaf')
+        driver.spin(WARM_UP)
+        listener = processes.start('bench.ros.listener')
+        start, killed = time.monotonic(), time.monotonic()
+        while time.monotonic() - start < 60.0 * options.minutes:
+            driver.spin(MEMORY_PERIOD)
+            if node.poll() is not None:
+                raise RuntimeError(f'the node died with exit code {node.returncode}')
+            soak.memory.append((time.monotonic() - start, memory(node.pid)))
+            if time.monotonic() - killed > PLAYER_LIFE:
+                player.kill()
+                player.wait()
+                player, killed = start_player(processes, options.rate), time.monotonic()
+                soak.player_lives += 1
+        listener.terminate()
+        measured = json.loads(listener.communicate(timeout=30.0)[0])
+        player.terminate()
+        finish(soak, driver, processes, node, folder / 'saved.yaml')
+    return soak, measured
+
+
+def finish(
+    soak: Soak,
+    driver: Driver,
+    processes: Processes,
+    node: subprocess.Popen[str],
+    path: Path,
+) -> None:
+    """Stop the callers, kill the node, and let it come back from what it saved."""
+    for caller in driver.callers:
+        caller.stop()
+    end = time.monotonic() + 60.0
+    while not all(caller.finished for caller in driver.callers) and time.monotonic() < end:
+        driver.spin(0.2)
+    if not all(caller.finished for caller in driver.callers):
+        soak.tally.problems.append('callers wait for answers that did not come')
+    saved = driver.save(path)
+    node.send_signal(signal.SIGKILL)
+    node.wait()
+    rclpy.shutdown()
+    again = processes.start(NODE, scene_file=path)
+    rclpy.init()
+    newcomer = rclpy.create_node('newcomer')
+    client = newcomer.create_client(srv.SaveScene, f'{SERVER}/save_scene')
+    if not client.wait_for_service(60.0):
+        raise RuntimeError(f'the node did not come back from {path}: {again.poll()}')
+    future = client.call_async(srv.SaveScene.Request())
+    rclpy.spin_until_future_complete(newcomer, future, timeout_sec=60.0)
+    if not future.done() or future.result().text != saved:
+        soak.tally.problems.append('the node came back with another scene than it had saved')
+    rclpy.shutdown()
+
+
+def report(soak: Soak, measured: dict, minutes: float) -> None:
+    """Print what happened."""
+    tally, status = soak.tally, soak.status
+    print(f'{minutes:g} minutes, {measured["results"]} results to the listener')
+    print(f'{status["pose messages taken"]} pose messages taken, {status["cycles"]} cycles')
+    print(f'{soak.hostile} hostile messages, {status["pose messages refused"]} refused')
+    print(f'{tally.calls.total()} calls of {len(tally.calls)} services; player started '
+          f'{soak.player_lives} times; node killed and restarted once')  # fmt: skip
+    print(f'{tally.refusals.total()} calls refused, most often:')
+    for reason, count in tally.refusals.most_common(SHOWN):
+        print(f'  {count:6} {reason}')
+    quantiles = zip(QUANTILES, measured['delay_ms'], strict=True)
+    print('delay [ms]: ' + ', '.join(f'p{q:g} {value:.2f}' for q, value in quantiles))
+    (_, first), (_, last) = soak.memory[0], soak.memory[-1]
+    half = soak.memory[len(soak.memory) // 2][1]
+    print(f'memory [MB]: {first:.1f} at the start, {half:.1f} half-way, {last:.1f} at the end')
+    print(f'{len(tally.problems)} answers that were not expected')
+    for problem in tally.problems[:SHOWN]:
+        print(f'  {problem}')
+
+
+def main() -> int:
+    """Soak, print, and return 1 where anything was not as expected."""
+    parser = argparse.ArgumentParser(prog='./run soak', description=__doc__.splitlines()[0])
+    parser.add_argument('--minutes', type=float, default=10.0)
+    parser.add_argument('--rate', type=float, default=200.0, help='pose messages a second')
+    parser.add_argument('--callers', type=int, default=8)
+    parser.add_argument('--seed', type=int, default=0)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        soak, measured = run(options, Path(folder))
+    report(soak, measured, options.minutes)
+    return 1 if soak.tally.problems or not measured['results'] else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""Writes docs/reference.md from the definitions in msg_defs: python docs/generate_reference.py."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+TARGET = ROOT / 'docs/reference.md'
+_FIELD = re.compile(r'(?P<type>[\w/\[\]<=]+) +(?P<name>\w+)(?P<value>=\S+)?(?: +# (?P<text>.*))?')
+# Every answer begins with these two, described once.
+_OUTCOME = ('success', 'message')
+_INTRODUCTION = """# Messages, services and parameters
+
+Made from the definitions by `python docs/generate_reference.py`; a test holds it current.
+Units are SI, quaternions are `x y z w`, names of quantities are Drake's: `X_PF` is the pose of F
+in its parent P, `p_WCa` the point Ca in the world, `nhat_BA_W` the unit normal out of B into A.
+Arrays are flat: k vectors are 3 k numbers.
+"""
+_SERVICES = """## Services
+
+All of `drake_geom_msgs/srv`, on `~/name` of the node. Every answer begins with `bool success`
+(false: refused, and nothing changed) and `string message` (what was asked, what is allowed, where
+to look), which are left out below. `flatten_filters` is a `std_srvs/Trigger` and has no
+definition of its own: the filters that hold now become the persistent ones.
+"""
+_PARAMETERS = """## Parameters
+
+[config/scene_graph.yaml](../config/scene_graph.yaml) names them all, with their defaults:
+"""
+
+
+def reference() -> str:
+    """Return the text of the reference."""
+    parts = [_INTRODUCTION, '## Messages\n\nAll of `drake_geom_msgs/msg`.\n']
+    parts += [_section(path, path.stem) for path in sorted(ROOT.glob('msg_defs/msg/*.msg'))]
+    parts += [_SERVICES]
+    parts += [
+        _section(path, _snake(path.stem)) for path in sorted(ROOT.glob('msg_defs/srv/*.srv'))
+    ]
+    settings = (ROOT / 'config/scene_graph.yaml').read_text()
+    parts += [_PARAMETERS, f'```yaml\n{settings}```\n']
+    return '\n'.join(parts)
+
+
+def _snake(name: str) -> str:
+    return re.sub(r'(?<!^)(?=[A-Z])', '_', name).lower()
+
+
+def _section(path: Path, title: str) -> str:
+    """Return the section of one definition."""
+    parts = path.read_text().split('\n---\n')
+    description, tables = '', []
+    for label, part in zip(('Request', 'Answer'), parts, strict=False):
+        lines = part.strip('\n').splitlines()
+        if not description:
+            head = next(
+                (k for k, line in enumerate(lines) if not line.startswith('#')), len(lines)
+            )
+            description = ' '.join(line.lstrip('# ') for line in lines[:head])
+            lines = lines[head:]
+        rows = _rows(lines)
+        if rows:
+            tables.append(f'{label}:\n\n{_table(rows)}' if len(parts) > 1 else _table(rows))
+    kind = f' (`{path.stem}`)' if title != path.stem else ''
+    return '\n\n'.join([f'### {title}{kind}', description, *tables]) + '\n'
+
+
+def _rows(lines: list[str]) -> list[tuple[str, str, str]]:
+    """Return (field, type, text) of a definition's lines; a comment of its own is a row too."""
+    rows = []
+    for line in filter(None, map(str.strip, lines)):
+        if line.startswith('#'):
+            rows.append(('', '', f'*{line.lstrip("# ")}*'))
+            continue
+        match = _FIELD.fullmatch(line)
+        if match is None:
+            raise ValueError(f'{line!r} is no field of a definition')
+        if match['name'] not in _OUTCOME:
+            name = f'{match["name"]}{match["value"] or ""}'
+            rows.append((f'`{name}`', f'`{match["type"]}`', match['text'] or ''))
+    return rows
+
+
+def _table(rows: list[tuple[str, str, str]]) -> str:
+    cells = [tuple(cell.replace('|', '\\|') for cell in row) for row in rows]
+    return '\n'.join(
+        ['| field | type | |', '|---|---|---|', *(f'| {" | ".join(row)} |' for row in cells)]
+    )
+
+
+if __name__ == '__main__':
+    TARGET.write_text(reference())

@@ -1,0 +1,130 @@
+"""Answers as tables, and tables as CSV or JSON.
+
+A table is a mapping from column names to arrays (k,) or, for points and directions, (k, 3). In
+CSV such a column becomes three, ``p_wca_x`` and so on; in JSON a row is an object with lists.
+Numbers are written with all their digits.
+"""
+
+import csv
+import json
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.geometry import METHODS, GeometryId
+
+Table = Mapping[str, Any]
+_METHOD_NAMES = {number: name for name, number in METHODS.items()}
+
+
+def distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+    """Return the signed distances up to a limit [m]; witness points in the world."""
+    found = scene.query.ComputeSignedDistancePairwiseClosestPoints(limit, accuracy=accuracy)
+    return _pairs(scene, found.id_A, found.id_B) | {
+        'distance': found.distance,
+        'p_wca': found.p_WCa,
+        'p_wcb': found.p_WCb,
+        'nhat_ba_w': found.nhat_BA_W,
+        'is_nhat_ba_w_unique': found.is_nhat_BA_W_unique,
+        'error_bound': found.error_bound,
+        'method': _methods(found.method),
+    }
+
+
+def penetrations(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+    """Return the pairs that overlap."""
+    found = scene.query.ComputePointPairPenetration(accuracy=accuracy)
+    return _pairs(scene, found.id_A, found.id_B) | {
+        'depth': found.depth,
+        'p_wca': found.p_WCa,
+        'p_wcb': found.p_WCb,
+        'nhat_ba_w': found.nhat_BA_W,
+        'error_bound': found.error_bound,
+        'method': _methods(found.method),
+    }
+
+
+def point_distances(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+    """Return the signed distances up to a limit [m] from points (m, 3) [m] in the world."""
+    found = scene.query.ComputeSignedDistanceToPoint(points, limit, accuracy=accuracy)
+    return {
+        'point_index': found.point_index,
+        'geometry': _names(scene, found.id_G),
+        'distance': found.distance,
+        'p_gn': found.p_GN,
+        'grad_w': found.grad_W,
+        'is_grad_w_unique': found.is_grad_W_unique,
+        'error_bound': found.error_bound,
+        'method': _methods(found.method),
+    }
+
+
+def candidates(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+    """Return the pairs that bounds alone do not keep apart."""
+    ids = scene.query.collision_candidates()
+    return _pairs(scene, ids[:, 0], ids[:, 1])
+
+
+def collisions(scene: PosedScene, limit: float, points: Any, accuracy: str) -> Table:
+    """Return one row: whether any pair overlaps."""
+    return {'has_collisions': np.array([scene.query.HasCollisions(accuracy=accuracy)])}
+
+
+KINDS: dict[str, Callable[[PosedScene, float, Any, str], Table]] = {
+    'distance': distances,
+    'penetration': penetrations,
+    'points': point_distances,
+    'candidates': candidates,
+    'collisions': collisions,
+}
+
+
+def _names(scene: PosedScene, ids: NDArray[Any]) -> list[str]:
+    return [scene.names[GeometryId(value)] for value in ids.tolist()]
+
+
+def _pairs(scene: PosedScene, ids_A: NDArray[Any], ids_B: NDArray[Any]) -> dict[str, Any]:
+    return {'geometry_a': _names(scene, ids_A), 'geometry_b': _names(scene, ids_B)}
+
+
+def _methods(numbers: NDArray[Any]) -> list[str]:
+    return [_METHOD_NAMES[number] for number in numbers.tolist()]
+
+
+def write_csv(answers: Iterable[tuple[float | None, Table]], timed: bool, file: TextIO) -> None:
+    """Write the tables of moments below one header; the column ``time`` only if ``timed``."""
+    writer = csv.writer(file, lineterminator='\n')
+    header: list[str] = []
+    for time, table in answers:
+        columns = [('time', [time] * len(_first(table)))] if timed else []
+        for name, values in table.items():
+            array = np.asarray(values)
+            if array.ndim == 2:
+                columns += [(f'{name}_{axis}', array[:, k].tolist()) for k, axis in _AXES]
+            else:
+                columns.append((name, array.tolist()))
+        if not header:
+            header = [name for name, _ in columns]
+            writer.writerow(header)
+        writer.writerows(zip(*(values for _, values in columns), strict=True))
+
+
+def write_json(answers: Iterable[tuple[float | None, Table]], file: TextIO) -> None:
+    """Write a list with one object a moment: its ``time`` (or null) and its ``rows``."""
+    file.write('[')
+    for number, (time, table) in enumerate(answers):
+        columns = [np.asarray(values).tolist() for values in table.values()]
+        rows = [dict(zip(table, row, strict=True)) for row in zip(*columns, strict=True)]
+        file.write(',\n' if number else '\n')
+        json.dump({'time': time, 'rows': rows}, file)
+    file.write('\n]\n')
+
+
+_AXES = tuple(enumerate('xyz'))
+
+
+def _first(table: Table) -> Any:
+    return next(iter(table.values()))

@@ -1,0 +1,128 @@
+"""``check``: whether a scene file can be loaded, and what is in it."""
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Any
+
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.geometry import GeometryId, Role
+from drake_geom_ros.scene_files import Member, SceneFileError
+from drake_geom_ros.scene_files.description import (
+    CliqueDescription,
+    DeactivationDescription,
+    FilterDescription,
+    GroupDescription,
+)
+
+BAD_SCENE = 1  # the exit code
+# Reasons that hold in every scene: such pairs are counted, not listed.
+_ALWAYS = {'anchored', 'same frame'}
+_ROLE_NAMES = {
+    Role.kProximity: 'proximity',
+    Role.kIllustration: 'illustration',
+    Role.kPerception: 'perception',
+}
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'check',
+        help='check a scene file and list what is in it',
+        description='Loads a scene and lists its frames, geometries, filters and the pairs that '
+        'are filtered. Exit code 1 and file, line and reason on standard error where it is bad.',
+    )
+    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument(
+        '--all-pairs', action='store_true', help='list anchored and same-frame pairs too'
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check, list, and return the exit code."""
+    try:
+        scene = PosedScene(options.scene, options.srdf)
+    except SceneFileError as error:
+        print(error, file=sys.stderr)
+        return BAD_SCENE
+    for line in _report(scene, options.scene, options.all_pairs):
+        print(line)
+    return 0
+
+
+def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
+    description, inspector = scene.description, scene.inspector
+    yield (
+        f'{file}: sources {len(description.sources)}, frames {len(description.frames)}, '
+        f'geometries {inspector.num_geometries()}, filters {len(description.filters)}'
+    )
+    yield 'frames'
+    for frame in inspector.GetAllFrameIds():
+        if frame != inspector.world_frame_id():
+            parent = scene.frame_name(inspector.GetParentFrame(frame))
+            position = ' '.join(f'{x:.6g}' for x in scene.query.X_PF(frame).translation())
+            yield f'  {scene.frame_name(frame)} in {parent} at {position}'
+    yield 'geometries'
+    for geometry in inspector.GetAllGeometryIds():
+        roles = [name for role, name in _ROLE_NAMES.items() if _has_role(scene, geometry, role)]
+        shape = inspector.GetShape(geometry)
+        yield f'  {scene.names[geometry]}: {shape!r}, {", ".join(roles) or "no role"}'
+    yield 'filters'
+    yield from (f'  {_filter(entry)}' for entry in description.filters)
+    yield 'filtered pairs'
+    yield from _pairs(scene, all_pairs)
+
+
+def _has_role(scene: PosedScene, geometry: GeometryId, role: Role) -> bool:
+    return scene.inspector.GetProperties(geometry, role) is not None
+
+
+def _pairs(scene: PosedScene, all_pairs: bool) -> Iterator[str]:
+    """Yield the pairs that are filtered, with the reasons, and what was counted."""
+    manager = scene.scene_graph.collision_filter_manager()
+    geometries = scene.inspector.GetAllGeometryIds(Role.kProximity)
+    counts: Counter[str] = Counter()
+    for a, b in combinations(geometries, 2):
+        reasons = manager.explain(a, b)
+        always = [reason for reason in reasons if reason in _ALWAYS]
+        if not reasons:
+            counts['reported'] += 1
+        elif always and not all_pairs:
+            counts[always[0]] += 1
+        else:
+            counts['listed'] += 1
+            yield f'  {scene.names[a]} and {scene.names[b]}: {", ".join(reasons)}'
+    yield (
+        f'pairs {counts.total()}: reported {counts["reported"]}, anchored {counts["anchored"]}, '
+        f'on one frame {counts["same frame"]}, filtered and listed above {counts["listed"]}'
+    )
+
+
+def _filter(entry: FilterDescription) -> str:
+    """Return a filter in one line."""
+    if isinstance(entry, GroupDescription):
+        ignores = ', '.join(entry.ignores) or 'nothing'
+        return f'group {entry.name} ({_members(entry.members)}) ignores {ignores}'
+    if isinstance(entry, CliqueDescription):
+        return f'clique {entry.name}: {_members(entry.members)}'
+    if isinstance(entry, DeactivationDescription):
+        return f'deactivated: {_members(entry.members)}'
+    return '; then '.join(
+        f'{statement.operation.value} '
+        + ' and '.join(
+            f'({_members(members)})' for members in (statement.set_a, statement.set_b) if members
+        )
+        for statement in entry.statements
+    )
+
+
+def _members(members: tuple[Member, ...]) -> str:
+    return ', '.join(
+        '/'.join(filter(None, (f'{member.source}::{member.frame}', member.geometry)))
+        for member in members
+    )

@@ -1,0 +1,47 @@
+"""``convert``: a URDF to a scene file, a pose file to the other format."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
+from drake_geom_ros.command_line.pose_file import read_poses, write_poses
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.scene_files import SceneFileError, load_scene, save_scene
+
+_SCENE_SUFFIXES = ('.yaml', '.yml')
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'convert',
+        help='turn a URDF into a scene file, or a pose file into the other format',
+        description='Suffixes say what is meant: .urdf or .yaml to .yaml, .csv to .json and back.',
+    )
+    parser.add_argument('input', metavar='IN')
+    parser.add_argument('output', metavar='OUT')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Convert and return the exit code; raises SceneFileError or OSError for bad input."""
+    source, target = Path(options.input), Path(options.output)
+    if source.suffix in ('.urdf', *_SCENE_SUFFIXES) and target.suffix in _SCENE_SUFFIXES:
+        scene_graph = SceneGraph()
+        loaded = load_scene(source, scene_graph, srdf=options.srdf)
+        target.write_text(
+            save_scene(scene_graph, loaded.X_PFs, loaded.robots.values()), encoding='utf-8'
+        )
+    elif source.suffix in POSE_SUFFIXES and target.suffix in POSE_SUFFIXES:
+        sets = read_poses(source)
+        with target.open('w', encoding='utf-8') as file:
+            write_poses(sets, file, target.suffix)
+    else:
+        raise SceneFileError(
+            f'cannot be turned into {str(target)!r}: .urdf and .yaml become .yaml, '
+            '.csv and .json become each other',
+            str(source),
+        )
+    return 0

@@ -1,0 +1,73 @@
+"""A scene file made ready for questions: registered, named, every frame at its first pose."""
+
+from collections.abc import Iterable
+
+from drake_geom_ros.command_line.pose_file import FramePose
+from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
+from drake_geom_ros.scene_files import SceneDescription, read_scene, register
+from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.trajectories.motion_file import load_motion
+
+
+class PosedScene:
+    """A scene, and where its frames are.
+
+    A frame stands where the scene file says, a link of a robot where forward kinematics with all
+    joints at 0 (or at their limit nearest to 0) puts it, any other frame at its parent's origin.
+    """
+
+    def __init__(self, path: str, srdf: str = '') -> None:
+        """Load a file; raises SceneFileError for one that cannot be."""
+        self.description: SceneDescription = read_scene(path, srdf=srdf)
+        self.scene_graph = SceneGraph()
+        loaded = register(self.scene_graph, self.description)
+        self._frames = loaded.frames
+        self._context = self.scene_graph.CreateDefaultContext()
+        self._context.UpdateFramePoses(self._at_rest())
+        self._context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
+        self._table = NameTable(self.description.frames, self.description.geometries)
+        self.inspector = self.scene_graph.model_inspector()
+        self.names = {id: self._name(id) for id in self.inspector.GetAllGeometryIds()}
+
+    @property
+    def query(self) -> QueryObject:
+        """The query object of the scene as it is posed."""
+        return self.scene_graph.get_query_output_port().Eval(self._context)
+
+    def pose(self, poses: Iterable[FramePose]) -> None:
+        """Pose frames; raises SceneFileError that blames the pose's place for a name."""
+        X_PFs = FramePoseVector()
+        for pose in poses:
+            member = self._table.find(pose.frame, pose.where)
+            key = (member.source, member.frame)
+            if member.geometry is not None or key not in self._frames:
+                raise pose.where.error(f'{pose.frame!r} is no frame that can be posed')
+            if X_PFs.has_id(self._frames[key]):
+                raise pose.where.error(f'{pose.frame!r} is posed twice at one moment')
+            X_PFs.set_value(self._frames[key], pose.X_PF)
+        self._context.UpdateFramePoses(X_PFs)
+
+    def frame_name(self, frame: FrameId) -> str:
+        """Return ``source::frame``; ``world`` for the world frame."""
+        name = self.inspector.GetName(frame)
+        if frame == self.inspector.world_frame_id():
+            return name
+        return f'{self.inspector.GetOwningSourceName(frame)}::{name}'
+
+    def _name(self, geometry: GeometryId) -> str:
+        """Return ``source::frame/geometry``."""
+        inspector = self.inspector
+        frame = inspector.GetName(inspector.GetFrameId(geometry))
+        source = inspector.GetOwningSourceName(geometry)
+        return f'{source}::{frame}/{inspector.GetName(geometry)}'
+
+    def _at_rest(self) -> FramePoseVector:
+        """Return the poses of the robots' links with all joints at rest."""
+        if not self.description.robots:
+            return FramePoseVector()
+        motion = load_motion(None, self.description)
+        robots = {robot.name for robot in self.description.robots} & motion.frame_names.keys()
+        poses = motion.poses(0.0)
+        rows = [row for robot in robots for row in poses[robot]]
+        frames = [self._frames[robot, f] for robot in robots for f in motion.frame_names[robot]]
+        return FramePoseVector.FromArrays(frames, rows)

@@ -1,0 +1,41 @@
+"""The program behind ``python -m drake_geom_ros``: one subcommand a module."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from drake_geom_ros.command_line import check, convert, query
+from drake_geom_ros.geometry import GeometryError
+
+BAD_INPUT = 2  # the exit code of what was asked wrongly, as argparse has it
+_READER_LEFT = 141  # as a shell reports a process that SIGPIPE ended
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the subcommand that the arguments name and return the exit code.
+
+    0: done; 1: ``check`` found the scene bad; 2: what was asked cannot be, said in one line on
+    standard error.
+    """
+    parser = argparse.ArgumentParser(
+        prog='python -m drake_geom_ros',
+        description='Answers about a scene file, without ROS.',
+        epilog='Each command explains itself: python -m drake_geom_ros query --help.',
+    )
+    commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
+    for module in (query, check, convert):
+        module.add_to(commands)
+    options = parser.parse_args(arguments)
+    try:
+        code = int(options.run(options))
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Whoever read has what it wanted. Python flushes once more at its end: into nothing.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _READER_LEFT
+    except (GeometryError, OSError) as error:
+        reason = ' '.join(str(error).split())
+        print(f'drake_geom_ros: {reason}', file=sys.stderr)
+        return BAD_INPUT

@@ -1,0 +1,107 @@
+"""``query``: distances, penetrations, candidates or point distances of a scene file."""
+
+import argparse
+import csv
+import json
+import math
+import sys
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.command_line.answers import KINDS, Table, write_csv, write_json
+from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.geometry import ACCURACY_LEVELS
+from drake_geom_ros.scene_files import SceneFileError
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'query',
+        help='ask about a scene',
+        description='Answers one question about a scene, for each moment of the pose file.',
+    )
+    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument(
+        '--what', choices=KINDS, default='distance', help='the question (default: distance)'
+    )
+    parser.add_argument(
+        '--poses',
+        metavar='FILE',
+        help='CSV or JSON; frames that it does not name stay where the scene file puts them',
+    )
+    parser.add_argument(
+        '--points', metavar='FILE', help='points for --what points: CSV x,y,z or JSON [[x, y, z]]'
+    )
+    parser.add_argument(
+        '--max-distance',
+        type=_limit,
+        default=math.inf,
+        metavar='D',
+        help='leave out what is farther apart [m] (default: inf)',
+    )
+    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument('--format', choices=('csv', 'json'), default='csv')
+    parser.add_argument('--output', metavar='FILE', help='default: standard output')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Answer and return the exit code; raises GeometryError or OSError for bad input."""
+    if (options.what == 'points') != bool(options.points):
+        raise SceneFileError('--what points and --points FILE go together', options.scene)
+    points = _read_points(options.points) if options.points else None
+    moments = read_poses(options.poses) if options.poses else [PoseSet()]
+    scene = PosedScene(options.scene, options.srdf)
+
+    def answers() -> Iterator[tuple[float | None, Table]]:
+        ask = KINDS[options.what]
+        for moment in moments:
+            scene.pose(moment.poses)
+            yield moment.time, ask(scene, options.max_distance, points, options.accuracy)
+
+    # Everything is computed before the file is opened: bad input leaves an old one alone.
+    done = list(answers())
+    timed = any(time is not None for time, _ in done)
+    with _target(options.output) as file:
+        if options.format == 'json':
+            write_json(done, file)
+        else:
+            write_csv(done, timed, file)
+    return 0
+
+
+def _target(path: str | None) -> AbstractContextManager[TextIO]:
+    """Return the file to write to, standard output where none is named."""
+    return open(path, 'w', encoding='utf-8') if path else nullcontext(sys.stdout)
+
+
+def _limit(text: str) -> float:
+    value = float(text)
+    if not value >= 0.0:
+        raise argparse.ArgumentTypeError(f'{text} must be a distance >= 0 [m]')
+    return value
+
+
+def _read_points(path: str) -> NDArray[np.float64]:
+    """Return the points (m, 3) [m] of a file; raises SceneFileError for what holds none."""
+    text = Path(path).read_text(encoding='utf-8')
+    try:
+        if Path(path).suffix == '.json':
+            points = np.array(json.loads(text), dtype=np.float64).reshape(-1, 3)
+        else:
+            rows = list(csv.DictReader(text.splitlines()))
+            points = np.array([[float(row[axis]) for axis in 'xyz'] for row in rows])
+    except (KeyError, TypeError, ValueError) as error:
+        raise SceneFileError(
+            f'must hold points, CSV with the columns x,y,z or JSON [[x, y, z], ...]: {error!r}',
+            path,
+        ) from None
+    return points.reshape(-1, 3)

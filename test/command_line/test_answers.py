@@ -1,0 +1,81 @@
+"""Tables: names and numbers of the queries, as CSV and as JSON."""
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.command_line.answers import KINDS, write_csv, write_json
+from drake_geom_ros.command_line.posed_scene import PosedScene
+
+
+@pytest.fixture(scope='module')
+def scene():
+    return PosedScene(str(ROOT / 'scenes/minimal.yaml'))
+
+
+def ask(scene, what, limit=10.0, points=None):
+    return KINDS[what](scene, limit, points, 'exact')
+
+
+def test_distances_name_both_and_give_points_in_the_world(scene):
+    table = ask(scene, 'distance', 0.5)
+    assert table['geometry_a'] == ['scene::world/post']
+    assert table['geometry_b'] == ['scene::ball/ball']
+    assert table['distance'] == pytest.approx([0.35], abs=1e-13)
+    np.testing.assert_allclose(table['p_wca'], [[0.05, 0, 1]], atol=1e-13)
+    np.testing.assert_allclose(table['p_wcb'], [[0.4, 0, 1]], atol=1e-13)
+    assert table['method'] == ['closed_form']
+
+
+def test_points_are_answered_by_index(scene):
+    points = np.array([[0.5, 0, 2.0], [9, 9, 9.0]])
+    table = ask(scene, 'points', 1.0, points)
+    assert list(table['point_index']) == [0]
+    assert table['geometry'] == ['scene::ball/ball']
+    assert table['distance'] == pytest.approx([0.9])
+    np.testing.assert_allclose(table['p_gn'], [[0, 0, 0.1]], atol=1e-13)
+
+
+def test_nothing_overlaps_there(scene):
+    assert ask(scene, 'collisions')['has_collisions'].tolist() == [False]
+    assert ask(scene, 'penetration')['geometry_a'] == []
+    assert ask(scene, 'candidates')['geometry_a'] == []
+
+
+TABLE = {'name': ['a', 'b'], 'p': np.array([[1.0, 2, 3], [0.1, 0.2, 0.3]]), 'd': np.array([5, 6])}
+
+
+def test_csv_has_a_column_an_axis_and_the_time_where_there_is_one():
+    file = io.StringIO()
+    write_csv([(0.0, TABLE), (0.5, TABLE)], True, file)
+    rows = list(csv.reader(io.StringIO(file.getvalue())))
+    assert rows[0] == ['time', 'name', 'p_x', 'p_y', 'p_z', 'd']
+    assert rows[1] == ['0.0', 'a', '1.0', '2.0', '3.0', '5']
+    assert rows[4] == ['0.5', 'b', '0.1', '0.2', '0.3', '6']
+    file = io.StringIO()
+    write_csv([(None, TABLE)], False, file)
+    assert file.getvalue().startswith('name,p_x')
+
+
+def test_json_has_an_object_a_moment():
+    file = io.StringIO()
+    write_json([(None, TABLE), (0.5, TABLE)], file)
+    first, second = json.loads(file.getvalue())
+    assert first == {
+        'time': None,
+        'rows': [
+            {'name': 'a', 'p': [1, 2, 3], 'd': 5},
+            {'name': 'b', 'p': [0.1, 0.2, 0.3], 'd': 6},
+        ],
+    }
+    assert second['time'] == 0.5
+
+
+def test_every_number_is_written_with_all_its_digits():
+    file = io.StringIO()
+    write_csv([(None, {'d': np.array([1 / 3])})], False, file)
+    assert float(file.getvalue().splitlines()[1]) == 1 / 3

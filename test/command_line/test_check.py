@@ -1,0 +1,66 @@
+"""`check`: what is in a scene, and what is wrong with one that is bad."""
+
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.command_line.program import main
+
+FILTERED = """
+sources: [s]
+frames: [{name: a, source: s}, {name: b, source: s}, {name: c, source: s}]
+geometries:
+- {name: x, source: s, frame: a, shape: {type: sphere, radius: 1}}
+- {name: y, source: s, frame: a, shape: {type: sphere, radius: 1}}
+- {name: x, source: s, frame: b, shape: {type: sphere, radius: 1}}
+- {name: x, source: s, frame: c, shape: {type: sphere, radius: 1}}
+filters:
+- group: {name: g, members: [a], ignores: [h]}
+- group: {name: h, members: [b]}
+- clique: {name: k, members: [b, c]}
+- exclude_between: [[a/x], [c]]
+"""
+
+
+def test_a_scene_is_listed(capsys):
+    assert main(['check', str(ROOT / 'scenes/minimal.yaml')]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith('sources 1, frames 1, geometries 3, filters 0')
+    assert '  scene::ball in world at 0.5 0 1' in lines
+    assert '  scene::ball/ball: Sphere(radius=0.1), proximity' in lines
+    assert lines[-1].startswith('pairs 3: reported 2, anchored 1, on one frame 0,')
+
+
+def test_filtered_pairs_are_listed_with_reasons(capsys, tmp_path):
+    path = tmp_path / 'filtered.yaml'
+    path.write_text(FILTERED)
+    assert main(['check', str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert '  group g (s::a) ignores h' in lines
+    assert '  clique k: s::b, s::c' in lines
+    assert '  ExcludeBetween (s::a/x) and (s::c)' in lines
+    assert '  s::a/x and s::b/x: group g' in lines
+    assert '  s::b/x and s::c/x: clique k' in lines
+    assert '  s::a/x and s::c/x: persistent declaration 0' in lines
+    assert not any(line.startswith('  s::a/x and s::a/y') for line in lines)
+    assert lines[-1].startswith('pairs 6: reported 1, anchored 0, on one frame 1, ')
+    assert main(['check', '--all-pairs', str(path)]) == 0
+    assert '  s::a/x and s::a/y: same frame' in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize(
+    ('text', 'place', 'word'),
+    [
+        (FILTERED.replace('radius: 1', 'radius: -1', 1), ':5:', 'radius'),
+        (FILTERED.replace('members: [b]', 'members: [z]'), ':11:', "'z'"),
+        ('frames: [', ':1:', 'YAML'),
+    ],
+)
+def test_a_bad_scene_is_exit_code_1_with_the_line(capsys, tmp_path, text, place, word):
+    path = tmp_path / 'bad.yaml'
+    path.write_text(text)
+    assert main(['check', str(path)]) == 1
+    output, errors = capsys.readouterr()
+    assert output == ''
+    assert f'bad.yaml{place}' in errors
+    assert word in errors
+    assert errors.count('\n') == 1

@@ -1,0 +1,61 @@
+"""`convert`: a URDF becomes the scene that it is; pose files become each other."""
+
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.command_line.pose_file import read_poses
+from drake_geom_ros.command_line.program import main
+from drake_geom_ros.scene_files import read_scene
+
+URDF = """<robot name="cart">
+  <link name="base"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="wheel"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
+  <link name="arm"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="axle" type="continuous"><parent link="base"/><child link="wheel"/></joint>
+  <joint name="pin" type="continuous"><parent link="base"/><child link="arm"/></joint>
+</robot>
+"""
+SRDF = '<robot name="cart"><disable_collisions link1="arm" link2="wheel"/></robot>'
+
+
+def listed(capsys, path, *more):
+    assert main(['check', str(path), *more]) == 0
+    return capsys.readouterr().out.splitlines()[-1]
+
+
+def test_a_urdf_with_its_srdf_becomes_a_scene_file(capsys, tmp_path):
+    urdf, srdf, scene = (tmp_path / name for name in ('cart.urdf', 'cart.srdf', 'cart.yaml'))
+    urdf.write_text(URDF)
+    srdf.write_text(SRDF)
+    assert main(['convert', str(urdf), str(scene), '--srdf', str(srdf)]) == 0
+    before, after = read_scene(urdf, srdf=srdf), read_scene(scene)
+    assert [f.name for f in after.frames] == [f.name for f in before.frames]
+    assert [g.shape for g in after.geometries] == [g.shape for g in before.geometries]
+    counted = listed(capsys, scene)
+    assert counted == listed(capsys, urdf, '--srdf', str(srdf))
+    assert counted.startswith('pairs 3: reported 0, ')
+
+
+def test_poses_go_to_json_and_back(tmp_path):
+    first, middle, last = (tmp_path / name for name in ('a.csv', 'b.json', 'c.csv'))
+    first.write_text('time,frame,x,y,z,qx,qy,qz,qw\n0.0,f,1.0,2.0,3.0,0.0,0.0,0.0,1.0\n')
+    assert main(['convert', str(first), str(middle)]) == 0
+    assert main(['convert', str(middle), str(last)]) == 0
+    assert last.read_text() == first.read_text()
+    assert read_poses(middle)[0].time == 0.0
+
+
+@pytest.mark.parametrize('name', ['bad.urdf', 'bad.csv'])
+def test_a_bad_input_writes_nothing(capsys, tmp_path, name):
+    (tmp_path / name).write_text('<robot')
+    target = tmp_path / ('out.yaml' if name.endswith('urdf') else 'out.json')
+    assert main(['convert', str(tmp_path / name), str(target)]) == 2
+    assert name in capsys.readouterr().err
+    assert not target.exists()
+
+
+def test_the_scene_that_ships_survives(capsys, tmp_path):
+    target = tmp_path / 'again.yaml'
+    scene = ROOT / 'scenes/minimal.yaml'
+    assert main(['convert', str(scene), str(target)]) == 0
+    assert listed(capsys, target) == listed(capsys, scene)

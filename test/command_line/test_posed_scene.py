@@ -1,0 +1,88 @@
+"""A scene with its first poses: files, robots at rest, and poses by name."""
+
+import numpy as np
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.command_line.pose_file import FramePose
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import Location, SceneFileError
+from drake_geom_ros.trajectories.kinematics import Kinematics
+
+TWO_FRAMES = """
+sources: [a, b]
+frames:
+- {name: f, source: a, pose: {position: [1, 0, 0]}}
+- {name: f, source: b}
+- {name: g, source: b, parent: f}
+geometries:
+- {name: ball, source: a, frame: f, shape: {type: sphere, radius: 1}}
+- {name: ball, source: b, frame: g, shape: {type: sphere, radius: 1}}
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / 'two.yaml'
+    path.write_text(TWO_FRAMES)
+    return PosedScene(str(path))
+
+
+def pose(name, x):
+    return FramePose(name, RigidTransform([x, 0, 0]), Location('poses.csv', 7))
+
+
+def positions(scene):
+    inspector = scene.inspector
+    return {
+        scene.frame_name(frame): scene.query.X_WF(frame).translation().tolist()
+        for frame in inspector.GetAllFrameIds()
+    }
+
+
+def test_frames_stand_where_the_file_says(scene):
+    assert positions(scene) == {
+        'world': [0, 0, 0],
+        'a::f': [1, 0, 0],
+        'b::f': [0, 0, 0],
+        'b::g': [0, 0, 0],
+    }
+    assert sorted(scene.names.values()) == ['a::f/ball', 'b::g/ball']
+
+
+def test_poses_are_those_in_the_parent_and_stay(scene):
+    scene.pose([pose('b::f', 2.0), pose('g', 3.0)])
+    scene.pose([pose('a::f', 7.0)])
+    assert positions(scene)['b::g'] == [5, 0, 0]
+    assert positions(scene)['a::f'] == [7, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ('names', 'word'),
+    [
+        (['f'], 'several'),
+        (['h'], 'no frame'),
+        (['a::f/ball'], 'no frame'),
+        (['world'], 'no frame'),
+        (['g', 'b::g'], 'twice'),
+    ],
+)
+def test_a_name_that_cannot_be_posed_is_blamed(scene, names, word):
+    before = positions(scene)
+    with pytest.raises(SceneFileError, match=word) as error:
+        scene.pose([pose(name, 9.0) for name in names])
+    assert str(error.value).startswith('poses.csv:7: ')
+    assert positions(scene) == before
+
+
+def test_links_of_a_robot_stand_at_rest():
+    scene = PosedScene(str(ROOT / 'scenes/two_pandas.yaml'))
+    (left, _) = scene.description.robots
+    arm = Kinematics(str(left.urdf))
+    rest = np.clip(0.0, arm.lower, arm.upper)
+    expected = arm.link_transforms(rest, left.X_WB.GetAsMatrix4())
+    frames = {scene.frame_name(f): f for f in scene.inspector.GetAllFrameIds()}
+    for name, X_WL in zip(arm.link_names, expected, strict=True):
+        found = scene.query.X_WF(frames[f'left::{name}']).GetAsMatrix4()
+        np.testing.assert_allclose(found, X_WL, atol=1e-14)

@@ -1,0 +1,91 @@
+"""`query`: files in, one answer a moment out."""
+
+import csv
+import json
+
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.command_line.program import main
+
+SCENE = str(ROOT / 'scenes/minimal.yaml')
+POSES = """\
+time,frame,x,y,z,qx,qy,qz,qw
+0.0,ball,0.5,0,0.3,0,0,0,1
+0.1,ball,0.5,0,0.05,0,0,0,1
+"""
+
+
+@pytest.fixture
+def poses(tmp_path):
+    path = tmp_path / 'poses.csv'
+    path.write_text(POSES)
+    return str(path)
+
+
+def ask(capsys, *arguments):
+    assert main(['query', SCENE, *arguments]) == 0
+    return capsys.readouterr().out
+
+
+def test_each_time_has_its_answer(capsys, poses):
+    rows = list(
+        csv.DictReader(ask(capsys, '--poses', poses, '--max-distance', '0.3').splitlines())
+    )
+    floor = [(r['time'], float(r['distance'])) for r in rows if 'floor' in r['geometry_a']]
+    assert floor == [('0.0', pytest.approx(0.2)), ('0.1', pytest.approx(-0.05))]
+
+
+def test_json_holds_empty_answers_too(capsys, poses):
+    answers = json.loads(ask(capsys, '--poses', poses, '--what', 'penetration', '--format=json'))
+    assert [(a['time'], len(a['rows'])) for a in answers] == [(0.0, 0), (0.1, 1)]
+    assert answers[1]['rows'][0]['depth'] == pytest.approx(0.05)
+
+
+def test_collisions_are_one_row_a_moment(capsys, poses):
+    rows = list(csv.DictReader(ask(capsys, '--poses', poses, '--what=collisions').splitlines()))
+    assert [(r['time'], r['has_collisions']) for r in rows] == [('0.0', 'False'), ('0.1', 'True')]
+
+
+@pytest.mark.parametrize(
+    ('name', 'text'), [('p.csv', 'x,y,z\n0.5,0,1.3\n'), ('p.json', '[[0.5, 0, 1.3]]')]
+)
+def test_points_come_from_csv_or_json(capsys, tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    output = ask(
+        capsys, '--what=points', '--points', str(tmp_path / name), '--max-distance', '0.25'
+    )
+    (row,) = csv.DictReader(output.splitlines())
+    assert (row['point_index'], row['geometry']) == ('0', 'scene::ball/ball')
+    assert float(row['distance']) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize(
+    ('name', 'text'),
+    [
+        ('p.csv', 'x,y\n1,2\n'),
+        ('p.csv', 'x,y,z\n1,2,three\n'),
+        ('p.json', '[1, 2]'),
+        ('p.json', '{'),
+        ('p.csv', 'x,y,z\n1,2,nan\n'),
+    ],
+)
+def test_points_that_are_none_are_refused(capsys, tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    assert main(['query', SCENE, '--what=points', '--points', str(tmp_path / name)]) == 2
+    assert 'point' in capsys.readouterr().err
+
+
+def test_the_answer_goes_to_a_file(capsys, tmp_path):
+    output = tmp_path / 'out.csv'
+    assert ask(capsys, '--output', str(output)) == ''
+    assert 'scene::ball/ball' in output.read_text()
+
+
+def test_bad_input_leaves_an_old_answer_alone(capsys, tmp_path):
+    poses, output = tmp_path / 'poses.json', tmp_path / 'out.csv'
+    poses.write_text('[{"ball": [0, 0, 1, 0, 0, 0, 1]}, {"bell": [0, 0, 1, 0, 0, 0, 1]}]')
+    output.write_text('old')
+    assert main(['query', SCENE, '--poses', str(poses), '--output', str(output)]) == 2
+    assert '[1].bell' in capsys.readouterr().err
+    assert output.read_text() == 'old'

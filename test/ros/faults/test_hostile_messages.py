@@ -1,0 +1,90 @@
+"""Pose messages that are refused whole and counted, and odd ones that are taken."""
+
+import re
+
+from diagnostic_msgs.msg import DiagnosticArray
+from drake_geom_msgs import msg, srv
+from ros.harness import start_node
+from ros.scene_calls import accepted, add_pair, poses, refused
+
+from bench.ros.hostile import MANY, pose_messages, ten_million
+
+FRAMES = ['a', 'b']
+# Every message arrives: a stream of poses is best effort otherwise, and 1 MB is many packets.
+POSES = 'qos_overrides./sure/scene_graph/frame_poses.subscription'
+SURE = {f'{POSES}.reliability': 'reliable', f'{POSES}.depth': 100}
+MOST_LOG_LINES = 3  # of one kind in 5 s, however many messages are refused
+
+
+def where(client, frame):
+    return accepted(client.call(srv.GetPose, 'get_pose', frame=frame)).pose.pose.position.x
+
+
+def refusals(diagnostics, node):
+    """Return how many pose messages a node says it refused; None before it said so."""
+    for status in (message.status[0] for message in reversed(diagnostics)):
+        if status.name == node:
+            return int({v.key: v.value for v in status.values}['pose messages refused'])
+    return None
+
+
+def test_a_what_if_is_refused_for_the_same_reasons(client):
+    add_pair(client, 'what_if')
+    for _, message, word in pose_messages(['what_if::a', 'what_if::b'], 'what_if'):
+        refused(client.call(srv.HasCollisions, 'has_collisions', poses=message), word)
+    accepted(client.call(srv.HasCollisions, 'has_collisions'))
+
+
+def test_hostile_messages_are_counted_and_change_nothing(tmp_path, lone_client):
+    client, node = lone_client, start_node(tmp_path / 'log', namespace='/sure', **SURE)
+    client.server = '/sure/scene_graph'
+    try:
+        add_pair(client, 'stream')
+        diagnostics = client.listen(DiagnosticArray, '/diagnostics')
+        publisher = client.publisher(msg.FramePoses, 'frame_poses', 100)
+        publisher.publish(poses(FRAMES, [(1, 0, 0), (2, 0, 0)], 'stream'))
+        client.wait_for(lambda: where(client, 'stream::a') == 1.0, 'the good poses')
+        messages = [m for _, m, _ in pose_messages(['stream::a', 'stream::b'], 'stream')]
+        for message in messages * 4:
+            publisher.publish(message)
+        client.wait_for(
+            lambda: refusals(diagnostics, client.server) == 4 * len(messages), 'all refusals'
+        )
+        assert (where(client, 'stream::a'), where(client, 'stream::b')) == (1.0, 2.0)
+        # The log is throttled.
+        lines = re.findall('a message of frame_poses was refused', node.output())
+        assert 1 <= len(lines) <= MOST_LOG_LINES
+        assert len(node.output()) < 10_000
+    finally:
+        assert node.end() == 0, node.output()
+
+
+def test_ten_million_numbers_are_refused(client):
+    add_pair(client, 'many')
+    message = ten_million(['many::a', 'many::b'])
+    answer = client.call(srv.HasCollisions, 'has_collisions', poses=message)
+    refused(answer, f'poses holds {MANY} numbers for 2 frames')
+    accepted(client.call(srv.HasCollisions, 'has_collisions'))
+
+
+def test_odd_messages_that_are_legal_are_taken(client):
+    add_pair(client, 'odd')
+    distances = client.listen(msg.SignedDistancePairs, 'signed_distances')
+    publisher = client.publisher(msg.FramePoses, 'frame_poses')
+
+    def stamped(seconds, x):
+        """Send poses with a stamp until they are answered with it."""
+
+        def answer():
+            publisher.publish(poses(FRAMES, [(0, 0, 0), (x, 0, 0)], 'odd', seconds))
+            return any(m.header.stamp.sec == seconds for m in distances)
+
+        distances.clear()
+        client.wait_for(answer, f'the answer for {seconds} s')
+        assert where(client, 'odd::b') == x
+
+    stamped(100, 0.4)
+    stamped(50, 0.5)  # time goes back: what comes last counts
+    stamped(0, 0.6)  # a stamp that nobody set
+    publisher.publish(msg.FramePoses())  # no frame at all: nothing changes
+    assert where(client, 'odd::b') == 0.6
