@@ -218,10 +218,12 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         a, b = support_points(pair, n, 0.0)
         overlap = hinted and dot(sub(a, b), n) > noise
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
+        # (Not the literal True: for that Numba would compile all of EPA once more.)
         depth, least, n_in, a, b, _, unique = depth_and_bounds(
-            pair, difference, n, True, size, SHARPER_DEPTH * depth_tolerance
+            pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
         )
-        if least > 0.0:
+        overlap = least > 0.0
+        if overlap:
             a, b = drawn_to(-depth, n_in, a, b)
             return CLOSED, -depth, -least, -depth, n_in, a, b, unique
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
@@ -238,7 +240,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
                 return end, distance, distance, lower, n, a, b, True
         return end, distance, upper, lower, n, a, b, True
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-        pair, difference, n, False, size, SHARPER_DEPTH * depth_tolerance
+        pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
     )
     gap, upper = upper - lower, min(upper, -least)
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
