@@ -58,6 +58,7 @@ class DemoClient(Node):
         self._poses: dict[float, msg.FramePoses] = {}
         self._closest: tuple[msg.SignedDistancePairs, int] | None = None
         self._awaited, self._heard, self._patience = 'service', self._now(), _START_PATIENCE
+        self._start_result: msg.SignedDistancePairs | None = None
         self._screen = Screen(sys.stdout)
         self.recording: Recording | None = None
         self.done: Future = Future()
@@ -168,6 +169,20 @@ class DemoClient(Node):
                 _integers(message.id_b),
                 np.asarray(message.depth),
             )
+            self._exclude_once()
+
+    def _exclude_once(self) -> None:
+        """Exclude for good what touches at the start, once that has been seen and recorded."""
+        if self._start_result is None:
+            return
+        declaration = self._for_good(self._start_result)
+        self._start_result = None
+        touching = len(declaration.statements) - len(self._adjacent)
+        text = (
+            f'{len(self._adjacent)} pairs of adjacent links and {touching} of things that '
+            'touch at the start'
+        )
+        self._run(self._filters.exclude_for_good(declaration, text))
 
     def _on_distances(self, message: msg.SignedDistancePairs) -> None:
         self._heard = self._now()
@@ -175,13 +190,7 @@ class DemoClient(Node):
             return
         if self.recording is None:
             self.recording = Recording(self._table, self._robots, message.max_distance)
-            declaration = self._for_good(message)
-            touching = len(declaration.statements) - len(self._adjacent)
-            text = (
-                f'{len(self._adjacent)} pairs of adjacent links and {touching} of things that '
-                'touch at the start'
-            )
-            self._run(self._filters.exclude_for_good(declaration, text))
+            self._start_result = message
         time = reading.stamp(message)
         id_a, id_b = _integers(message.id_a), _integers(message.id_b)
         distance = np.asarray(message.distance)
