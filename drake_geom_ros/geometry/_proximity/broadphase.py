@@ -2,8 +2,7 @@
 
 One algorithm for all scenes, a sweep along the axis on which the bodies lie farthest apart. It is
 asked seldom, because ``near_list`` keeps its answer while nobody has moved far, and then only for
-the bodies that move: those that rest were sorted once. (A hashed grid is faster for one sweep of
-1000 equal balls, and much slower where sizes differ.)
+the bodies that move: those that rest were sorted once.
 """
 
 from __future__ import annotations
