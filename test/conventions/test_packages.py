@@ -15,6 +15,7 @@ FOLDERS = {'drake_geom_ros': ROOT, 'drake_geom_msgs': ROOT / 'msg_defs'}
 # Looked up in rosdistro's rosdep/python.yaml (August 2026): python3-fcl, python3-trimesh and
 # python3-mpmath, for instance, do not exist.
 ROSDEP_KEYS = {
+    'python-fcl-pip',
     'python3-hypothesis',
     'python3-jsonschema',
     'python3-lxml',
@@ -51,6 +52,7 @@ ROS_PACKAGES = {
 }
 # What an import is called where it is installed: rosdep key, pip requirement.
 LIBRARIES = {
+    'fcl': ('python-fcl-pip', 'python-fcl'),
     'jsonschema': ('python3-jsonschema', 'jsonschema'),
     'llvmlite': ('python3-numba', 'numba'),
     'lxml': ('python3-lxml', 'lxml'),
