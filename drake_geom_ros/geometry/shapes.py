@@ -12,9 +12,10 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
-from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface, hull_vertices
+from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.rotations import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
@@ -289,8 +290,7 @@ class _FromMesh(Shape):
         return hull_surface(self._measures[0], self.scale3())
 
     def _kernel_parameters(self) -> Floats:
-        vertices = hull_vertices(self._measures[0], self.scale3())
-        return np.concatenate(([len(vertices)], vertices.ravel()))
+        return hull_parameters(*self.hull_surface())
 
 
 class Convex(_FromMesh):

@@ -103,3 +103,7 @@ LAST_STEP = 2.0**-26
 # Slope of the overlap's width [m/rad], in units of its rounding, that Newton's method may leave
 # after such a step: half its square over the curvature is below rounding wherever a cap is proven.
 LOOSE_SLOPE = 32.0
+
+# Sine [-] of the angle by which the edges at a vertex of a hull fall away: below it the vertex is
+# blunt, and rounding could hide more than 512 EPS of the hull's diameter from a climb.
+BLUNT = 2.0**-7

@@ -42,7 +42,7 @@ CAPSULE    radius, half_length           axis z; half_length of the segment
 CYLINDER   radius, half_length           axis z
 ELLIPSOID  a, b, c                       semi-axes
 HALF_SPACE (none)                        occupies z <= 0
-CONVEX     n, then n x 3 vertices        in the geometry's frame, scaled
+CONVEX     n, then n x 3 vertices, ...   in the geometry's frame, scaled; see ``hulls``
 ========== ============================= ==========================================
 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on

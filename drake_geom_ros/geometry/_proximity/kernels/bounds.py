@@ -6,6 +6,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
+from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_defect
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,
     CAPSULE,
@@ -14,7 +15,6 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     ELLIPSOID,
     SPHERE,
     bounding_radius,
-    farthest_vertex,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
@@ -48,7 +48,8 @@ def support_value(shape_type, shape, n_G):
     if shape_type == ELLIPSOID:
         return norm((x * shape[0], y * shape[1], z * shape[2]))
     if shape_type == CONVEX:
-        return dot(n_G, farthest_vertex(shape, n_G[0], n_G[1], n_G[2]))
+        farthest = farthest_vertex(shape, n_G[0], n_G[1], n_G[2])
+        return dot(n_G, farthest) + hull_defect(shape)
     return math.inf
 
 

@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import (
     distance_of_cores,
     support_points,
 )
+from drake_geom_ros.geometry._proximity.kernels.hulls import hull_defect
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     hold,
@@ -57,6 +58,7 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,
     CAPSULE,
+    CONVEX,
     CYLINDER,
     ELLIPSOID,
     bounding_radius,
@@ -271,6 +273,10 @@ def signed_distance_of_cores(
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
     error_bound = max(upper - distance, distance - lower) + ROUNDING * EPS * size
+    if kind_A == CONVEX:
+        error_bound += hull_defect(shape_A)
+    if kind_B == CONVEX:
+        error_bound += hull_defect(shape_B)
     write(
         out,
         distance - r_A - r_B,

@@ -56,7 +56,8 @@ def support_points(pair, n, right_angle):
 @inlined
 def row(points, k, column):
     """Return three numbers of row k as a vector: w at column 0, a at 3, b at 6."""
-    return points[k, column], points[k, column + 1], points[k, column + 2]
+    k, column = np.uint64(k), np.uint64(column)  # unsigned: see hulls
+    return points[k, column], points[k, column + np.uint64(1)], points[k, column + np.uint64(2)]
 
 
 @inlined

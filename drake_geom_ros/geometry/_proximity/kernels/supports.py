@@ -16,6 +16,7 @@ area.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import rotate, unrotate
 
 # Type numbers, as in the messages.
@@ -51,11 +52,7 @@ def bounding_radius(kind, shape):
         return math.sqrt(shape[0] * shape[0] + shape[1] * shape[1])
     if kind == ELLIPSOID:
         return max(shape[0], shape[1], shape[2])
-    farthest = 0.0
-    for k in range(int(shape[0])):
-        x, y, z = shape[1 + 3 * k], shape[2 + 3 * k], shape[3 + 3 * k]
-        farthest = max(farthest, x * x + y * y + z * z)
-    return math.sqrt(farthest)
+    return hull_radius(shape)
 
 
 @inlined
@@ -66,19 +63,6 @@ def signed(size, direction, right_angle):
     if direction <= -right_angle:
         return -size
     return 0.0
-
-
-@compiled
-def farthest_vertex(shape, x, y, z):
-    """Return the vertex of CONVEX parameters that is extreme along (x, y, z)."""
-    best = 1
-    value = shape[1] * x + shape[2] * y + shape[3] * z
-    for k in range(4, 3 * int(shape[0]) + 1, 3):
-        candidate = shape[k] * x + shape[k + 1] * y + shape[k + 2] * z
-        if candidate > value:
-            value = candidate
-            best = k
-    return shape[best], shape[best + 1], shape[best + 2]
 
 
 @compiled

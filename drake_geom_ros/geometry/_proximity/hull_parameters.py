@@ -1,0 +1,60 @@
+"""The parameters of a convex hull for the kernels: its vertices, and the edges of a large one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.hulls import LISTS
+from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Vertices from which on a hull is climbed; looking at all of fewer is faster (bench/kernels.py).
+CLIMBED = 100
+
+
+def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
+    """Return the parameters of a hull as ``kernels.hulls`` lays them out.
+
+    ``vertices`` (n, 3) [m] are the corners of the hull, ``triangles`` (m, 3) its surface,
+    counter-clockwise from outside.
+    """
+    count = len(vertices)
+    all_of_small = np.concatenate(([count], vertices.ravel()))
+    if count < CLIMBED:
+        return all_of_small
+    sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = np.unique(np.concatenate((sides, sides[:, ::-1])), axis=0)
+    sharpness = _sharpness(vertices, triangles, edges)
+    blunt = sharpness < BLUNT
+    if np.count_nonzero(blunt) > count // 8:  # most climbs would end in looking at all
+        return all_of_small
+    # Computed gains are off by 3 EPS of the edge. A vertex whose edges all seem to lead down is
+    # the summit for a direction this little off, in radians: 3 EPS over its sharpness.
+    defect = 4.0 * EPS / sharpness[~blunt].min() * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    summits = [side(vertices[:, k]) for k in range(3) for side in (np.argmin, np.argmax)]
+    lists = 3 * count + LISTS + count + 1 + np.searchsorted(edges[:, 0], np.arange(count + 1))
+    lists[:-1][blunt] *= -1
+    places = 1 + 3 * np.concatenate((summits, edges[:, 1]))
+    return np.concatenate((all_of_small, [defect], places[:6], lists, places[6:]))
+
+
+def _sharpness(vertices: Floats, triangles: Indices, edges: Indices) -> Floats:
+    """Return the sine (n,) of the angle by which the edges of each vertex at least fall away.
+
+    From the plane at right angles to the mean of the normals around it; 0 where there are none.
+    """
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
+    means = np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(means, triangles[:, k], normals)
+    means /= np.maximum(np.linalg.norm(means, axis=1), np.finfo(float).tiny)[:, None]
+    along = vertices[edges[:, 1]] - vertices[edges[:, 0]]
+    falls = -np.einsum('ij,ij->i', along, means[edges[:, 0]]) / np.linalg.norm(along, axis=1)
+    sharpness = np.full(len(vertices), np.inf)
+    np.minimum.at(sharpness, edges[:, 0], falls)
+    return np.where(np.isfinite(sharpness), np.maximum(sharpness, 0.0), 0.0)
