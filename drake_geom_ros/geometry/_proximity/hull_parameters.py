@@ -11,8 +11,8 @@ from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Vertices from which on a hull is climbed; looking at all of fewer is faster (bench/kernels.py).
-CLIMBED = 100
+# Vertices from which on a hull is climbed; looking at all of fewer is faster (bench/hulls.py).
+CLIMBED = 200
 
 
 def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
