@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import platform
 import subprocess
 import sys
 import tempfile
@@ -46,6 +47,14 @@ def others(modules: list[str]) -> set[str]:
     known = metadata.packages_distributions()
     foreign = (m for m in modules if m not in ours and m not in sys.stdlib_module_names)
     return {known[module][0] for module in foreign if module in known}
+
+
+def processor() -> str:
+    """Return what the machine says its processor is."""
+    for line in Path('/proc/cpuinfo').read_text().splitlines():
+        if line.startswith('model name'):
+            return line.partition(':')[2].strip()
+    return platform.processor() or 'unknown processor'
 
 
 def climb(folders: dict[str, Path], cache: Path, runs: int, cold: bool) -> tuple[Any, Any]:
@@ -101,7 +110,7 @@ def main() -> None:
         node = ask_node(folders, options.seconds)
     scenes = report.scenes(LADDER)
     sections = (
-        f'{report.INTRODUCTION}\n{machine()}.\n\n{scenes}',
+        f'{report.INTRODUCTION}\n{processor()}; {machine()}.\n\n{scenes}',
         f'{report.IMPORTED}\n{report.imported(LADDER, warm, others)}',
         f'{report.COMPILED}\n{report.compiled(LADDER, cold, warm)}',
         f'{report.STARTED}\n{report.started(LADDER, warm)}',

@@ -26,7 +26,8 @@ COMPILED = """## Compiled
 Kernels that the scene's pairs of shapes need; each is compiled when a scene first has such a pair,
 and kept on disk. *Cold*: the cache was empty before the first rung, and each rung compiled what
 those above it had not: the sum of the rungs up to one is what its first start ever can take.
-*Warm*: everything loaded from the cache.
+*Warm*: everything loaded from the cache. Both with what Numba itself takes; memory is what is
+resident after the first query.
 """
 STARTED = """## Start-up and memory
 
@@ -121,17 +122,16 @@ def compiled(
         results = warm[rung.name]
         kernels = ', '.join(f'`{name.partition(".")[2]}`' for name in results[0]['kernels'])
         here = cold.get(rung.name)
-        rows.append(
-            (
-                rung.name,
-                str(here['functions']) if here else '-',
-                three(here['seconds']['compile'] + here['seconds']['numba']) if here else '-',
-                three(median(results, 'seconds', 'compile')),
-                kernels,
-            )
-        )
-    headings = ('scene', 'functions, cold', 'cold [s]', 'warm [s]', 'kernels')
-    return table(headings, rows)
+        row = (str(here['functions']), *_taken([here])) if here else ('-', '-', '-')
+        rows.append((rung.name, *row, *_taken(results), kernels))
+    headings = ('functions', 'cold [s]', '[MB]', 'warm [s]', '[MB]', 'kernels')
+    return table(('scene', *headings), rows)
+
+
+def _taken(results: list[Result]) -> tuple[str, str]:
+    """Return seconds and megabytes of getting ready to compute."""
+    seconds = sum(median(results, 'seconds', step) for step in ('numba', 'compile'))
+    return three(seconds), three(median(results, 'memory', 'first query'))
 
 
 def started(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
@@ -140,8 +140,10 @@ def started(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
         results = warm[rung.name]
         seconds = [median(results, 'seconds', step) for step in STEPS]
         memory = median(results, 'memory', 'first query')
-        rows.append((rung.name, *map(three, seconds), three(sum(seconds)), f'{memory:.0f}'))
-    return table(('scene', *(f'{s} [s]' for s in STEPS), 'all [s]', 'memory [MB]'), rows)
+        in_order = (*map(three, seconds[:-1]), three(1e3 * seconds[-1]), three(sum(seconds)))
+        rows.append((rung.name, *in_order, three(memory)))
+    steps = (f'{step} [s]' for step in STEPS[:-1])
+    return table(('scene', *steps, 'first query [ms]', 'all [s]', 'memory [MB]'), rows)
 
 
 def computed(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
