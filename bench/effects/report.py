@@ -19,7 +19,8 @@ allocate, compute and publish: what a scene does not call for does not happen. W
 IMPORTED = """## Imported
 
 Packages of others that each step brings, beside those of the steps above it. Numba loads most of
-itself at its first compiled call, and with it whatever it finds of SciPy.
+itself at its first compiled call, and with it whatever it finds of SciPy; trimesh, at a scene's
+first hull or mesh, whatever it finds of its friends, python-fcl among them.
 """
 COMPILED = """## Compiled
 
