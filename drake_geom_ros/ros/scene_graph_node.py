@@ -4,9 +4,10 @@ A managed life-cycle node: configure loads the scene and compiles its kernels, a
 deactivate stops publishing and keeps the scene, cleanup forgets it. It configures and activates
 itself unless the parameter ``autostart`` is false.
 
-Three threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
-queries on snapshots of the scene and draws, and the main one does the rest: changes of the scene,
-parameters, the life cycle, diagnostics.
+Four threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
+queries on snapshots of the scene and draws, one reads what may take long (meshes, scene files,
+robot descriptions) and compiles for it, and the main one does the rest: other changes of the
+scene, parameters, the life cycle, diagnostics.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError,
 from drake_geom_ros.ros.point_queries import PointQueries
 from drake_geom_ros.ros.robot_description import RobotInput
 from drake_geom_ros.ros.scene_conversions import fill_scene
-from drake_geom_ros.ros.services import BESIDE, CHANGES, answer
+from drake_geom_ros.ros.services import BESIDE, CHANGES, LOADING, answer
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
 from drake_geom_ros.ros.tf_input import TfInput
@@ -58,7 +59,8 @@ class SceneGraphNode(LifecycleNode):
         super().__init__('scene_graph', **kwargs)
         self._stream = MutuallyExclusiveCallbackGroup()
         self._beside = MutuallyExclusiveCallbackGroup()
-        self.threaded_groups = (self._stream, self._beside)
+        self._loading = MutuallyExclusiveCallbackGroup()
+        self.threaded_groups = (self._stream, self._beside, self._loading)
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values
         self._live = LiveScene(values.accuracy, self._now, values.world_frame)
@@ -148,11 +150,12 @@ class SceneGraphNode(LifecycleNode):
         if values.robot_description_topic:
             self._robot = RobotInput(self._live)
             topic = values.robot_description_topic
-            self._listen(String, topic, self._on_robot, latched(), self._beside)
+            self._listen(String, topic, self._on_robot, latched(), self._loading)
         for name, kind, handler in CHANGES:
             surface.service(kind, f'~/{name}', partial(self._change, handler))
-        for name, kind, handler in BESIDE:
-            surface.service(kind, f'~/{name}', partial(self._serve, handler), self._beside)
+        for services, group in ((BESIDE, self._beside), (LOADING, self._loading)):
+            for name, kind, handler in services:
+                surface.service(kind, f'~/{name}', partial(self._serve, handler), group)
         self._set_rate(values.rate)
         surface.timer(1.0 / values.marker_rate, self._draw, self._beside)
         surface.timer(_HOUSEKEEPING_PERIOD, self._keep_house)

@@ -24,7 +24,7 @@ from drake_geom_ros.scene_files.description import (
     Statement,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
-from drake_geom_ros.scene_files.registration import LoadedScene, register
+from drake_geom_ros.scene_files.registration import LoadedScene, register, rehearse
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
@@ -36,6 +36,7 @@ __all__ = [
     'read_scene',
     'save_scene',
     'register',
+    'rehearse',
     'describe',
     'to_yaml',
     'scene_schema',

@@ -15,7 +15,7 @@ LAYERS = {
     'geometry': (('math', 'geometry', 'geometry/_proximity'), ('numpy',)),
     'scene_files': (
         ('math', 'geometry', 'scene_files'),
-        ('numpy', 'yaml', 'yourdfpy', 'lxml', 'jsonschema'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
     'trajectories': (
         ('math', 'geometry', 'scene_files', 'trajectories'),
