@@ -157,6 +157,23 @@ def _least(out, gap, size):  # type: ignore[no-untyped-def]
     return out[DISTANCE] - out[ERROR_BOUND]
 
 
+@inlined
+def _postpone(k, bounds, waiting, distances, counts):  # type: ignore[no-untyped-def]
+    """Put pair k into the queue, with its least distance by its bounds."""
+    waiting[counts[POSTPONED]] = k
+    distances[counts[POSTPONED]] = bounds[DISTANCE] - bounds[ERROR_BOUND]
+    counts[POSTPONED] += 1
+
+
+@inlined
+def _is_hit(out, gap, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+    """Tell whether an answer is within reach; of bounds alone, whether it may be."""
+    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(gap) else 0.0)
+    if penetrating:
+        return distance < -TOUCHING_DEPTH * size
+    return distance <= cutoff
+
+
 @compiled
 def answer_pairs(  # type: ignore[no-untyped-def]
     addresses, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
@@ -202,9 +219,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             near = least <= cutoff
             if near and waiting.size > 0:
                 _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
-                waiting[counts[POSTPONED]] = k
-                distances[counts[POSTPONED]] = bounds[DISTANCE] - bounds[ERROR_BOUND]
-                counts[POSTPONED] += 1
+                _postpone(k, bounds, waiting, distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
@@ -228,10 +243,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             slacks[s] = -math.inf if flat else least + travelled - rounding
             if not near:
                 continue
-        # Of bounds alone everything counts that may be within reach.
-        distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(gaps[s]) else 0.0)
-        limit = -TOUCHING_DEPTH * size if penetrating else cutoff
-        if distance < limit or (distance == limit and not penetrating):
+        if _is_hit(out, gaps[s], size, cutoff, penetrating):
             hits[found] = k
             found += 1
             if first >= 0:
