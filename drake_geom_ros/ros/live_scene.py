@@ -102,6 +102,11 @@ class LiveScene:
         self._version_base = self.version + 1
         self._adopt(SceneGraph(accuracy=self._accuracy))
 
+    @property
+    def accuracy(self) -> str:
+        """The accuracy level of queries that name none."""
+        return self._accuracy
+
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy level of queries that name none."""
         self._accuracy = accuracy

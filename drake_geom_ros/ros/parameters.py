@@ -7,7 +7,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -24,6 +29,7 @@ class NodeParameters:
     rate: float = 0.0
     max_distance: float = 0.1
     accuracy: str = 'exact'
+    time_budget: float = 0.0
     stale_after: float = 1.0
     point_threshold: float = 0.1
     use_tf: bool = False
@@ -31,6 +37,8 @@ class NodeParameters:
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
+    replay_dir: str = ''
+    replay_limit: int = 20
     autostart: bool = True
 
 
@@ -41,6 +49,10 @@ _TEXTS = {
     'rate': 'Cycles per second [Hz]; 0: one cycle for each pose message.' + _LIVE,
     'max_distance': 'Pairs farther apart are left out of ~/signed_distances [m].' + _LIVE,
     'accuracy': f'Accuracy level of the queries: {", ".join(ACCURACY_LEVELS)}.' + _LIVE,
+    'time_budget': (
+        'Limit [s] of the narrow phase of a cycle, nearest pairs first, the rest by certified '
+        'bounds; 0: none.' + _LIVE
+    ),
     'stale_after': 'Age at which the pose of a frame counts as stale [s].' + _LIVE,
     'point_threshold': (
         'Geometries farther from a point of ~/query_points are left out of ~/point_distances [m].'
@@ -57,14 +69,21 @@ _TEXTS = {
         "stands for all packages' share folders, and the folder of scene_file always counts."
         + _LIVE
     ),
+    'replay_dir': (
+        'Folder for files of results that break a promise, one for each pair of shape types, for '
+        '`python -m drake_geom_ros replay FILE`; empty: none.' + _LIVE
+    ),
+    'replay_limit': 'Replay files in that folder at which no more are written.' + _LIVE,
     'autostart': 'Configure and activate by itself at start.',
 }
 _RANGES = {
     'rate': (0.0, 10000.0),
     'max_distance': (0.0, math.inf),
+    'time_budget': (0.0, math.inf),
     'stale_after': (0.0, math.inf),
     'point_threshold': (0.0, math.inf),
     'marker_rate': (0.1, 100.0),
+    'replay_limit': (0, 10000),
 }
 
 
@@ -86,9 +105,12 @@ class ParameterStore:
             descriptor = ParameterDescriptor(description=text, read_only=not text.endswith(_LIVE))
             if entry.name in _RANGES:
                 low, high = _RANGES[entry.name]
-                descriptor.floating_point_range = [
-                    FloatingPointRange(from_value=low, to_value=high)
-                ]
+                if isinstance(entry.default, int):
+                    descriptor.integer_range = [IntegerRange(from_value=low, to_value=high)]
+                else:
+                    descriptor.floating_point_range = [
+                        FloatingPointRange(from_value=low, to_value=high)
+                    ]
             default = list(entry.default) if entry.name == 'mesh_roots' else entry.default
             values[entry.name] = _plain(node.declare_parameter(entry.name, default, descriptor))
         self.values = NodeParameters(**values)

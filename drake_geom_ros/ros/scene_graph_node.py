@@ -30,13 +30,16 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from drake_geom_ros.ros import level_costs, replays
 from drake_geom_ros.ros.cycle import Cycle
 from drake_geom_ros.ros.diagnostics import Diagnostics
 from drake_geom_ros.ros.file_access import FileAccess
+from drake_geom_ros.ros.level_costs import LevelCosts
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 from drake_geom_ros.ros.point_queries import PointQueries
+from drake_geom_ros.ros.replays import Replays
 from drake_geom_ros.ros.robot_description import RobotInput
 from drake_geom_ros.ros.scene_conversions import fill_scene
 from drake_geom_ros.ros.services import BESIDE, CHANGES, LOADING, answer
@@ -158,6 +161,8 @@ class SceneGraphNode(LifecycleNode):
                 surface.service(kind, f'~/{name}', partial(self._serve, handler), group)
         self._set_rate(values.rate)
         surface.timer(1.0 / values.marker_rate, self._draw, self._beside)
+        surface.timer(level_costs.PERIOD, self._costs.measure, self._beside)
+        surface.timer(replays.PERIOD, self._write_replays, self._beside)
         surface.timer(_HOUSEKEEPING_PERIOD, self._keep_house)
         surface.timer(_DIAGNOSTICS_PERIOD, self._publish_diagnostics)
 
@@ -172,7 +177,9 @@ class SceneGraphNode(LifecycleNode):
                 ('cycle_report', messages.CycleReport),
             )
         }
-        self._cycle = Cycle(live, messages, publishers)
+        self._costs = LevelCosts(live, publishers['cycle_report'])
+        self._replays = Replays(live, self._replay_settings)
+        self._cycle = Cycle(live, messages, publishers, self._costs, self._replays)
         self._taken = (0, 0.0)
         self._scene_publisher = surface.publisher(messages.Scene, '~/scene', latched())
         self._published_version, self._next_scene = -1, 0.0
@@ -294,7 +301,8 @@ class SceneGraphNode(LifecycleNode):
     def _run_cycle(self) -> None:
         if self._active:
             (frames, seconds), self._taken = self._taken, (0, 0.0)
-            self._cycle.run(frames, seconds, self._settings.values.max_distance)
+            values = self._settings.values
+            self._cycle.run(frames, seconds, values.max_distance, values.time_budget)
 
     def _publish_scene(self) -> None:
         """Publish ~/scene when it is not the version that was published last."""
@@ -318,6 +326,14 @@ class SceneGraphNode(LifecycleNode):
             self._markers.publish()
         else:
             self._markers.clear()
+
+    def _replay_settings(self) -> tuple[str, int]:
+        values = self._settings.values
+        return values.replay_dir, values.replay_limit
+
+    def _write_replays(self) -> None:
+        for told in self._replays.write():
+            self.get_logger().warning(told)
 
     def _keep_house(self) -> None:
         with self._live.lock:

@@ -25,11 +25,15 @@ LAYERS = {
         ('math', 'geometry', 'scene_files', 'trajectories', 'demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits'),
     ),
+    'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
     'command_line': (
-        ('math', 'geometry', 'scene_files', 'trajectories', 'command_line'),
+        ('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
         ('numpy',),
     ),
-    'ros': (('math', 'geometry', 'scene_files', 'trajectories', 'demo', 'ros'), ('numpy', 'ROS')),
+    'ros': (
+        ('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'demo', 'ros'),
+        ('numpy', 'ROS'),
+    ),
 }
 # One file each for what nobody else may touch.
 EXCEPTIONS = {

@@ -251,7 +251,7 @@ def test_every_parameter_tells_what_it_is(client):
     expected = {
         *('scene_file', 'world_frame', 'rate', 'max_distance', 'accuracy', 'stale_after'),
         *('use_tf', 'publish_markers', 'autostart', 'point_threshold', 'marker_rate'),
-        *('robot_description_topic', 'mesh_roots'),
+        *('robot_description_topic', 'mesh_roots', 'time_budget', 'replay_dir', 'replay_limit'),
     }
     assert expected <= set(names)
     described = client.call(DescribeParameters, 'describe_parameters', names=sorted(expected))
@@ -261,6 +261,8 @@ def test_every_parameter_tells_what_it_is(client):
         assert changes != descriptor.read_only
         if descriptor.type == ParameterType.PARAMETER_DOUBLE:
             assert descriptor.floating_point_range
+        if descriptor.type == ParameterType.PARAMETER_INTEGER:
+            assert descriptor.integer_range
 
 
 @pytest.mark.parametrize(
@@ -273,6 +275,9 @@ def test_every_parameter_tells_what_it_is(client):
         ('marker_rate', {'double_value': 5.0}),
         ('point_threshold', {'double_value': float('nan')}),
         ('accuracy', {'string_value': 'superb'}),
+        ('time_budget', {'double_value': -0.1}),
+        ('time_budget', {'double_value': float('nan')}),
+        ('replay_limit', {'integer_value': -1}),
     ],
 )
 def test_a_parameter_that_cannot_be_is_refused(client, name, value):

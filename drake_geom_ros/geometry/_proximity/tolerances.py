@@ -10,6 +10,11 @@ EPS = 2.0**-52
 # for a pair of size 1 m. ``bound`` runs no iteration at all.
 LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 
+# What rounding may add to the bounds that a level promises, in EPS times the pair's size and the
+# distance of the origins. EPA ends within 4 ROUNDING and each answer of an iteration is widened by
+# one more, a closed form has CLOSED_FORM_ROUNDING: this is 1.6 and 4 times as much.
+PROMISED_ROUNDING = 128.0
+
 # Depth [m], relative to the pair's size, that a pair must exceed to count as penetrating:
 # touching is not penetrating, and rounding leaves a touching pair within a few EPS of zero.
 TOUCHING_DEPTH = 1e-14
