@@ -13,8 +13,8 @@ DIGITS = 50
 
 
 def vector(values):
-    """The exact values of floats."""
-    return [mpf(float(v)) for v in values]
+    """The exact values of floats, or of numbers with more digits."""
+    return [v if isinstance(v, mpf) else mpf(float(v)) for v in values]
 
 
 def dot(a, b):

@@ -209,3 +209,8 @@ def _scaled(body: _Body, scale: float) -> _Body:
     return _Body(
         body.kind, size, body.R, body.p / scale, body.edges, body.normals, body.vertices / scale
     )
+
+
+def support_point(shape, X_WG, n):
+    """Return the point (3,) of a body at its pose that is extreme along the unit direction n."""
+    return _body(shape, X_WG).support(np.asarray(n, dtype=float)[None])[0]

@@ -1,0 +1,100 @@
+"""What every answer to a hard case must hold, by the case's truth and by the surfaces alone."""
+
+import functools
+import math
+
+import numpy as np
+from hard_cases import truth
+from oracles import pairs
+from scipy.spatial import ConvexHull
+
+EPS = truth.EPS
+ROUNDING = 64.0 * EPS  # of the extent: what positions and normals may be off by
+TOUCHING = 1e-14  # of the size: what counts as touching, see the engine's TOUCHING_DEPTH
+LEVELS = {'bound': math.inf, 'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}  # [m] at 1 m
+
+
+def away(case):
+    """Return how far [m] the pair is from the world's origin."""
+    return float(max(np.abs(case.a.p).max(), np.abs(case.b.p).max()))
+
+
+def slack(case, row):
+    """Return what the answer may be off by [m]: its certificate, and that of the truth."""
+    return float(row.error_bound[0]) + case.tolerance
+
+
+def check_certificate(case, row):
+    """The distance is right within the error bound."""
+    assert np.isfinite(row.distance[0])
+    assert abs(row.distance[0] - case.distance) <= slack(case, row)
+
+
+def check_width(case, row, level):
+    """The bound is as tight as the level promises, rounding of poses far away aside."""
+    size = min([1.0] + [one.radius for one in (case.a, case.b) if one.radius])
+    allowed = 2.0 * LEVELS[level] * size + ROUNDING * (case.extent + away(case))
+    assert row.error_bound[0] <= allowed
+
+
+def check_geometry(case, row):
+    """Finite, a unit normal, witness points on the surfaces that span the distance along it."""
+    nhat, p_WCa, p_WCb = row.nhat_BA_W[0], row.p_WCa[0], row.p_WCb[0]
+    assert np.isfinite([nhat, p_WCa, p_WCb]).all()
+    assert abs(np.linalg.norm(nhat) - 1.0) <= 1e-12
+    rounding = ROUNDING * (case.extent + away(case))
+    np.testing.assert_allclose(p_WCa - p_WCb, row.distance[0] * nhat, rtol=0, atol=rounding)
+    off = rounding + slack(case, row)
+    assert abs(height(case.a, p_WCa)) <= off
+    assert abs(height(case.b, p_WCb)) <= off
+
+
+def check_normal(case, row):
+    """No direction has a wider gap: the normal attains the distance, and is what was expected."""
+    nhat = row.nhat_BA_W[0]
+    rounding = ROUNDING * (case.extent + away(case))
+    # How well a normal can be known depends on how far the cores, without the radii, are apart.
+    core = abs(case.distance + sum(map(radius_of_core, (case.a, case.b))))
+    spread = 1.0 + case.extent / max(core, row.error_bound[0], math.ulp(0.0))
+    lacking = case.distance - truth.width(case.a, case.b, nhat)
+    assert lacking <= rounding + slack(case, row) * spread
+    if case.normals is not None:
+        turned = min(np.linalg.norm(nhat - expected) for expected in case.normals)
+        assert turned <= 1e-9 + math.sqrt(8.0 * (slack(case, row) + rounding) / core)
+
+
+def check_witnesses(case, row):
+    """Where the witness points are unique they are the expected ones."""
+    if case.witnesses is None:
+        return
+    rounding = ROUNDING * (case.extent + away(case))
+    # A point on a surface curved as the whole pair is known to the root of the distance's error.
+    allowed = rounding + math.sqrt(8.0 * (slack(case, row) + rounding) * case.extent)
+    found = np.array([row.p_WCa[0], row.p_WCb[0]])
+    assert np.linalg.norm(found - case.witnesses, axis=1).max() <= allowed
+
+
+def radius_of_core(body):
+    """Return the radius of the ball that a body is its core grown by, as far as it matters."""
+    return body.size[0] if body.kind in ('Sphere', 'Capsule') else 0.0
+
+
+def height(body, p_W):
+    """Return the signed distance of a point near a body's surface, well enough to tell."""
+    if body.kind == 'HalfSpace':
+        return float((p_W - body.p) @ body.R[:, 2])
+    s = body.radius
+    if s == 0.0:
+        return float(np.linalg.norm(p_W - body.p))
+    q = (body.R.T @ (p_W - body.p)) / s
+    if body.kind == 'Convex':
+        planes = _planes(body.size)
+        return s * float((planes[:, :3] @ q + planes[:, 3]).max())
+    kind, size = truth.kernel_form(body)
+    return s * pairs.height(kind, size / s, q)
+
+
+@functools.cache
+def _planes(vertices):
+    points = np.array(vertices)
+    return ConvexHull(points / np.linalg.norm(points, axis=1).max()).equations
