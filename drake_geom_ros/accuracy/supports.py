@@ -74,7 +74,9 @@ class Body:
 
     def exact_height(self, n: list[Any]) -> Any:
         """Return h(n), in full digits, from the position p."""
-        d = [sum((x * mpf(float(self.R[i, k])) for i, x in enumerate(n)), mpf(0)) for k in (0, 1, 2)]
+        d = [
+            sum((x * mpf(float(self.R[i, k])) for i, x in enumerate(n)), mpf(0)) for k in (0, 1, 2)
+        ]
         rough = self.vertices @ np.array([float(x) for x in d])
         tied = self.vertices[rough >= rough.max() - TIE * max(self.size, 1e-300)]
         height = max(_dot(d, v) for v in tied) + mpf(float(self.radius)) * _norm(n)
