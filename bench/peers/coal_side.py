@@ -10,7 +10,9 @@ from __future__ import annotations
 import coal
 import numpy as np
 
+from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import Floats, Scene, Shape
+from drake_geom_ros.peers.coal_peer import coal_shape
 
 NAME = 'Coal'
 MOST_CONTACTS = 10**6
@@ -84,8 +86,4 @@ def _pose(X: Floats) -> coal.Transform3s:
 
 
 def _shape(shape: Shape) -> coal.CollisionGeometry:
-    if shape.vertices is None:
-        return getattr(coal, shape.kind)(*shape.sizes)
-    points = coal.StdVec_Vec3s()
-    points.extend(list(shape.vertices))
-    return coal.Convex.convexHull(points, True, '')
+    return coal_shape(our_shape(shape))

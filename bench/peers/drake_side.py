@@ -14,7 +14,9 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 from scipy.spatial.transform import Rotation
 
+from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import NEAR, Floats, Scene, Shape
+from drake_geom_ros.peers.pydrake_peer import drake_shape
 
 NAME = 'pydrake'
 
@@ -92,6 +94,4 @@ class Side:
 
 
 def _shape(shape: Shape) -> geometry.Shape:
-    if shape.vertices is not None:
-        return geometry.Convex(points=shape.vertices.T, label='hull')
-    return getattr(geometry, shape.kind)(*shape.sizes)
+    return drake_shape(our_shape(shape))

@@ -10,8 +10,9 @@ from __future__ import annotations
 import fcl  # noqa: TID251  (the ban is for the package; this is a measurement of fcl itself)
 import numpy as np
 
-from bench.peers.hull_files import hull_faces
+from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import Floats, Scene, Shape
+from drake_geom_ros.peers.fcl_peer import fcl_shape
 
 NAME = 'python-fcl'
 MOST_CONTACTS = 10**6
@@ -67,8 +68,4 @@ def _manager(objects: list[fcl.CollisionObject]) -> fcl.DynamicAABBTreeCollision
 
 
 def _shape(shape: Shape) -> fcl.CollisionGeometry:
-    if shape.vertices is None:
-        return getattr(fcl, shape.kind)(*shape.sizes)
-    faces = hull_faces(shape.vertices)
-    counted = np.concatenate((np.full((len(faces), 1), 3), faces), axis=1)
-    return fcl.Convex(shape.vertices, len(faces), counted.ravel())
+    return fcl_shape(our_shape(shape))

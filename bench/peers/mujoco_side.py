@@ -6,9 +6,10 @@ It reports up to several contacts a pair; all of them are read as arrays.
 from __future__ import annotations
 
 import mujoco
-import numpy as np
 
-from bench.peers.scenes import Floats, Scene, Shape
+from bench.peers.our_shapes import our_shape
+from bench.peers.scenes import Floats, Scene
+from drake_geom_ros.peers.mujoco_peer import add_geom
 
 NAME = 'MuJoCo'
 MEMORY = 2**29  # [bytes] for contacts
@@ -24,9 +25,10 @@ class Side:
         for number, shape in enumerate(scene.bodies):
             body = spec.worldbody.add_body(name=f'body {number}')
             body.add_freejoint()
-            _add(spec, body, shape, f'body {number}')
+            add_geom(spec, body, our_shape(shape), f'body {number}')
         for number, (shape, X) in enumerate(scene.anchored):
-            geom = _add(spec, spec.worldbody, shape, f'anchored {number}')
+            name = f'anchored {number}'
+            geom = add_geom(spec, spec.worldbody, our_shape(shape), name)
             geom.pos, geom.quat = X[:3], X[[6, 3, 4, 5]]
         for a, b in scene.filtered:
             spec.add_exclude(bodyname1=f'body {a}', bodyname2=f'body {b}')
@@ -47,20 +49,3 @@ class Side:
         contact = self._data.contact
         arrays = contact.geom, contact.dist, contact.pos, contact.frame
         return len(arrays[0])
-
-
-def _add(spec: mujoco.MjSpec, body: mujoco.MjsBody, shape: Shape, name: str) -> mujoco.MjsGeom:
-    """Add a shape to a body; half sizes are what MuJoCo wants."""
-    geom = body.add_geom(name=name)
-    geom.type = getattr(mujoco.mjtGeom, f'mjGEOM_{shape.kind.upper()}', mujoco.mjtGeom.mjGEOM_MESH)
-    if shape.vertices is not None:
-        spec.add_mesh(name=name, uservert=shape.vertices.ravel())
-        geom.meshname = name
-        return geom
-    sizes = np.array(shape.sizes)
-    if shape.kind == 'Box':
-        sizes *= 0.5
-    elif shape.kind in ('Capsule', 'Cylinder'):
-        sizes[1] *= 0.5
-    geom.size[: len(sizes)] = sizes
-    return geom

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bench.peers.hull_files import hull_file
+from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import NEAR, Floats, Scene, Shape
 from drake_geom_ros import geometry
 from drake_geom_ros.math import RigidTransform, RotationMatrix
@@ -53,7 +53,7 @@ class Side:
         name: str,
         X_FG: Floats | None = None,
     ) -> geometry.GeometryId:
-        instance = geometry.GeometryInstance(_transform(X_FG), _shape(shape), name)
+        instance = geometry.GeometryInstance(_transform(X_FG), our_shape(shape), name)
         instance.set_proximity_properties(geometry.ProximityProperties())
         return graph.RegisterGeometry(self._source, frame, instance)
 
@@ -86,12 +86,6 @@ class Side:
 
     def _has_collisions(self) -> int:
         return int(self.query.HasCollisions())
-
-
-def _shape(shape: Shape) -> geometry.Shape:
-    if shape.vertices is not None:
-        return geometry.Convex(hull_file(shape.vertices), 1.0)
-    return getattr(geometry, shape.kind)(*shape.sizes)
 
 
 def _transform(X: Floats | None) -> RigidTransform:

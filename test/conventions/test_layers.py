@@ -17,6 +17,7 @@ LAYERS = {
         ('math', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'yourdfpy', 'lxml', 'jsonschema'),
     ),
+    'peers': (('math', 'geometry', 'peers'), ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco')),
     'trajectories': (
         ('math', 'geometry', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),

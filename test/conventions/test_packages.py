@@ -64,7 +64,7 @@ LIBRARIES = {
     'yaml': ('python3-yaml', 'pyyaml'),
     'yourdfpy': ('python3-yourdfpy-pip', 'yourdfpy'),
 }
-OPTIONAL = {'tf2_msgs'}  # used where it is there
+OPTIONAL = {'tf2_msgs', 'pydrake', 'coal', 'mujoco'}  # used where it is there
 
 
 def dependencies(name):

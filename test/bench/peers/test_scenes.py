@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from bench.peers import ours, scenes
+from bench.peers.our_shapes import our_shape
 
 FEW = [name for name in scenes.names() if name.partition('/')[0] != 'anchored-2000']
 SMALL = ('spheres-50', 'arms', 'hulls-20')
@@ -68,11 +69,9 @@ def test_more_anchored_boxes_leave_the_moving_bodies_as_they_are():
 def test_a_hull_has_all_its_points_as_vertices():
     scene = scenes.build('hulls-20')
     assert {len(body.vertices) for body in scene.bodies} == {64}
-    from bench.peers.hull_files import hull_faces
-
     for body in scene.bodies[:3]:
-        faces = hull_faces(body.vertices)
-        assert len(np.unique(faces)) == 64
-        a, b, c = (body.vertices[faces[:, k]] for k in range(3))
+        vertices, faces = our_shape(body).hull_surface()
+        assert len(vertices) == len(np.unique(faces)) == 64
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
         outward = np.einsum('ij,ij->i', np.cross(b - a, c - a), a)
         assert (outward > 0).all()  # the origin is inside, so every face looks away from it
