@@ -11,6 +11,7 @@ import multiprocessing
 import os
 import resource
 import time
+from collections import Counter
 from collections.abc import Sequence
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
@@ -25,7 +26,7 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 START_LIMIT = 60.0  # [s] to start and to import the library
 LIMIT = 3.0  # [s] for one pair to be made and asked
 BLOCK_LIMIT = 60.0  # [s] for a block of timed calls
-MOST_LOST = 3  # processes that one list of samples may cost; the rest of it is not asked
+MOST_LOST = 3  # processes that a query of one subject may cost; the rest of it is not asked
 
 ANSWERED, MISSED, NAN, EXCEPTION, CRASH, HANG, UNSUPPORTED, NOT_ASKED = VERDICTS = (
     'answered',
@@ -54,35 +55,37 @@ class PeerProcess:
         self._methods = multiprocessing.get_context('forkserver')
         self._methods.set_forkserver_preload([__name__])
         self._process: Any = None
-        self._samples: Sequence[Sample] = ()
+        self._samples: list[Sample] = []
+        self._lost: Counter[str] = Counter()  # processes, by query
 
-    def answers(
-        self, query: str, tolerance: float | None, samples: Sequence[Sample]
-    ) -> list[Outcome]:
-        """Return what the peer says to each sample, with its own settings or one tolerance."""
-        self._give(samples)
-        lost, outcomes = 0, []
-        for index in range(len(samples)):
-            if lost == MOST_LOST:
-                outcomes.append(Outcome(NOT_ASKED))
-                continue
-            outcome = self._request('answer', query, tolerance, index)
-            outcomes.append(outcome)
-            lost += outcome.verdict in (CRASH, HANG)
-            if outcome.verdict == UNSUPPORTED:
-                return [outcome] * len(samples)
-        return outcomes
+    def begin(self) -> None:
+        """Forget all samples."""
+        self._samples, self._lost = [], Counter()
+        if self._process is not None:
+            self._connection.send(('forget',))
+
+    def give(self, samples: Sequence[Sample]) -> None:
+        """Add samples, which are numbered in the order in which they came."""
+        self._samples += samples
+        if self._process is not None:
+            self._connection.send(('give', samples))
+
+    def answer(self, query: str, tolerance: float | None, index: int) -> Outcome:
+        """Return what the peer says to a sample, with its own settings or one tolerance."""
+        if self._lost[query] >= MOST_LOST:
+            return Outcome(NOT_ASKED)
+        outcome: Outcome = self._request('answer', query, tolerance, index)
+        self._lost[query] += outcome.verdict in (CRASH, HANG)
+        return outcome
 
     def seconds(
         self, query: str, tolerance: float | None, indices: Sequence[int], turns: Floats
     ) -> float | None:
-        """Return the mean seconds of one call for some of the last samples; None if it was lost.
+        """Return the mean seconds of one call for some of the samples; None without.
 
         Each of them is turned as a whole, by ``turns`` (k, 3, 3).
         """
-        taken = self._request(
-            'time', query, tolerance, list(indices), turns, limit=BLOCK_LIMIT
-        )
+        taken = self._request('time', query, tolerance, list(indices), turns, limit=BLOCK_LIMIT)
         return None if isinstance(taken, Outcome) else float(taken)
 
     def close(self) -> None:
@@ -92,12 +95,6 @@ class PeerProcess:
             self._process.join()
             self._connection.close()
             self._process = None
-
-    def _give(self, samples: Sequence[Sample]) -> None:
-        if samples is not self._samples:
-            self._samples = samples
-            if self._process is not None:
-                self._connection.send(('samples', samples))
 
     def _request(self, *request: Any, limit: float = LIMIT) -> Any:
         """Return what the process answers; an Outcome when it is lost over it."""
@@ -115,15 +112,13 @@ class PeerProcess:
 
     def _start(self) -> None:
         self._connection, theirs = self._methods.Pipe()
-        self._process = self._methods.Process(
-            target=_serve, args=(theirs, self.name), daemon=True
-        )
+        self._process = self._methods.Process(target=_serve, args=(theirs, self.name), daemon=True)
         self._process.start()
         theirs.close()
         if not self._connection.poll(START_LIMIT):
             raise EOFError
         self._connection.recv()
-        self._connection.send(('samples', self._samples))
+        self._connection.send(('give', self._samples))
 
 
 def _serve(connection: Connection, name: str) -> None:
@@ -140,10 +135,9 @@ def _serve(connection: Connection, name: str) -> None:
             what, *arguments = connection.recv()
         except EOFError:
             return
-        if what == 'samples':
-            server.take(*arguments)
-        else:
-            connection.send(getattr(server, what)(*arguments))
+        answer = getattr(server, what)(*arguments)
+        if what in ('answer', 'time'):
+            connection.send(answer)
 
 
 class _Server:
@@ -152,12 +146,15 @@ class _Server:
     def __init__(self, name: str) -> None:
         self._name = name
         self._loaded: dict[float | None, peers.Peer] = {None: peers.load(name)}
-        self.take(())
+        self.forget()
 
-    def take(self, samples: Sequence[Sample]) -> None:
-        self._samples = samples
+    def forget(self) -> None:
+        self._samples: list[Sample] = []
         self._shapes: dict[int, Any] = {}
         self._asks: dict[tuple[str, float | None, int], peers.Ask] = {}
+
+    def give(self, samples: Sequence[Sample]) -> None:
+        self._samples += samples
 
     def answer(self, query: str, tolerance: float | None, index: int) -> Outcome:
         sample = self._samples[index]

@@ -8,7 +8,6 @@ their truth is the maximum over all directions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from zlib import crc32
 
@@ -49,12 +48,9 @@ class Sample:
         return self.a.reach() + self.b.reach() + apart
 
 
-def samples(case: Case, count: int, seed: int) -> Iterator[Sample]:
-    """Yield ``count`` pairs of each configuration; the same for the same case and seed."""
-    rng = np.random.default_rng([seed, crc32(case.name.encode())])
-    for _ in range(count):
-        for configuration in CONFIGURATIONS:
-            yield sample(case, configuration, rng)
+def stream(case: Case, seed: int) -> np.random.Generator:
+    """Return the random numbers of a case: its own, whatever else is measured."""
+    return np.random.default_rng([seed, crc32(case.name.encode())])
 
 
 def sample(case: Case, configuration: str, rng: np.random.Generator) -> Sample:

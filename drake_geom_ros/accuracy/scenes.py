@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import combinations
@@ -48,10 +48,10 @@ class Scene:
             self.build(), self.poses, [0] * count, np.zeros((1, 3)), [False] * count, farthest=NEAR
         )
 
-    def pairs(self, count: int, seed: int) -> list[tuple[int, int, Sample]]:
-        """Return some pairs whose bounding balls are within NEAR, with their truth.
+    def pairs(self, seed: int) -> Iterator[tuple[int, int, Sample]]:
+        """Yield the pairs whose bounding balls are within NEAR, with their truth, in any order.
 
-        Each comes with the numbers of its two solids. At most ``count``, chosen at random.
+        Each comes with the numbers of its two solids.
         """
         reach = [solid.reach() for solid in self.solids]
         near = [
@@ -59,8 +59,9 @@ class Scene:
             for i, j in combinations(range(len(self.solids)), 2)
             if np.linalg.norm(self.poses[i][1] - self.poses[j][1]) - reach[i] - reach[j] < NEAR
         ]
-        order = np.random.default_rng(seed).permutation(len(near))[:count]
-        return [(i, j, self._sample(i, j)) for i, j in (near[k] for k in sorted(order.tolist()))]
+        for k in np.random.default_rng(seed).permutation(len(near)):
+            i, j = near[k]
+            yield i, j, self._sample(i, j)
 
     def answers(self, query: str, level: str) -> dict[tuple[int, int], ours.Answer]:
         """Return our answers to the whole scene, by the numbers of the solids."""
@@ -111,7 +112,9 @@ def two_arms() -> Scene:
         angles = -side * BENT + rng.uniform(-0.25, 0.25, 7)
         poses += _arm(np.array([0.45 * side, 0.0, 0.06]), angles)
         solids += [
-            Solid('Box', (WIDTH, WIDTH, length)) if k % 2 else Solid('Capsule', (WIDTH / 2, length))
+            Solid('Box', (WIDTH, WIDTH, length))
+            if k % 2
+            else Solid('Capsule', (WIDTH / 2, length))
             for k, length in enumerate(LINKS)
         ]
     return Scene('two arms', solids, poses)

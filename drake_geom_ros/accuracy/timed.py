@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros import geometry
-from drake_geom_ros.accuracy.cases import PENETRATION, POINTS
+from drake_geom_ros.accuracy.cases import PENETRATION, POINTS, SIGNED_DISTANCE
 from drake_geom_ros.accuracy.ours import Build
 from drake_geom_ros.accuracy.samples import Sample
 from drake_geom_ros.accuracy.solids import Solid
@@ -69,9 +69,11 @@ class TimedScene:
         taken = time.perf_counter() - start
         return Seconds(taken / pairs, self._asked.effects().seconds['narrowphase'] / pairs)
 
-    def found(self) -> int:
-        """Return how many pairs the last poses have within the distance asked for."""
-        return len(self._asked.ComputeSignedDistancePairwiseClosestPoints(self._farthest))
+    def found(self, distance: float) -> int:
+        """Return how many pairs are no farther apart [m] when all are turned at random."""
+        self.cycle(SIGNED_DISTANCE, 'exact', np.random.default_rng(0), 1)
+        pairs = self._asked.ComputeSignedDistancePairwiseClosestPoints(distance, accuracy='exact')
+        return len(pairs)
 
     def _ask(self, query: str, level: str, points: Floats) -> tuple[Floats, Floats, Floats]:
         if query == POINTS:
