@@ -1,9 +1,10 @@
-"""The oracle against distances that need no oracle."""
+"""The truth against distances that need no oracle."""
 
 import numpy as np
 import pytest
 from oracles.pairs import random_pairs, random_rotation
-from oracles.support_function import (
+
+from drake_geom_ros.accuracy.supports import (
     BOX,
     CAPSULE,
     CONVEX,
@@ -11,8 +12,8 @@ from oracles.support_function import (
     ELLIPSOID,
     HALF_SPACE,
     SPHERE,
-    signed_distance,
 )
+from drake_geom_ros.accuracy.truth import signed_distance
 
 CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
