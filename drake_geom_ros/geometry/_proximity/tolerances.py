@@ -103,3 +103,15 @@ LAST_STEP = 2.0**-26
 # Slope of the overlap's width [m/rad], in units of its rounding, that Newton's method may leave
 # after such a step: half its square over the curvature is below rounding wherever a cap is proven.
 LOOSE_SLOPE = 32.0
+
+# A closed surface that holds less volume [-] than this, relative to the cube of its size, is a
+# sheet: the sum of signed tetrahedra leaves about that of rounding.
+NO_VOLUME = 1e-14
+
+# A mesh whose volume differs from its hull's by more than this [-] is not convex. That it is must
+# be shown edge by edge: a needle of a dent holds no volume.
+SAME_VOLUME = 1e-9
+
+# Triangles of one surface cross if an edge of one goes this far [-] through the other, relative
+# to their size, and past its border: a vertex in single precision that touches does not.
+CROSSING = 1e-6
