@@ -28,7 +28,11 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import SPHERE
-from drake_geom_ros.geometry._proximity.point_phase import POINT_WIDTH, point_phase
+from drake_geom_ros.geometry._proximity.point_phase import (
+    POINT_METHOD,
+    POINT_WIDTH,
+    point_phase,
+)
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -223,7 +227,8 @@ class Engine:
         self._considered, self._filtered = capacity, 0
         self._counts[:] = 0
         self._counts[FAR] = capacity - count
-        self._counts[BY_METHOD + calling.CLOSED_FORM] = count
+        methods = results[:count, POINT_METHOD].astype(np.int64)
+        self._counts[BY_METHOD:] = np.bincount(methods, minlength=COUNTS - BY_METHOD)
         ids = table.ids[geometries[:count]]
         self._times[4] = time.perf_counter()
         return PointBatch(ids, points[:count], results[:count])

@@ -30,8 +30,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     compiled_address,
 )
 from drake_geom_ros.geometry._proximity.pair_table import (
+    ALL_ROWS,
     HALF_SPACE,
-    PAIR_TABLE,
     ROW_OF_TYPES,
     TYPE_COUNT,
 )
@@ -44,8 +44,8 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING, TOUCHIN
 
 _ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(PAIR_TABLE))
-_COMPILED = np.zeros(len(PAIR_TABLE), dtype=np.bool_)
+ADDRESSES = address_table(len(ALL_ROWS))
+_COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 # What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
 FAR = 0
@@ -67,9 +67,9 @@ def compile_rows(rows: NDArray[np.int64]) -> list[str]:
     missing = rows[(rows >= 0) & ~_COMPILED[rows]]
     names: dict[str, None] = {}
     for row in np.unique(missing).tolist():
-        ADDRESSES[row] = compiled_address(PAIR_TABLE[row].load_kernel())
+        ADDRESSES[row] = compiled_address(ALL_ROWS[row].load_kernel())
         _COMPILED[row] = True
-        names[PAIR_TABLE[row].kernel] = None
+        names[ALL_ROWS[row].kernel] = None
     return list(names)
 
 

@@ -112,3 +112,15 @@ LOOSE_SLOPE = 32.0
 # Sine [-] of the angle by which the edges at a vertex of a hull fall away: below it the vertex is
 # blunt, and rounding could hide more than 512 EPS of the hull's diameter from a climb.
 BLUNT = 2.0**-7
+
+# A closed surface that holds less volume [-] than this, relative to the cube of its size, is a
+# sheet: the sum of signed tetrahedra leaves about that of rounding.
+NO_VOLUME = 1e-14
+
+# A mesh whose volume differs from its hull's by more than this [-] is not convex. That it is must
+# be shown edge by edge: a needle of a dent holds no volume.
+SAME_VOLUME = 1e-9
+
+# Triangles of one surface cross if an edge of one goes this far [-] through the other, relative
+# to their size, and past its border: a vertex in single precision that touches does not.
+CROSSING = 1e-6
