@@ -252,6 +252,8 @@ def test_the_other_queries(client):
     )
     assert found == pytest.approx({(0, small): -0.1, (0, large): 0.3, (1, large): 0.3}, abs=1e-13)
     assert all(math.isfinite(g) for g in points.grad_w)
+    # Points that came without a stamp.
+    assert (points.query_stamp.sec, points.query_stamp.nanosec) == (0, 0)
 
 
 def test_impossible_requests_are_refused_and_change_nothing(client):
