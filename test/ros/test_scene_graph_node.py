@@ -270,6 +270,7 @@ def test_impossible_requests_are_refused_and_change_nothing(client):
     refused(call(srv.RegisterSource, 'register_source', name='refusals'), 'refusals')
     refused(call(srv.RegisterFrame, 'register_frame', source='nobody', name='x'), 'nobody')
     refused(call(srv.RegisterFrame, 'register_frame', source='refusals', name='a'), 'a')
+    refused(call(srv.RegisterFrame, 'register_frame', source='refusals', name='world'), 'world')
     refused(call(srv.RegisterGeometry, 'register_geometry', shape=sphere, **place), 'radius', '-1')
     ball = msg.Shape(type=msg.Shape.SPHERE, dimensions=[1.0])
     twice = {'shape': ball, 'roles': [msg.Role(role=1), msg.Role(role=1)]}
