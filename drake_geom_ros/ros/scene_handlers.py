@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from drake_geom_ros.geometry import GeometryFrame
+from drake_geom_ros.geometry import ArgumentError, GeometryFrame
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.names import WORLD
 from drake_geom_ros.ros.scene_conversions import role_from_number
@@ -22,6 +22,8 @@ def register_source(live: LiveScene, request: Any, response: Any) -> None:
 
 def register_frame(live: LiveScene, request: Any, response: Any) -> None:
     """Register a frame in the world or in another frame."""
+    if request.name.strip() in (WORLD, live.world_frame):
+        raise ArgumentError(f'name is {request.name!r}, which is what the world frame is called')
     source = live.names.source(request.source)
     frame = GeometryFrame(request.name, request.frame_group)
     if request.parent in ('', WORLD, live.world_frame):

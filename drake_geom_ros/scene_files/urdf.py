@@ -2,8 +2,9 @@
 
 Each link becomes a frame of the robot's source, whatever joint holds it. All of these frames
 have the world as parent, because forward kinematics gives X_WF, and a stream of such poses can
-then drop or add a link without bending the others. Collision elements become geometries with
-the proximity role; visual elements are left alone.
+then drop or add a link without bending the others. A link called ``world`` is the world itself, as
+in Drake: it becomes no frame. Collision elements become geometries with the proximity role; visual
+elements are left alone.
 
 Read are links, joints and collision elements, and no more: a geometry service has no use for
 masses, limits and visuals, and a library that reads those as well (yourdfpy) brings trimesh and
@@ -20,6 +21,7 @@ from drake_geom_ros.geometry import ProximityProperties, Role
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import urdf_filters, urdf_shapes
 from drake_geom_ros.scene_files.description import (
+    WORLD,
     FilterDescription,
     FrameDescription,
     GeometryDescription,
@@ -71,6 +73,9 @@ def read_urdf(
     frames = []
     geometries: list[GeometryDescription] = []
     for name, element in links.items():
+        if name == WORLD:
+            _check_world(element, file)
+            continue
         frames.append(FrameDescription(source, name, where=place_of(element, file)))
         geometries += _link_geometries(element, name, file, source, folder, resolver)
     with_geometry = {geometry.frame for geometry in geometries}
@@ -92,6 +97,15 @@ def _links(root: Any, file: str) -> dict[str, Any]:
             raise place_of(element, file).error(f'link {name!r} is there twice, see line {first}')
         links[name] = element
     return links
+
+
+def _check_world(element: Any, file: str) -> None:
+    """Refuse a link called as the world frame is that has shapes: whose they are is not clear."""
+    if element.find('collision') is not None:
+        raise place_of(element, file).error(
+            f'the link {WORLD!r} is the world frame and cannot have collision elements; make them '
+            'anchored geometries of the scene file, or rename the link'
+        )
 
 
 def _joint(element: Any, links: Mapping[str, Any], file: str) -> Joint:

@@ -178,6 +178,7 @@ def test_points_are_answered(client):
         PointField(name=axis, offset=4 * k, datatype=PointField.FLOAT32, count=1)
         for k, axis in enumerate('xyz')
     ]
+    cloud.header.stamp.sec, cloud.header.stamp.nanosec = 17, 4
     assert set_parameter(client, 'point_threshold', double_value=0.2).successful
 
     def answered():
@@ -186,6 +187,7 @@ def test_points_are_answered(client):
 
     answer = client.wait_for(answered, 'an answer')[-1]
     assert list(answer.point_index) == [0]
+    assert answer.query_stamp == cloud.header.stamp
     assert answer.distance[0] == pytest.approx(0.15, abs=1e-7)
     assert list(answer.grad_w) == pytest.approx([0, 0, 1], abs=1e-7)
 

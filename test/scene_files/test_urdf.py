@@ -61,6 +61,17 @@ def test_every_link_is_a_frame_on_the_world(folder):
     assert {(frame.source, frame.parent) for frame in parts.frames} == {('left', 'world')}
 
 
+def test_a_link_called_world_is_the_world_and_no_frame(folder):
+    world = (
+        b'<link name="world"/><joint name="j0" type="fixed"><parent link="world"/>'
+        b'<child link="base"/></joint><link name="empty"/>'
+    )
+    parts = read(ARM.replace(b'<link name="empty"/>', world), folder)
+    assert parts.link_names == ['base', 'empty', 'tip']
+    names = [filter.name for filter in parts.filters]
+    assert names == [filter.name for filter in read(ARM, folder).filters]
+
+
 def test_every_collision_element_is_a_geometry_with_its_own_name(folder):
     geometries = read(ARM, folder).geometries
     assert [(g.frame, g.name) for g in geometries] == [
@@ -139,6 +150,9 @@ def test_places_have_lines(folder):
          "r.urdf:22: joint[j2].parent: link 'bas' is not in the file"),
         (b'<child link="tip"/>', b'', 'r.urdf:21: joint[j2]: misses <child link="..."/>'),
         (b'<joint name="j2"', b'<joint', 'r.urdf:21: joint: misses the attribute `name`'),
+        (b'<link name="empty"/>',
+         b'<link name="empty"/><link name="world"><collision/></link>',
+         "r.urdf:12: link[world]: the link 'world' is the world frame and cannot have"),
         (b' type="prismatic"', b'', 'r.urdf:21: joint[j2]: misses the attribute `type`'),
         (b'<robot name="arm"', b'<robot', 'r.urdf:2: misses the attribute `name`'),
         (b'member link="tip"', b'member link="top"',
