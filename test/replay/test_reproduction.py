@@ -20,7 +20,6 @@ from drake_geom_ros.geometry import (
     HalfSpace,
     ProximityProperties,
     SceneGraph,
-    SignedDistanceResults,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
@@ -82,27 +81,20 @@ def test_every_pair_is_reproduced_to_the_last_bit(accuracy):
         assert replay.ids == (results.id_A[index], results.id_B[index])
 
 
-def test_a_hint_is_kept_where_it_matters_and_then_reproduces(monkeypatch):
+def test_a_hint_is_kept_where_it_matters_and_then_reproduces():
     scene = Scene(2)
     before = scene.ask('fast')
     scene.creep()
     results = scene.ask('fast')
-    different = 0
+    kept = 0
     for index in range(len(results)):
         hint = tuple(before.nhat_BA_W[index].tolist())
-        # The pair keeps its promise when it is asked anew: then the hint is to blame.
         replay = recorded(scene.query, results, index, 'fast', math.inf, hint)
-        assert replay.question.hint == hint
+        assert replay.question.hint in (None, hint)
+        kept += replay.question.hint is not None
         assert same_bits(reproduce(replay), replay.answer)
-        anew = dataclasses.replace(replay.question, hint=None)
-        different += not same_bits(
-            reproduce(dataclasses.replace(replay, question=anew)), replay.answer
-        )
-    assert different > 0
-    # Where it breaks it anew as well, the hint is not needed.
-    everything = np.ones(1, dtype=bool)
-    monkeypatch.setattr(SignedDistanceResults, 'breaks_promise', lambda results: everything)
-    assert recorded(scene.query, results, 0, 'fast', math.inf, hint).question.hint is None
+    # Closed forms need none.
+    assert 0 < kept < len(results)
 
 
 def test_filters_are_no_part_of_the_question():

@@ -8,7 +8,8 @@ import pytest
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.replay import read, reproduce
+from drake_geom_ros.replay import read, recorded, reproduce
+from drake_geom_ros.ros import replays as replays_module
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.replays import Replays
 from drake_geom_ros.scene_files import read_scene
@@ -86,21 +87,24 @@ def test_the_file_holds_the_scene_of_that_cycle(live, broken, tmp_path):
 
 
 def test_the_hint_is_the_normal_of_the_last_cycle(live, tmp_path, monkeypatch):
+    hints = {}
+
+    def kept(query, results, index, accuracy, max_distance, hint):
+        hints[results.id_A[index], results.id_B[index]] = hint
+        return recorded(query, results, index, accuracy, max_distance, hint)
+
+    monkeypatch.setattr(replays_module, 'recorded', kept)
     replays = Replays(live, lambda: (str(tmp_path), 20))
     before = cycle(live, replays, 0.6)
-    # The cycle's answers break it, the same asked anew do not: then the hint matters.
     monkeypatch.setattr(
-        SignedDistanceResults,
-        'breaks_promise',
-        lambda results: np.full(len(results), len(results) > 1),
+        SignedDistanceResults, 'breaks_promise', lambda results: np.ones(len(results), dtype=bool)
     )
     cycle(live, replays, 0.7)
     replays.write()
-    for path in tmp_path.iterdir():
-        replay = read(path)
-        pairs = list(zip(before.id_A.tolist(), before.id_B.tolist(), strict=True))
-        normal = before.nhat_BA_W[pairs.index(replay.ids)]
-        assert replay.question.hint == tuple(normal.tolist())
+    assert len(hints) == 3
+    for ids, hint in hints.items():
+        pairs = list(zip(before.id_A, before.id_B, strict=True))
+        assert hint == tuple(before.nhat_BA_W[pairs.index(ids)].tolist())
 
 
 def test_a_promise_that_is_kept_leaves_no_file(live, tmp_path):
