@@ -38,9 +38,9 @@ def _report(replay: Replay, now: Answer) -> Iterator[str]:
     start = 'the hint of the file' if question.hint else 'no hint'
     yield f'accuracy {question.accuracy}, pairs within {question.max_distance:g} m, {start}'
     yield f'recorded with {", ".join(f"{name} {text}" for name, text in replay.versions.items())}'
-    yield f'{"":22}{"recorded":>26}{"now":>26}'
+    yield f'{"":26}{"recorded":>26}{"now":>26}'
     for title, then, new in _rows(replay.answer, now):
-        yield f'{title:22}{then:>26}{new:>26}'
+        yield f'{title:26}{then:>26}{new:>26}'
     yield _verdict(now)
 
 

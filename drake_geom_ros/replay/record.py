@@ -89,20 +89,20 @@ def recorded(
 ) -> Replay:
     """Return the replay of one of the ``results``, which ``query`` gave as it is posed now.
 
-    A ``hint`` is kept only where it matters: where the pair, asked without, keeps its promise.
+    A ``hint`` is kept only where it matters: where the pair, asked without, has another answer.
     Raises SceneFileError for a scene that the format cannot say.
     """
-    pair = results[index]
+    pair, answer = results[index], answer_of(results, index)
     inspector = query.inspector()
     names = [_name(inspector, id) for id in (pair.id_A, pair.id_B)]
     if hint is not None:
         anew = query.signed_distance_of_pair(pair.id_A, pair.id_B, accuracy=accuracy)
-        hint = None if anew.breaks_promise()[0] else hint
+        hint = None if answer_of(anew, 0) == answer else hint
     return Replay(
         to_yaml(describe_moment(query)),
         Question(names[0], names[1], accuracy, max_distance, hint),
         (pair.id_A.get_value(), pair.id_B.get_value()),
-        answer_of(results, index),
+        answer,
         _versions(),
     )
 

@@ -81,7 +81,14 @@ def test_everything_is_said_in_the_world_frame_of_the_parameter(client):
     scenes = client.listen(msg.Scene, 'scene', LATCHED)
     header = move_ball(client, 0.125)
     assert (header.frame_id, header.stamp.sec) == ('map', 1)
-    result = client.wait_for(lambda: results, 'results')[0]
+    publisher = client.publisher(msg.FramePoses, 'frame_poses', QoSProfile(depth=10))
+
+    def answered():
+        # The node may have found this listener only after the pose had come.
+        publisher.publish(poses(['ball'], [(0.125, 0, 1)], stamp=1))
+        return results
+
+    result = client.wait_for(answered, 'results')[0]
     assert result.header.frame_id == 'map'
     assert client.wait_for(lambda: scenes, 'the scene')[0].header.frame_id == 'map'
     answer = client.call(srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise')

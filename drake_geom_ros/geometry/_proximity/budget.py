@@ -2,7 +2,8 @@
 
 A look at the clock and a compiled call cost some microseconds, as much as a hundred closed forms,
 and one pair of hulls may cost that too. So a block is made for half of the time that is left, by
-what pairs cost lately, within limits.
+what pairs cost lately, within limits. Where all pairs fit into the budget by that cost, they need
+neither an order nor blocks.
 """
 
 from __future__ import annotations
@@ -53,9 +54,17 @@ class Pace:
             compute(block)
             done += len(block)
             before, now = now, time.perf_counter()
-            seconds = (now - before) / len(block)
-            self.seconds_a_pair = max(seconds, FADING * self.seconds_a_pair)
+            self.learn(len(block), now - before)
         return order[done:]
+
+    def learn(self, pairs: int, seconds: float) -> None:
+        """Take to heart what so many pairs cost; a few tell little."""
+        if pairs >= SHORTEST_BLOCK or self.seconds_a_pair <= 0.0 < pairs:
+            self.seconds_a_pair = max(seconds / pairs, FADING * self.seconds_a_pair)
+
+    def fits(self, pairs: int, seconds: float) -> bool:
+        """Tell whether so many pairs should cost no more than ``seconds``."""
+        return 0.0 < self.seconds_a_pair * pairs <= seconds
 
     def _block(self, left: float) -> int:
         """Return how many pairs to compute in half of the time [s] that is left."""

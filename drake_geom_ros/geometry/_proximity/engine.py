@@ -156,10 +156,14 @@ class Engine:
             self._times[4] = time.perf_counter()
             return self._last[1]
         self._compile_for(world, near, accuracy)
-        if time_budget > 0.0 and accuracy != 'bound':
+        limited = time_budget > 0.0 and accuracy != 'bound'
+        if limited and not self._pace.fits(len(near.pairs), time_budget):
             hits = self._answer_within(world, near, query, time_budget)
         else:
             hits = self._answer(world, near.pairs, near.slots, near.memory, query)
+            if limited:
+                computed = int(self._counts[BY_METHOD:].sum())
+                self._pace.learn(computed, time.perf_counter() - self._times[3])
         batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
         self._times[4] = time.perf_counter()
         # What was left at its bounds is refined when somebody asks again.

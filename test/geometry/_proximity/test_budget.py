@@ -86,6 +86,24 @@ def test_dear_pairs_make_blocks_short():
     assert pace.seconds_a_pair < 1e-6
 
 
+def test_what_fits_by_the_cost_of_lately():
+    pace = Pace()
+    assert not pace.fits(1, 1e6)  # nothing is known yet
+    pace.learn(100, 100e-6)
+    assert pace.fits(1000, 1.01e-3)
+    assert not pace.fits(1000, 0.99e-3)
+    # A few pairs tell little, no pairs nothing.
+    pace.learn(1, 1.0)
+    pace.learn(0, 1.0)
+    assert pace.fits(1000, 1.01e-3)
+    # Dear ones are believed at once, cheap ones by and by.
+    pace.learn(100, 1.0)
+    assert not pace.fits(1000, 1.0)
+    pace.learn(100, 0.0)
+    assert pace.fits(1000, 7.6)
+    assert not pace.fits(1000, 7.4)
+
+
 @given(
     st.lists(st.sampled_from([1e-7, 1e-6, 1e-5, 1e-4]), max_size=600),
     st.floats(0.0, 1e-2),

@@ -7,6 +7,7 @@ import pytest
 from oracles.filters import filters_of
 from oracles.worlds import random_world, shuffle
 
+from drake_geom_ros.geometry._proximity import engine as engine_module
 from drake_geom_ros.geometry._proximity.budget import LONGEST_BLOCK, SHORTEST_BLOCK
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling import (
@@ -150,6 +151,18 @@ def test_whoever_may_penetrate_is_reported_with_a_certified_depth(level, seconds
             assert span @ row[NORMAL : NORMAL + 3] == pytest.approx(depth, abs=1e-12)
     assert apart > 0  # it was a test of those too
     assert Engine().has_overlap(world, filters, 'bound')
+
+
+def test_a_budget_that_is_ample_costs_nothing(monkeypatch):
+    rng = np.random.default_rng(8)
+    world = random_world(rng, 30)
+    engine, filters = Engine(), filters_of(world)
+    engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
+    monkeypatch.delattr(engine_module.Engine, '_answer_within')
+    for _ in range(3):
+        shuffle(rng, world)
+        engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
+        assert engine.effects.unrefined_pairs == 0
 
 
 def test_blocks_grow_with_what_pairs_cost(monkeypatch):
