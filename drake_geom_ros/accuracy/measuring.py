@@ -24,6 +24,7 @@ TIMED_CALLS = 30  # of a peer in its turn
 TOLERANCES = {'Coal': (1e-3, 1e-9), 'MuJoCo': (1e-3, 1e-9)}
 OWN = 'own settings'
 EASY = 1e-3  # [m] apart, at least
+TOUCHING = 1e-9  # [m] deep, at most: penetration is about what is deeper
 
 
 @dataclass(frozen=True)
@@ -121,8 +122,7 @@ class Measurement:
                 process.give(batch)
             for index, sample in enumerate(batch, count):
                 for query in queries:
-                    # Penetration is about those that overlap.
-                    if query.name != PENETRATION or sample.truth < 0.0:
+                    if query.name != PENETRATION or sample.truth < -TOUCHING:
                         self._ask(subject, query, sample, index)
             count += len(batch)
             late = time.monotonic() > end and number >= self.plan.least_batches

@@ -15,8 +15,8 @@ _READER_LEFT = 141  # as a shell reports a process that SIGPIPE ended
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the subcommand that the arguments name and return the exit code.
 
-    0: done; 1: ``check`` found the scene bad, ``accuracy`` a certificate wrong; 2: what was asked cannot be, said in one line on
-    standard error.
+    0: done; 1: ``check`` found the scene bad, ``accuracy`` a certificate wrong; 2: what was asked
+    cannot be, said in one line on standard error.
     """
     parser = argparse.ArgumentParser(
         prog='python -m drake_geom_ros',
