@@ -129,7 +129,7 @@ def _within(X_WF: Pose, X_WG: Pose) -> Pose:
 def _lattice(count: int, flat: bool) -> Floats:
     """Return places (count, 3) [m] of a cubic, or flat, lattice about the origin."""
     dimensions = 2 if flat else 3
-    side = int(np.ceil(count ** (1 / dimensions) - 1e-9))
+    side = int(np.ceil(round(count ** (1 / dimensions), 6)))
     grid = np.indices((side,) * dimensions).reshape(dimensions, -1).T[:count] - (side - 1) / 2
     places: Floats = SPACING * np.pad(grid, ((0, 0), (0, 3 - dimensions)))
     return places

@@ -26,13 +26,11 @@ from scipy.spatial import ConvexHull, QhullError
 from drake_geom_ros.accuracy.pair import Pair, offset_between
 from drake_geom_ros.accuracy.polish import polished
 from drake_geom_ros.accuracy.supports import DIGITS, HALF_SPACE, Floats, Pose, Shape, posed
+from drake_geom_ros.accuracy.tolerances import GAP, KNOWN, NEARBY, NO_DIRECTION
 
 DENSE = 400  # directions that a search begins with
-GAP = 1e-5  # relative to the pair's size: how much better a direction the search may overlook
-NEARBY = 0.012  # [rad] about a direction found that polishing looks for edges
 ROUNDS = 40  # of a search, each of which takes a new hull
 MOST_OPEN = 150  # faces of the hull that one round refines
-KNOWN = 1e-6  # [rad] about a direction that is the best but for rounding
 
 
 def signed_distance(
@@ -133,7 +131,7 @@ def _sphere(count: int) -> Floats:
 def _unit(v: Floats) -> Floats:
     """Return vectors (m, 3) at unit length, without those that have none."""
     length = np.linalg.norm(v, axis=1)
-    return v[length > 1e-12] / length[length > 1e-12, None]
+    return v[length > NO_DIRECTION] / length[length > NO_DIRECTION, None]
 
 
 def _apart(n: Floats, angle: float) -> Floats:

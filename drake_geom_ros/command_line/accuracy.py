@@ -5,7 +5,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import drake_geom_ros
 from drake_geom_ros import peers
 from drake_geom_ros.geometry import ArgumentError, GeometryError
 
@@ -71,8 +70,13 @@ def output_of(options: argparse.Namespace) -> Path:
     """Return the folder to write to."""
     if options.output:
         return Path(options.output)
-    tree = Path(drake_geom_ros.__file__).parents[1]
-    if not options.quick and not options.cases and (tree / 'docs').is_dir():
+    tree = Path(__file__).parents[2]
+    if (
+        not options.quick
+        and not options.cases
+        and (tree / 'docs').is_dir()
+        and (tree / 'setup.py').exists()
+    ):
         return tree / 'docs' / 'accuracy'
     return Path('out') / 'accuracy'
 

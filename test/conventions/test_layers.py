@@ -26,8 +26,12 @@ LAYERS = {
         ('math', 'geometry', 'scene_files', 'trajectories', 'demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits'),
     ),
+    'accuracy': (
+        ('math', 'geometry', 'peers', 'accuracy'),
+        ('numpy', 'scipy', 'mpmath', 'matplotlib'),
+    ),
     'command_line': (
-        ('math', 'geometry', 'scene_files', 'trajectories', 'command_line'),
+        ('math', 'geometry', 'scene_files', 'trajectories', 'peers', 'accuracy', 'command_line'),
         ('numpy',),
     ),
     'ros': (('math', 'geometry', 'scene_files', 'trajectories', 'demo', 'ros'), ('numpy', 'ROS')),
