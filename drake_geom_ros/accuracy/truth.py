@@ -29,8 +29,11 @@ from drake_geom_ros.accuracy.supports import DIGITS, HALF_SPACE, Floats, Pose, S
 from drake_geom_ros.accuracy.tolerances import GAP, KNOWN, NEARBY, NO_DIRECTION
 
 DENSE = 400  # directions that a search begins with
-ROUNDS = 40  # of a search, each of which takes a new hull
+ROUNDS = 25  # of a search, each of which takes a new hull
 MOST_OPEN = 150  # faces of the hull that one round refines
+# Directions that are polished, best first; where more are as good, as in concentric bodies, it is
+# by symmetry, or what they differ by polishing gains.
+MOST_STARTS = 40
 
 
 def signed_distance(
@@ -101,9 +104,9 @@ def search(pair: Pair) -> Floats:
         points = np.vstack([points, new])
     candidates = np.vstack(found)
     values = pair.values(candidates)
-    top = candidates[np.argsort(-values)][:1]
-    close = _apart(candidates[values >= best - 2 * gap], NEARBY)
-    return np.vstack([_climb(pair, top[0])[None], close])
+    order = np.argsort(-values)
+    close = candidates[order[values[order] >= best - 2 * gap]]
+    return np.vstack([_climb(pair, candidates[order[0]])[None], _apart(close, NEARBY)])
 
 
 def _climb(pair: Pair, n: Floats) -> Floats:
@@ -135,9 +138,11 @@ def _unit(v: Floats) -> Floats:
 
 
 def _apart(n: Floats, angle: float) -> Floats:
-    """Return directions of which each has one of the result within an angle [rad]."""
+    """Return some of the directions, the first of those that are within an angle [rad]."""
     kept: list[Floats] = []
     for each in n:
-        if all(each @ k < np.cos(0.5 * angle) for k in kept):
+        if all(each @ k < np.cos(angle) for k in kept):
             kept.append(each)
+        if len(kept) == MOST_STARTS:
+            break
     return np.array(kept)

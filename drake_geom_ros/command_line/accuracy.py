@@ -71,12 +71,8 @@ def output_of(options: argparse.Namespace) -> Path:
     if options.output:
         return Path(options.output)
     tree = Path(__file__).parents[2]
-    if (
-        not options.quick
-        and not options.cases
-        and (tree / 'docs').is_dir()
-        and (tree / 'setup.py').exists()
-    ):
+    is_source = (tree / 'setup.py').exists() and (tree / 'docs').is_dir()
+    if is_source and not options.quick and not options.cases:
         return tree / 'docs' / 'accuracy'
     return Path('out') / 'accuracy'
 
