@@ -42,7 +42,7 @@ class Case:
         """The panel that the case is drawn in."""
         kinds = {self.a, self.b}
         if self.a == 'Point':
-            return 'points'
+            return f'points to hulls, {self.corners} vertices' if self.corners else 'points'
         for kind, words in (('Mesh', 'meshes as hulls'), ('Convex', 'hulls')):
             if kind in kinds:
                 return f'{words}, {self.corners} vertices'

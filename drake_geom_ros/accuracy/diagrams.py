@@ -20,6 +20,7 @@ BLUE = '#1f5fb4'
 COLOURS = {'pydrake': '#d1495b', 'python-fcl': '#8a6d3b', 'Coal': '#2e8b57', 'MuJoCo': '#8e44ad'}
 MARKS = ('o', 's', '^', 'D', 'v', 'P')
 SPARE = '#444444'  # of a peer without a colour of its own
+ROOM_BELOW = 0.02  # of the least error that is drawn: for the names of the levels
 LEAST_PART = 0.1  # of a peer's time that is drawn for the computation, at least
 COLUMNS = 4
 
@@ -61,14 +62,18 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
     handles = {
         label: handle
         for panel in axes.flat
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+        for handle, label in zip(*panel.get_legend_handleslevel_names(), strict=True)
     }
     figure.suptitle(
-        f'{QUERY_TITLES[query]}: worst error over time (thin: down to the median error; '
-        'to the left: without the cost of the call)'
+        f'{QUERY_TITLES[query]}: worst error over time\n'
+        'thin lines: down to the median error; to the left, the computation alone',
+        fontsize=11,
     )
+    lowest = min(drawn(0.0, r) for rs in panels.values() for r in rs)
+    axes[0, 0].set_ylim(bottom=ROOM_BELOW * lowest)
+    legend = 2 if columns < 3 else 4
     figure.legend(
-        handles.values(), handles.keys(), loc='outside lower center', ncol=4, frameon=False
+        handles.values(), handles.keys(), loc='outside lower center', ncol=legend, frameon=False
     )
     figure.savefig(path, dpi=110)
     pyplot.close(figure)
@@ -115,14 +120,14 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
     for r in mine:
         _spread(panel, r, BLUE)
     labels = [r.setting.label for r in mine]
-    for x, y, words in _labels(list(zip(times, worst, labels, strict=True))):
+    for x, y, words in level_names(list(zip(times, worst, labels, strict=True))):
         panel.annotate(
             words, (x, y), xytext=(0, -13), textcoords='offset points',
             ha='center', fontsize=7.5, color=BLUE,
         )  # fmt: skip
 
 
-def _labels(points: list[tuple[float, float, str]]) -> list[tuple[float, float, str]]:
+def level_names(points: list[tuple[float, float, str]]) -> list[tuple[float, float, str]]:
     """Return where names stand; those of points that lie close share a place."""
     places: list[tuple[float, float, list[str]]] = []
     for x, y, word in points:

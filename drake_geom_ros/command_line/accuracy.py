@@ -1,6 +1,7 @@
 """``accuracy``: what accuracy costs in time, for us and for peers."""
 
 import argparse
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
         minutes=options.minutes,
         seed=options.seed,
     )
-    return measure(request)
+    return measure(request, partial(print, flush=True))
 
 
 def output_of(options: argparse.Namespace) -> Path:

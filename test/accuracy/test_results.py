@@ -2,21 +2,11 @@
 
 import numpy as np
 import pytest
-
-from drake_geom_ros.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.accuracy.samples import Sample
-from drake_geom_ros.accuracy.solids import Solid
-
-AT_ORIGIN = np.eye(3), np.zeros(3)
-ASIDE = np.eye(3), np.array([0.3, 0.0, 0.0])
-PAIR = Sample(Solid('Sphere', (0.1,)), Solid('Sphere', (0.1,)), AT_ORIGIN, ASIDE, 0.1, 'apart')
+from accuracy.records import ours
 
 
 def record(*answers, level='exact'):
-    made = Measured('Sphere-Sphere', 'spheres', 'signed_distance', Setting(OURS, level))
-    for distance, bound in answers:
-        made.add(PAIR, distance, bound)
-    return made
+    return ours(level, *answers)
 
 
 def test_errors_and_ratios():
