@@ -6,6 +6,7 @@ support function does not tell it.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
@@ -17,7 +18,7 @@ SIGNED_DISTANCE, PENETRATION, POINTS = QUERIES = ('signed_distance', 'penetratio
 
 PRIMITIVES = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace')
 RESOLUTIONS = (8, 64, 500)  # vertices of a hull
-QUICK_RESOLUTIONS = (8, 64)
+QUICK_RESOLUTIONS = (64,)
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Case:
         """The panel that the case is drawn in."""
         kinds = {self.a, self.b}
         if self.a == 'Point':
-            return 'points'
+            return f'points to hulls, {self.corners} vertices' if self.corners else 'points'
         for kind, words in (('Mesh', 'meshes as hulls'), ('Convex', 'hulls')):
             if kind in kinds:
                 return f'{words}, {self.corners} vertices'
@@ -83,3 +84,13 @@ def chosen(cases: Sequence[Case], patterns: Sequence[str]) -> list[Case]:
             names = ', '.join(case.name for case in cases)
             raise ArgumentError(f'--cases {pattern}: no case is called so; there are: {names}')
     return [case for case in cases if not patterns or any(fnmatch(case.name, p) for p in patterns)]
+
+
+def in_turns(cases: Sequence[Case]) -> list[Case]:
+    """Return the cases so that the families take turns: a run cut short has seen all of them."""
+    ranks: Counter[str] = Counter()
+    ranked = []
+    for case in cases:
+        ranked.append((ranks[case.family], case))
+        ranks[case.family] += 1
+    return [case for _, case in sorted(ranked, key=lambda each: each[0])]

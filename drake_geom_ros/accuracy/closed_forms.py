@@ -28,7 +28,7 @@ def norm(a):
 
 
 def combine(a, s, b):
-    """A + s b."""
+    """Return the sum of a and s b."""
     return [x + s * y for x, y in zip(a, b, strict=True)]
 
 
@@ -145,7 +145,7 @@ def _line_gap(edge, other):
 
 
 def _polytope_distance(a, b):
-    """Return the signed distance of two polytopes: features where apart, all axes where they overlap."""
+    """Return the signed distance of polytopes: features where apart, all axes in overlap."""
     normals = a.normals + b.normals
     for u, v in itertools.product(a.directions, b.directions):
         n = cross(u, v)
@@ -182,7 +182,7 @@ def _lowest(kind, size, R, n):
 
 
 def signed_distance(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p_AB_W):
-    """Return the signed distance of a pair that has a closed form, with the lower kind as A, as an mpf."""
+    """Return the signed distance (mpf) of a pair with a closed form, the lower kind as A."""
     with mp.workdps(DIGITS):
         p = vector(p_AB_W)
         if kind_A == SPHERE:

@@ -20,7 +20,8 @@ BLUE = '#1f5fb4'
 COLOURS = {'pydrake': '#d1495b', 'python-fcl': '#8a6d3b', 'Coal': '#2e8b57', 'MuJoCo': '#8e44ad'}
 MARKS = ('o', 's', '^', 'D', 'v', 'P')
 SPARE = '#444444'  # of a peer without a colour of its own
-LEAST_TIME = 5e-8  # [s] what is shown of less
+ROOM_BELOW = 0.02  # of the least error that is drawn: for the names of the levels
+LEAST_PART = 0.1  # of a peer's time that is drawn for the computation, at least
 COLUMNS = 4
 
 
@@ -61,14 +62,18 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
     handles = {
         label: handle
         for panel in axes.flat
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+        for handle, label in zip(*panel.get_legend_handleslevel_names(), strict=True)
     }
     figure.suptitle(
-        f'{QUERY_TITLES[query]}: worst error over time (thin: down to the median error; '
-        'to the left: without the cost of the call)'
+        f'{QUERY_TITLES[query]}: worst error over time\n'
+        'thin lines: down to the median error; to the left, the computation alone',
+        fontsize=11,
     )
+    lowest = min(drawn(0.0, r) for rs in panels.values() for r in rs)
+    axes[0, 0].set_ylim(bottom=ROOM_BELOW * lowest)
+    legend = 2 if columns < 3 else 4
     figure.legend(
-        handles.values(), handles.keys(), loc='outside lower center', ncol=4, frameon=False
+        handles.values(), handles.keys(), loc='outside lower center', ncol=legend, frameon=False
     )
     figure.savefig(path, dpi=110)
     pyplot.close(figure)
@@ -93,6 +98,7 @@ def _panel(panel: Any, family: str, settings: Sequence[Measured]) -> None:
             label=f'{r.setting.library}, {_words(r.setting.label)}',
         )
     panel.set_title(family, fontsize=10)
+    panel.margins(x=0.08, y=0.1)
     panel.set_xscale('log')
     panel.set_yscale('log')
     panel.xaxis.set_major_formatter('{x:g}')
@@ -113,25 +119,35 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
     )
     for r in mine:
         _spread(panel, r, BLUE)
-    # Levels that answer alike share one name.
-    names: dict[tuple[int, int], list[str]] = {}
-    for r, x, y in zip(mine, times, worst, strict=True):
-        place = round(3 * math.log10(x)), round(math.log10(y))
-        names.setdefault(place, []).append(r.setting.label)
-    for r, x, y in zip(mine, times, worst, strict=True):
-        group = names.get((round(3 * math.log10(x)), round(math.log10(y))), [])
-        if group and group[0] == r.setting.label:
-            panel.annotate(
-                ', '.join(group), (x, y), xytext=(0, -13), textcoords='offset points',
-                ha='center', fontsize=7.5, color=BLUE,
-            )  # fmt: skip
+    labels = [r.setting.label for r in mine]
+    for x, y, words in level_names(list(zip(times, worst, labels, strict=True))):
+        panel.annotate(
+            words, (x, y), xytext=(0, -13), textcoords='offset points',
+            ha='center', fontsize=7.5, color=BLUE,
+        )  # fmt: skip
+
+
+def level_names(points: list[tuple[float, float, str]]) -> list[tuple[float, float, str]]:
+    """Return where names stand; those of points that lie close share a place."""
+    places: list[tuple[float, float, list[str]]] = []
+    for x, y, word in points:
+        for px, py, words in places:
+            if abs(math.log10(x / px)) < 0.6 and abs(math.log10(y / py)) < 1.0:
+                words.append(word)
+                break
+        else:
+            places.append((x, y, [word]))
+    return [(x, y, ', '.join(words)) for x, y, words in places]
 
 
 def _spread(panel: Any, r: Measured, colour: str) -> None:
     """Draw thin lines from the worst error to the median, and to the time without the call."""
     x, y = (r.whole or 0.0) * 1e6, drawn(r.error(1.0), r)
     panel.plot([x, x], [drawn(r.error(0.5), r), y], color=colour, lw=0.7, alpha=0.6)
-    inside = max(r.inside or 0.0, LEAST_TIME) * 1e6
+    inside = (r.inside or 0.0) * 1e6
+    if r.setting.library != OURS:
+        # The difference of two times, of which little more can be told.
+        inside = max(inside, LEAST_PART * x)
     panel.plot([inside, x], [y, y], color=colour, lw=0.7, alpha=0.6)
 
 

@@ -18,12 +18,10 @@ from drake_geom_ros.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.accuracy.samples import Sample
 from drake_geom_ros.accuracy.solids import random_rotation
 from drake_geom_ros.accuracy.subjects import CaseSubject, Subject
+from drake_geom_ros.accuracy.tolerances import EASY, PEER_TOLERANCES, TOUCHING
 
 TIMED_CALLS = 30  # of a peer in its turn
-# The tolerances [m] of peers that have one, besides their own settings.
-TOLERANCES = {'Coal': (1e-3, 1e-9), 'MuJoCo': (1e-3, 1e-9)}
 OWN = 'own settings'
-EASY = 1e-3  # [m] apart, at least
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,7 @@ class Measurement:
             for process in self._processes
             for tolerance in (
                 None,
-                *(TOLERANCES.get(process.name, ()) if plan.tolerances else ()),
+                *(PEER_TOLERANCES.get(process.name, ()) if plan.tolerances else ()),
             )
         ]
 
@@ -121,8 +119,7 @@ class Measurement:
                 process.give(batch)
             for index, sample in enumerate(batch, count):
                 for query in queries:
-                    # Penetration is about those that overlap.
-                    if query.name != PENETRATION or sample.truth < 0.0:
+                    if query.name != PENETRATION or sample.truth < -TOUCHING:
                         self._ask(subject, query, sample, index)
             count += len(batch)
             late = time.monotonic() > end and number >= self.plan.least_batches

@@ -35,7 +35,7 @@ class Build:
     def add(self, solid: Solid, anchored: bool = False) -> None:
         """Register a solid on a frame of its own, or at the world's origin."""
         name = str(len(self.ids))
-        instance = geometry.GeometryInstance(RigidTransform(), solid.shape(), name)
+        instance = geometry.GeometryInstance(RigidTransform(), solid.shape, name)
         instance.set_proximity_properties(geometry.ProximityProperties())
         frame = self.graph.world_frame_id()
         if not anchored:

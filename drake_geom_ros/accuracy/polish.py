@@ -19,6 +19,13 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.accuracy.pair import Pair
 from drake_geom_ros.accuracy.supports import Body, Floats
+from drake_geom_ros.accuracy.tolerances import (
+    EQUAL,
+    GAIN,
+    LAST_STEP,
+    LEAST_CURVATURE,
+    PARALLEL,
+)
 
 _Edge = tuple[Body, NDArray[np.int64]]
 _Edges = tuple[_Edge, ...]  # at right angles to which a direction is held
@@ -26,10 +33,7 @@ _Edges = tuple[_Edge, ...]  # at right angles to which a direction is held
 ROUNDS = 6  # the last finds nothing better
 CLOSER = 0.01  # [rad] about the direction that a round found, for the next one
 STEPS = 20  # of Newton's method; 4 to 8 are usual
-LAST_STEP = 1e-10  # [rad] of Newton's method: the next would be its square
-PARALLEL = 1e-9  # sine of the angle of two edges that cross nowhere, or of one and a direction
 POLE = 0.99  # cosine of the angle within which the axis of a cylinder is tried
-EQUAL = 1e-11  # relative to the pair's size: candidates this near to the best get all digits
 MOST_EXACT = 6  # candidates that get all digits; more are equal to these
 
 
@@ -38,7 +42,7 @@ def polished(pair: Pair, n: Floats, angle: float) -> tuple[Any, Floats]:
     best, best_n = mpf('-inf'), n
     for _ in range(ROUNDS):
         value, n = _best_near(pair, best_n, angle)
-        if not value > best + mpf(10) ** -17 * pair.size:
+        if not value > best + GAIN * pair.size:
             break
         best, best_n, angle = value, n, min(angle, CLOSER)
     return best, best_n
@@ -98,14 +102,14 @@ def _maximum(pair: Pair, n: Floats, E: Floats, i: int, j: int) -> Floats:
     for _ in range(STEPS if flats else 0):
         slope, curve = d.copy(), np.zeros((len(y), len(y)))
         for M in flats:
-            length = max(float(np.linalg.norm(M @ y)), 1e-300)
+            length = float(np.linalg.norm(M @ y)) or 1.0
             p = M.T @ (M @ y) / length
             slope -= p
             curve -= (M.T @ M - np.outer(p, p)) / length
         curve -= (slope @ y) * np.eye(len(y))
         slope -= (slope @ y) * y
         w, V = np.linalg.eigh(curve)
-        step = (V / np.maximum(np.abs(w), 1e-9 * pair.size)) @ (V.T @ slope)
+        step = (V / np.maximum(np.abs(w), LEAST_CURVATURE * pair.size)) @ (V.T @ slope)
         y = y + step / max(1.0, 4 * float(np.linalg.norm(step)))
         y /= np.linalg.norm(y)
         if np.linalg.norm(step) < LAST_STEP:

@@ -9,15 +9,9 @@ import numpy as np
 
 from drake_geom_ros.accuracy.peer_process import ANSWERED
 from drake_geom_ros.accuracy.samples import Sample
+from drake_geom_ros.accuracy.tolerances import EPS, PROMISED, ROUNDING, TRUTH_ROUNDING
 
-EPS = float(np.finfo(float).eps)
 OURS = 'drake_geom_ros'
-# The truth is rounded once, and taken for rotations that are orthogonal but for rounding.
-TRUTH_ROUNDING = 2 * EPS  # relative to the pair's size
-# Below this an error is rounding, and a bound need not follow it.
-ROUNDING = 16 * EPS  # relative to the pair's size
-# What the levels promise for pairs of up to 1 m [m].
-PROMISED = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 
 
 @dataclass(frozen=True)

@@ -17,14 +17,15 @@ from drake_geom_ros.accuracy import truth
 from drake_geom_ros.accuracy.cases import Case
 from drake_geom_ros.accuracy.solids import Solid, random_rotation, random_solid
 from drake_geom_ros.accuracy.supports import Body, Floats, posed
+from drake_geom_ros.accuracy.tolerances import DEEP, NEAR, NO_DIRECTION, SHALLOW, TIE
 
 # Name -> gap [m]; None: the origins 1 cm apart, so that one body is inside the other, or nearly.
 CONFIGURATIONS: dict[str, float | None] = {
     'apart': 0.2,
-    '2 mm apart': 2e-3,
+    '2 mm apart': NEAR,
     'touching': 0.0,
-    '2 mm deep': -2e-3,
-    '2 cm deep': -2e-2,
+    '2 mm deep': SHALLOW,
+    '2 cm deep': DEEP,
     'contained': None,
 }
 CONTAINED = 0.01  # [m] between the origins
@@ -93,7 +94,7 @@ def _direction(
             owner = bodies[0] if len(edges[0]) else bodies[1]
             n = _face(rng, owner)
     length = np.linalg.norm(n)
-    return n / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    return n / length if length > NO_DIRECTION else np.array([1.0, 0.0, 0.0])
 
 
 def _edges(body: Body) -> Floats:
@@ -121,7 +122,7 @@ def _end(rng: np.random.Generator, solid: Solid, R: Floats, n: Floats) -> Floats
         return np.zeros(3)
     body = posed(solid.support(), R, np.zeros(3))
     heights = body.vertices @ (n @ R)
-    tied = body.vertices[heights >= heights.max() - 1e-12]
+    tied = body.vertices[heights >= heights.max() - TIE * (1.0 + body.size)]
     point = body.points(n[None])[0]
     top = body.vertices[np.argmax(heights)]
     weights = rng.dirichlet(np.ones(len(tied)))

@@ -16,6 +16,7 @@ from drake_geom_ros.accuracy.samples import Sample
 from drake_geom_ros.accuracy.solids import Solid, random_rotation, random_solid
 from drake_geom_ros.accuracy.supports import Floats, Pose
 from drake_geom_ros.accuracy.timed import TimedScene
+from drake_geom_ros.accuracy.tolerances import EASY
 
 NEAR = 0.1  # [m] up to which distances are asked for
 ROOM = 0.06  # [m^3] for each body of a heap: each has a few others within NEAR
@@ -105,7 +106,7 @@ def two_arms() -> Scene:
     for _ in range(20):
         sizes = rng.uniform(0.05, 0.15, 3)
         turn = Rotation.from_rotvec([0, 0, rng.uniform(-np.pi, np.pi)]).as_matrix()
-        place = np.array([*rng.uniform((-0.9, -0.6), (0.9, 0.6)), sizes[2] / 2 + 1e-3])
+        place = np.array([*rng.uniform((-0.9, -0.6), (0.9, 0.6)), sizes[2] / 2 + EASY])
         solids.append(Solid('Box', tuple(sizes.tolist())))
         poses.append((turn, place))
     for side in (-1.0, 1.0):

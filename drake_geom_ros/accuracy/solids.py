@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -39,8 +40,13 @@ class Solid:
     sizes: tuple[float, ...] = ()
     vertices: Floats | None = None
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle what the solid was made from, not the shape that was made of it."""
+        return Solid, (self.kind, self.sizes, self.vertices)
+
+    @cached_property
     def shape(self) -> geometry.Shape:
-        """Return the public shape."""
+        """The public shape."""
         if self.kind == 'Point':
             return geometry.Sphere(0.0)
         if self.vertices is None:

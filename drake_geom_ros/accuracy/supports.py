@@ -18,15 +18,14 @@ from mpmath import mp, mpf
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from drake_geom_ros.accuracy.tolerances import TIE
+
 Floats = NDArray[np.float64]
 Shape = tuple[int, Any]  # type number, as in the Shape message, and half sizes or vertices
 Pose = tuple[Any, Any]  # R (3, 3), p (3,) [m]
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX = 1, 2, 3, 4, 5, 6, 7
 DIGITS = 40
-# Vertices this near [-] to the farthest along a direction, relative to the body's size, are all
-# asked in full digits which one is the farthest.
-TIE = 1e-13
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ class Body:
             sum((x * mpf(float(self.R[i, k])) for i, x in enumerate(n)), mpf(0)) for k in (0, 1, 2)
         ]
         rough = self.vertices @ np.array([float(x) for x in d])
-        tied = self.vertices[rough >= rough.max() - TIE * max(self.size, 1e-300)]
+        tied = self.vertices[rough >= rough.max() - TIE * self.size]
         height = max(_dot(d, v) for v in tied) + mpf(float(self.radius)) * _norm(n)
         if len(self.flat):
             height += _norm([_dot(d, row) for row in self.flat])

@@ -116,20 +116,23 @@ def _beginning(told: Circumstances) -> str:
         '',
         f'Machine: {told.machine}. Versions: {versions}.',
         '',
-        '- **Error** [m]: against a truth with 40 digits, known by how the pair was placed or from '
-        'the maximum over all directions (`drake_geom_ros/accuracy/truth.py`). Bodies of about '
-        '0.2 m, as often 20 cm apart, 2 mm apart, touching, 2 mm deep, 2 cm deep and one inside '
-        'the other; half of them at vertices, half along edges and faces.',
-        '- **Time** [us a pair]: medians of turns that everybody takes one after another, on pairs '
-        'turned anew each time, so that nobody gains from the last answer. Ours: 120 pairs posed, '
-        'asked and read in one query, broad phase and Python included; in brackets the kernels '
-        'alone. Peers: one call a pair from Python; in brackets what is left without the least '
-        'that such a call costs, measured on two spheres (below).',
+        '- **Error** [m]: against a truth with 40 digits, known by how the pair was placed or '
+        'from the maximum over all directions (`drake_geom_ros/accuracy/truth.py`). Bodies of '
+        'about 0.2 m, as often 20 cm apart, 2 mm apart, touching, 2 mm deep, 2 cm deep and one '
+        'inside the other, at vertices, along edges and on faces. What is less than the spacing '
+        'of floats at that size (shown as `<`) is drawn there.',
+        '- **Time** [us a pair]: medians of turns that everybody takes one after another, on '
+        'pairs turned anew each time, so that nobody gains from the last answer; processor time '
+        'of the one thread that all of them use. Ours: 120 pairs posed, asked and read in one '
+        'query, broad phase and Python included; in brackets the kernels alone. '
+        'Peers: one call a pair from Python; in brackets what is left without the least that '
+        'such a call costs, measured on two spheres (below).',
         '- **Bound** [m]: our certificate, `error_bound`. It must never be below the error.',
         '- **No answer**: how often, and why. `missed` is an overlap that was not reported; at '
         'level `bound` a pair is reported when the middle of its certified interval overlaps.',
-        '- Whole scenes: errors on pairs of the scene; ours is timed as one query on all pairs '
-        'within 0.1 m, peers pair by pair, without a broad phase.',
+        '- **Whole scenes**: errors on pairs of the scene; ours is timed as one query on all '
+        'bodies, over the number of pairs that it reports (within 0.1 m; in contact), peers pair '
+        'by pair, without a broad phase.',
         '',
         'Least cost of a call [us]: '
         + ('; '.join(_overheads(told.overheads)) or 'no peer was asked')
@@ -153,8 +156,8 @@ def _certificates(records: Sequence[Measured]) -> str:
     lines = [
         '## The certificate',
         '',
-        'Bound over error where the error is more than rounding (16 times the spacing of floats at '
-        "the pair's size). 1 is a bound that could not be smaller.",
+        'Bound over error where the error is more than rounding (16 times the spacing of floats '
+        "at the pair's size). 1 is a bound that could not be smaller.",
         '',
         '| level | answers | bound below error | above rounding | ratio: median | worst |',
         '|---|---|---|---|---|---|',
@@ -219,10 +222,7 @@ def length(value: float, rounding: float) -> str:
 
 def microseconds(seconds: float | None) -> str:
     """Return a time in microseconds."""
-    return (
-        ''
-        if seconds is None
-        else f'{seconds * 1e6:.3g}'
-        if seconds < 1e-3
-        else f'{seconds * 1e6:.0f}'
-    )
+    if seconds is None:
+        return ''
+    value = 1e6 * seconds
+    return f'{value:.3g}' if value < 1000 else f'{value:.0f}'

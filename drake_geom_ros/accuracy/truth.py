@@ -26,13 +26,14 @@ from scipy.spatial import ConvexHull, QhullError
 from drake_geom_ros.accuracy.pair import Pair, offset_between
 from drake_geom_ros.accuracy.polish import polished
 from drake_geom_ros.accuracy.supports import DIGITS, HALF_SPACE, Floats, Pose, Shape, posed
+from drake_geom_ros.accuracy.tolerances import GAP, KNOWN, NEARBY, NO_DIRECTION
 
 DENSE = 400  # directions that a search begins with
-GAP = 1e-5  # relative to the pair's size: how much better a direction the search may overlook
-NEARBY = 0.012  # [rad] about a direction found that polishing looks for edges
-ROUNDS = 40  # of a search, each of which takes a new hull
+ROUNDS = 25  # of a search, each of which takes a new hull
 MOST_OPEN = 150  # faces of the hull that one round refines
-KNOWN = 1e-6  # [rad] about a direction that is the best but for rounding
+# Directions that are polished, best first; where more are as good, as in concentric bodies, it is
+# by symmetry, or what they differ by polishing gains.
+MOST_STARTS = 40
 
 
 def signed_distance(
@@ -103,9 +104,9 @@ def search(pair: Pair) -> Floats:
         points = np.vstack([points, new])
     candidates = np.vstack(found)
     values = pair.values(candidates)
-    top = candidates[np.argsort(-values)][:1]
-    close = _apart(candidates[values >= best - 2 * gap], NEARBY)
-    return np.vstack([_climb(pair, top[0])[None], close])
+    order = np.argsort(-values)
+    close = candidates[order[values[order] >= best - 2 * gap]]
+    return np.vstack([_climb(pair, candidates[order[0]])[None], _apart(close, NEARBY)])
 
 
 def _climb(pair: Pair, n: Floats) -> Floats:
@@ -133,13 +134,15 @@ def _sphere(count: int) -> Floats:
 def _unit(v: Floats) -> Floats:
     """Return vectors (m, 3) at unit length, without those that have none."""
     length = np.linalg.norm(v, axis=1)
-    return v[length > 1e-12] / length[length > 1e-12, None]
+    return v[length > NO_DIRECTION] / length[length > NO_DIRECTION, None]
 
 
 def _apart(n: Floats, angle: float) -> Floats:
-    """Return directions of which each has one of the result within an angle [rad]."""
+    """Return some of the directions, the first of those that are within an angle [rad]."""
     kept: list[Floats] = []
     for each in n:
-        if all(each @ k < np.cos(0.5 * angle) for k in kept):
+        if all(each @ k < np.cos(angle) for k in kept):
             kept.append(each)
+        if len(kept) == MOST_STARTS:
+            break
     return np.array(kept)

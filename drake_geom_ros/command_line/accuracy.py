@@ -1,11 +1,11 @@
 """``accuracy``: what accuracy costs in time, for us and for peers."""
 
 import argparse
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import drake_geom_ros
 from drake_geom_ros import peers
 from drake_geom_ros.geometry import ArgumentError, GeometryError
 
@@ -64,15 +64,16 @@ def run(options: argparse.Namespace) -> int:
         minutes=options.minutes,
         seed=options.seed,
     )
-    return measure(request)
+    return measure(request, partial(print, flush=True))
 
 
 def output_of(options: argparse.Namespace) -> Path:
     """Return the folder to write to."""
     if options.output:
         return Path(options.output)
-    tree = Path(drake_geom_ros.__file__).parents[1]
-    if not options.quick and not options.cases and (tree / 'docs').is_dir():
+    tree = Path(__file__).parents[2]
+    is_source = (tree / 'setup.py').exists() and (tree / 'docs').is_dir()
+    if is_source and not options.quick and not options.cases:
         return tree / 'docs' / 'accuracy'
     return Path('out') / 'accuracy'
 

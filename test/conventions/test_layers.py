@@ -27,8 +27,15 @@ LAYERS = {
         ('numpy', 'matplotlib', 'mpl_toolkits'),
     ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
+    'accuracy': (
+        ('math', 'geometry', 'peers', 'accuracy'),
+        ('numpy', 'scipy', 'mpmath', 'matplotlib'),
+    ),
     'command_line': (
-        ('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
+        (
+            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'peers', 'accuracy'),
+            'command_line',
+        ),
         ('numpy',),
     ),
     'ros': (
