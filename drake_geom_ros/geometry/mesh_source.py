@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 
 import numpy as np
@@ -14,6 +15,7 @@ from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
 # A file is read whole, and trimesh needs some ten times its size; a scan of 2 million triangles as
 # binary STL has 100 MB.
 MAX_MESH_BYTES = 200_000_000
+HULL_EXPONENT = 24  # hulls are made of points brought to about 2^24
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -120,8 +122,11 @@ def _hull(points: Floats, name: str) -> tuple[Floats, Indices]:
             f'{name}: its {len(points)} vertices lie in a plane, and a convex hull without '
             'a volume has no inside; give the mesh a thickness'
         )
-    hull = trimesh.Trimesh(points, process=False).convex_hull
-    vertices = np.array(hull.vertices, dtype=np.float64)
+    # trimesh merges vertices within 1e-8 and drops triangles below 1e-14: at this size that is
+    # rounding. A power of two, so that the points stay what they are.
+    exponent = HULL_EXPONENT - math.frexp(float(np.abs(points).max()))[1]
+    hull = trimesh.Trimesh(np.ldexp(points, exponent), process=False).convex_hull
+    vertices = np.ldexp(np.array(hull.vertices, dtype=np.float64), -exponent)
     triangles = np.array(hull.faces, dtype=np.int64)
     vertices.flags.writeable = triangles.flags.writeable = False
     return vertices, triangles
