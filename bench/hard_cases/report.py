@@ -87,7 +87,7 @@ def page(cases: list[Case], results: Results) -> str:
 
 
 def examples(name: str, cases: list[Case], results: Results) -> str:
-    """Return a peer's worst: crashes, hangs and NaN of different families, then what is most off."""
+    """Return a peer's worst, one a family: crashes, hangs, NaN, then what is most off."""
     failed = [
         (case, query, results[name, query, case.id])
         for case in cases

@@ -31,11 +31,11 @@ def test_every_question_gets_its_outcome_in_order():
 
 
 def test_an_error_that_cannot_be_sent_is_told_by_its_text():
-    class Local(Exception):
+    class LocalError(Exception):
         pass
 
     def ask_local(question):
-        raise Local(f'about {question}')
+        raise LocalError(f'about {question}')
 
     ((_, outcome),) = outcomes(['x'], ask_local, 2.0)
     assert (outcome.end, str(outcome.value)) == ('exception', 'about x')

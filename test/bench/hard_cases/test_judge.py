@@ -8,6 +8,7 @@ from bench.hard_cases.isolated import Outcome
 from bench.hard_cases.judge import judged
 from drake_geom_ros.peers import PairAnswer, Unsupported
 
+X = (1, 0, 0)
 APART = case('', body('Box', (1, 1, 1)), body('Box', (1, 1, 1), None, (0, 4, 0)))
 DEEP = case('', body('Sphere', (1,)), body('Sphere', (1,), None, (1.5, 0, 0)))
 TOUCHING = case('', body('Sphere', (1,)), body('Sphere', (1,), None, (2, 0, 0)))
@@ -32,7 +33,7 @@ def verdict(one, query, *answer):
         ((3.0, N * 0, A, B), 'wrong', 'normal of length 0'),
         ((3.0, -N, A, B), 'wrong', 'normal (-0, 1, -0)'),
         ((3.0, N, A, A), 'wrong', 'witness points off by 3 m'),
-        ((3.0, N, A + [1, 0, 0], B + [1, 0, 0]), 'wrong', 'witness points off by 0.5 m'),
+        ((3.0, N, np.add(A, X), np.add(B, X)), 'wrong', 'witness points off by 0.5 m'),
     ],
 )
 def test_distances(answer, expected, text):
