@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
+    Convex,
     Cylinder,
     Ellipsoid,
     FramePoseVector,
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry import (
     SignedDistanceResults,
     Sphere,
 )
+from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.math import RigidTransform
 
 Floats = NDArray[np.float64]
@@ -56,8 +58,16 @@ def random_shape(rng: np.random.Generator, scale: float, lattice: bool) -> Shape
         Capsule(a, 2 * b),
         Cylinder(a, 2 * b),
         Ellipsoid(a, b, c),
+        Convex.FromMeshData(MeshData(_vertices(rng, lattice) * [a, b, c])),
     ]
     return kinds[int(rng.integers(len(kinds)))]
+
+
+def _vertices(rng: np.random.Generator, lattice: bool) -> Floats:
+    """Return points whose hull is a cube on a lattice, else has a dozen vertices or fewer."""
+    if lattice:
+        return np.indices((2, 2, 2)).reshape(3, -1).T - 0.5
+    return rng.uniform(-1.0, 1.0, (12, 3))
 
 
 def random_poses(rng: np.random.Generator, scale: float, lattice: bool) -> Floats:

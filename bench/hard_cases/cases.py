@@ -17,6 +17,7 @@ null: any on the surfaces that span it.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -61,13 +62,13 @@ class Body:
         """Radius [m] of the ball about the shape's origin that holds it; a half space has 0."""
         s = np.asarray(self.size, dtype=float)
         if self.kind == 'Convex':
-            return float(np.linalg.norm(s, axis=1).max())
+            return max(math.hypot(*v) for v in s)
         if self.kind == 'Box':
-            return float(np.linalg.norm(0.5 * s))
+            return math.hypot(*(0.5 * s))
         if self.kind == 'Capsule':
             return float(s[0] + 0.5 * s[1])
         if self.kind == 'Cylinder':
-            return float(np.hypot(s[0], 0.5 * s[1]))
+            return math.hypot(s[0], 0.5 * s[1])
         return float(s.max()) if s.size else 0.0
 
     def moved(self, R: Floats, p: Floats) -> Body:
@@ -98,7 +99,7 @@ class Case:
     @property
     def extent(self) -> float:
         """Size of the pair [m]: both radii and the distance of the origins."""
-        return self.a.radius + self.b.radius + float(np.linalg.norm(self.b.p - self.a.p))
+        return self.a.radius + self.b.radius + math.hypot(*(self.b.p - self.a.p))
 
     @property
     def smaller(self) -> float:

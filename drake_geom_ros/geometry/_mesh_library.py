@@ -6,6 +6,7 @@ It takes 2 s to import, and most scenes have no mesh.
 from __future__ import annotations
 
 import io
+import math
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     FLAT_HULL,
 )
 from drake_geom_ros.geometry.errors import MeshFileError
+
+HULL_EXPONENT = 24  # hulls are made of points brought to about 2^24
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -69,8 +72,12 @@ def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
 def _hull(points: Floats) -> tuple[Floats, Indices]:
     import trimesh
 
-    hull = trimesh.Trimesh(points, process=False).convex_hull
-    return np.array(hull.vertices, dtype=np.float64), np.array(hull.faces, dtype=np.int64)
+    # trimesh merges vertices within 1e-8 and drops triangles below 1e-14: at this size that is
+    # rounding. A power of two, so that the points stay what they are.
+    exponent = HULL_EXPONENT - math.frexp(float(np.abs(points).max()))[1]
+    hull = trimesh.Trimesh(np.ldexp(points, exponent), process=False).convex_hull
+    vertices = np.ldexp(np.array(hull.vertices, dtype=np.float64), -exponent)
+    return vertices, np.array(hull.faces, dtype=np.int64)
 
 
 def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:

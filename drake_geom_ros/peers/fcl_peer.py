@@ -66,7 +66,8 @@ def _distance(a: Any, b: Any) -> PairAnswer:
     request = fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True)
     result = fcl.DistanceResult()
     distance = fcl.distance(a, b, request, result)
-    return PairAnswer(distance, None, *(np.array(p) for p in result.nearest_points))
+    points = [None if p is None else np.array(p) for p in result.nearest_points]
+    return PairAnswer(distance, None, *points)
 
 
 def _penetration(a: Any, b: Any) -> PairAnswer | None:

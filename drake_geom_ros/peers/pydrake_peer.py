@@ -6,7 +6,14 @@ from typing import Any
 
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.peers.answers import SIGNED_DISTANCE, Ask, PairAnswer, checked, no_tolerance
+from drake_geom_ros.peers.answers import (
+    SIGNED_DISTANCE,
+    Ask,
+    PairAnswer,
+    Unsupported,
+    checked,
+    no_tolerance,
+)
 from drake_geom_ros.peers.measures import kind_of, measures
 
 
@@ -65,7 +72,12 @@ class _Scene:
 
     def distance(self, X_WA: RigidTransform, X_WB: RigidTransform) -> PairAnswer:
         self._pose_both(X_WA, X_WB)
-        found = self._query.ComputeSignedDistancePairClosestPoints(*self._ids)
+        try:
+            found = self._query.ComputeSignedDistancePairClosestPoints(*self._ids)
+        except RuntimeError as error:
+            if 'are not supported' in str(error):  # of this pair of types, whatever the poses
+                raise Unsupported(str(error)) from None
+            raise
         points = (
             self._query.GetPoseInWorld(found.id_A).multiply(found.p_ACa),
             self._query.GetPoseInWorld(found.id_B).multiply(found.p_BCb),

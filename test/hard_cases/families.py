@@ -2,10 +2,10 @@
 
 import itertools
 import zlib
+from dataclasses import replace
 
 import numpy as np
-from dataclasses import replace
-from hard_cases import scales, truth
+from hard_cases import scales
 from hard_cases.construct import (
     at,
     body,
@@ -31,9 +31,7 @@ GAPS = (0.0, 1e-15, 1e-12, 1e-9, 1e-6, -1e-12, -1e-9, -1e-6)
 def touching(rng):
     """Faces, edges and vertices of every pair of shapes at, or next to, contact."""
     gaps = itertools.cycle(GAPS)
-    for (x, y), feature in itertools.product(
-        PAIRS + WITH_HALF_SPACE, ('face', 'edge', 'vertex')
-    ):
+    for (x, y), feature in itertools.product(PAIRS + WITH_HALF_SPACE, ('face', 'edge', 'vertex')):
         a, b = turned(rng, x), turned(rng, y)
         gap = next(gaps)
         yield gap_case(f'{feature} of A, gap {gap:g}', a, b, outward(a, rng, feature), gap)
@@ -153,14 +151,12 @@ def points(rng):
 
 
 def hulls(rng):
-    """Hulls that hide something: boxes, coplanar and double points, slivers, prisms, many points."""
+    """Hulls that hide something: boxes, coplanar and double points, slivers, prisms."""
     cube = box_vertices((1.0, 1.0, 1.0))
     middles = tuple(map(tuple, np.vstack([np.eye(3), -np.eye(3)]) * 0.5))
     tetrahedron = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     angles = np.arange(8) * np.pi / 4
-    prism = tuple(
-        (float(np.cos(t)), float(np.sin(t)), z) for z in (-0.5, 0.5) for t in angles
-    )
+    prism = tuple((float(np.cos(t)), float(np.sin(t)), z) for z in (-0.5, 0.5) for t in angles)
     needle = box_vertices((1e-3, 1e-3, 1.0))
     shapes = {
         'cube': cube,
@@ -187,7 +183,7 @@ FAMILIES = {
     function.__name__: function
     for function in (
         touching, flush, parallel, concentric, same, nested, rotations, lattice, half_spaces,
-        points, hulls, scales.slivers, scales.ratios, scales.far, scales.tiny,
+        points, hulls, scales.slivers, scales.ratios, scales.far, scales.extremes,
     )
 }  # fmt: skip
 

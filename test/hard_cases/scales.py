@@ -68,14 +68,14 @@ def far(rng):
         )
 
 
-def tiny(rng):
-    """Sizes from a nanometre to the smallest numbers that there are, alike or beside 1 m."""
+def extremes(rng):
+    """Sizes of 1e-306 to 1e300 m, alike, and the smallest numbers that there are beside 1 m."""
     kinds = (('Sphere', 'Sphere'), ('Sphere', 'Box'), ('Box', 'Box'), ('Capsule', 'Capsule'),
              ('Cylinder', 'Box'), ('Ellipsoid', 'Ellipsoid'), ('Sphere', 'Ellipsoid'),
              ('Capsule', 'Cylinder'))  # fmt: skip
     size = {'Sphere': (0.5,), 'Box': (1.0, 0.5, 0.25), 'Capsule': (0.25, 1.0),
             'Cylinder': (0.5, 1.0), 'Ellipsoid': (0.5, 0.25, 1.0)}  # fmt: skip
-    for (x, y), s in itertools.product(kinds, (1e-9, 1e-30, 1e-100, 1e-200, 1e-306)):
+    for (x, y), s in itertools.product(kinds, (1e-306, 1e-100, 1e-9, 1e9, 1e100, 1e300)):
         s = 2.0 ** np.round(np.log2(s))
         a, b = body(x, s * np.array(size[x])), body(y, s * np.array(size[y]))
         for gap in (0.25, -0.125):
@@ -84,7 +84,7 @@ def tiny(rng):
             about = f'sizes of {s:.0e} m, gap {gap * s:.0e}'
             yield case(about, a, at(b, s * found.b.p), s * found.distance, tolerance)
     for kind in ('Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Sphere'):
-        for s in (5e-324, 1e-308, 1e-160, 1e-20):
+        for s in (5e-324, 1e-300, 1e-160, 1e-20):
             a, b = turned(rng, kind), body('Sphere', (s,))
             yield gap_case(f'sphere of radius {s:g} m', a, b, outward(a, rng, 'vertex'), 0.5)
             small = {'Box': (s, s, s), 'Ellipsoid': (s, s, s)}.get(kind, (s, s))

@@ -75,9 +75,7 @@ def _closed(a, b):
         s = mpf(2) ** -round(np.log2(extent)) if extent else mpf(1)
         p = [s * (mpf(float(y)) - mpf(float(x))) for x, y in zip(a.p, b.p, strict=True)]
         size_a, size_b = ([s * mpf(float(x)) for x in size] for size in (size_a, size_b))
-        return float(
-            closed_forms.signed_distance(kind_a, size_a, a.R, kind_b, size_b, b.R, p) / s
-        )
+        return float(closed_forms.signed_distance(kind_a, size_a, a.R, kind_b, size_b, b.R, p) / s)
 
 
 def _lowest_vertex(hull, half_space):

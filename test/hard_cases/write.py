@@ -1,6 +1,6 @@
 """Write the generated families into the catalogue.
 
-    PYTHONPATH=.:test python -m hard_cases.write [FAMILY ...]
+PYTHONPATH=.:test python -m hard_cases.write [FAMILY ...]
 """
 
 import sys

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -145,7 +145,7 @@ def _sweep_between(  # type: ignore[no-untyped-def]
 @inlined
 def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
-    squared, reach = 0.0, 0.0
+    squared, reach, widest = 0.0, 0.0, 0.0
     for k in range(3):
         p, q = p_WGs[i, k], p_WGs[j, k]
         sizes = half_extents[i, k] + half_extents[j, k]
@@ -153,8 +153,11 @@ def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
         gap = abs(p - q) - sizes
         if gap > 0.0:
             squared += gap * gap
+            widest = max(widest, gap)
+    if squared < LARGE_SQUARE:
+        widest = math.sqrt(squared)
     # Rounding of the corners: a few spacings where they are.
-    return max(0.0, math.sqrt(squared) - 4.0 * EPS * reach)
+    return max(0.0, widest - 4.0 * EPS * reach)
 
 
 @inlined

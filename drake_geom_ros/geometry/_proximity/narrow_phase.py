@@ -29,10 +29,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     call_kernel,
     compiled_address,
 )
+from drake_geom_ros.geometry._proximity.kernels.extremes import call_at_one_metre, is_extreme
 from drake_geom_ros.geometry._proximity.pair_table import (
     ALL_ROWS,
     HALF_SPACE,
     ROW_OF_TYPES,
+    SOLID,
     TYPE_COUNT,
 )
 from drake_geom_ros.geometry._proximity.promise import (
@@ -40,7 +42,12 @@ from drake_geom_ros.geometry._proximity.promise import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    LARGE_SQUARE,
+    ROUNDING,
+    TOUCHING_DEPTH,
+)
 
 _ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
@@ -97,13 +104,15 @@ def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
         apart = p_WGs[j, k] - p_WGs[i, k]
         squared += apart * apart
         reach = max(reach, abs(p_WGs[i, k]), abs(p_WGs[j, k]))
+    if not squared < LARGE_SQUARE:
+        return -math.inf  # so large that boxes have to tell
     centres, balls = math.sqrt(squared), outer[i] + outer[j]
     return centres - balls - 8.0 * EPS * (centres + balls + reach)
 
 
 @inlined
 def _call_in_order(  # type: ignore[no-untyped-def]
-    a, b, address, types, starts, pool, R_WGs, p_WGs, p_AB_W, tolerance, cutoff, out
+    a, b, address, types, starts, pool, R_WGs, p_WGs, p_AB_W, size, tolerance, cutoff, out
 ):
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
     swapped = types[a] > types[b]
@@ -113,19 +122,19 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             out[NORMAL + c] = -out[NORMAL + c]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    call_kernel(  # type: ignore[no-untyped-call]
-        address,
-        types[a],
-        pool[starts[a] : starts[a + 1]],
-        R_WGs[a],
-        types[b],
-        pool[starts[b] : starts[b + 1]],
-        R_WGs[b],
-        p_AB_W,
-        tolerance,
-        cutoff,
-        out,
-    )
+    shape_a, shape_b = pool[starts[a] : starts[a + 1]], pool[starts[b] : starts[b + 1]]
+    # A solid holds areas and counts too: its kernels take it as it is.
+    solid = types[a] == SOLID or types[b] == SOLID
+    if is_extreme(size, p_AB_W) and not solid:
+        call_at_one_metre(
+            *(address, size, types[a], shape_a, R_WGs[a], types[b], shape_b, R_WGs[b]),
+            *(p_AB_W, tolerance, cutoff, out),
+        )
+    else:
+        call_kernel(  # type: ignore[no-untyped-call]
+            *(address, types[a], shape_a, R_WGs[a], types[b], shape_b, R_WGs[b]),
+            *(p_AB_W, tolerance, cutoff, out),
+        )
     if swapped:
         for c in range(3):
             # Measured from the other body's origin from now on.
@@ -229,7 +238,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                     tolerance = tolerance_of_pair(gap, a, b, outer)
                     _call_in_order(
                         *(a, b, address, types, starts, pool, R_WGs, p_WGs, scratch),
-                        *(tolerance, cutoff, out),
+                        *(size, tolerance, cutoff, out),
                     )
                 out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
                 seen[s], gaps[s] = revision, gap

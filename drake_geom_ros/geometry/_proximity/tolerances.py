@@ -101,6 +101,11 @@ FLAT_HULL = 1e-9
 SMALL_SQUARE = 2.0**-900
 LARGE_SQUARE = 2.0**900
 
+# Sizes [m] of pairs between which products of four lengths, some of them EPS times as large, stay
+# within float64; other pairs are computed at about 1 m.
+SMALL_SIZE = 2.0**-180
+LARGE_SIZE = 2.0**180
+
 # A step of Newton's method on a normal this small [-] was the last that mattered: its square is
 # EPS.
 LAST_STEP = 2.0**-26

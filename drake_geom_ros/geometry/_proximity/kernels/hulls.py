@@ -16,6 +16,8 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
 
 DEFECT = 1  # places after the coordinates: the defect, six summits, the lists
 SUMMITS = 2
@@ -96,4 +98,9 @@ def hull_radius(shape):
     for k in range(1, 3 * int(shape[0]) + 1, 3):
         x, y, z = shape[k], shape[k + 1], shape[k + 2]
         farthest = max(farthest, x * x + y * y + z * z)
-    return math.sqrt(farthest)
+    if SMALL_SQUARE < farthest < LARGE_SQUARE:
+        return math.sqrt(farthest)
+    farthest = 0.0
+    for k in range(1, 3 * int(shape[0]) + 1, 3):
+        farthest = max(farthest, norm((shape[k], shape[k + 1], shape[k + 2])))
+    return farthest

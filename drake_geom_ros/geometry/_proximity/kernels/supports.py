@@ -17,7 +17,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_radius
-from drake_geom_ros.geometry._proximity.kernels.vectors import rotate, unrotate
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
 
 # Type numbers, as in the messages.
 SPHERE = 1
@@ -47,11 +47,11 @@ def bounding_radius(kind, shape):
     if kind == SPHERE:
         return shape[0]
     if kind == BOX:
-        return math.sqrt(shape[0] * shape[0] + shape[1] * shape[1] + shape[2] * shape[2])
+        return norm((shape[0], shape[1], shape[2]))
     if kind == CAPSULE:
         return shape[0] + shape[1]
     if kind == CYLINDER:
-        return math.sqrt(shape[0] * shape[0] + shape[1] * shape[1])
+        return norm((shape[0], shape[1], 0.0))
     if kind == ELLIPSOID:
         return max(shape[0], shape[1], shape[2])
     return hull_radius(shape)

@@ -1,0 +1,84 @@
+"""Whether an answer is right, for us and for peers by the same measure.
+
+An answer may be off by a thousandth of the smaller body's radius and by rounding: ten times what
+the peers' own tolerances leave at 1 m. Where the distance is that near to 0 a contact may be
+reported or not. Normal and witness points, where a peer gives any, are held to the same.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from bench.hard_cases.cases import Case
+from bench.hard_cases.isolated import Outcome
+from bench.hard_cases.surfaces import height, width
+from drake_geom_ros.peers import PENETRATION, PairAnswer, Unsupported
+
+VERDICTS = ('pass', 'wrong', 'NaN', 'exception', 'crash', 'hang', 'unsupported')
+PART = 1e-3  # of the smaller body
+ROUNDING = 1e-12  # of the extent and of the distance from the world's origin
+UNIT = 1e-6  # [-] that a normal may be off unit length
+
+
+class Verdict(NamedTuple):
+    """One of VERDICTS, what was wrong, and by how much of what is allowed."""
+
+    verdict: str
+    text: str = ''
+    excess: float = 0.0
+
+
+def allowed(case: Case) -> float:
+    """Return what an answer may be off by [m]."""
+    away = max(np.abs(case.a.p).max(), np.abs(case.b.p).max())
+    return float(PART * case.smaller + ROUNDING * (case.extent + away) + case.tolerance)
+
+
+def judged(case: Case, query: str, outcome: Outcome) -> Verdict:
+    """Return the verdict on how a question about a case ended."""
+    if outcome.end == 'exception':
+        kind = 'unsupported' if isinstance(outcome.value, Unsupported) else 'exception'
+        return Verdict(kind, str(outcome.value).strip().split('\n')[0][:80])
+    if outcome.end != 'answer':
+        return Verdict(outcome.end, str(outcome.value))
+    off = allowed(case)
+    if outcome.value is None:
+        depth = max(-case.distance, 0.0)
+        if depth <= off:
+            return Verdict('pass')
+        return Verdict('wrong', f'no contact for {-depth:.6g}', depth / off)
+    if query == PENETRATION and case.distance > off:
+        return Verdict('wrong', f'contact for {case.distance:.6g}', case.distance / off)
+    return _of_answer(case, outcome.value, off)
+
+
+def _of_answer(case: Case, answer: PairAnswer, off: float) -> Verdict:
+    given = [x for x in (answer.nhat_BA_W, answer.p_WCa, answer.p_WCb) if x is not None]
+    if not (math.isfinite(answer.distance) and np.isfinite(given).all()):
+        what = 'distance' if not math.isfinite(answer.distance) else 'normal or witness'
+        return Verdict('NaN', what)
+    error = abs(answer.distance - case.distance)
+    if not error <= off:
+        text = f'{answer.distance:.6g} for {case.distance:.6g}'
+        return Verdict('wrong', text, error / off)
+    if answer.nhat_BA_W is not None:
+        length = math.hypot(*answer.nhat_BA_W)
+        if abs(length - 1.0) > UNIT:
+            return Verdict('wrong', f'normal of length {length:.3g}', 1.0)
+        lacking = case.distance - width(case.a, case.b, answer.nhat_BA_W)
+        if not lacking <= off + UNIT * case.extent:
+            shown = ', '.join(f'{x:.3g}' for x in answer.nhat_BA_W)
+            return Verdict('wrong', f'normal ({shown})', 1.0)
+    if answer.p_WCa is not None and answer.p_WCb is not None:
+        gap = abs(math.hypot(*(answer.p_WCa - answer.p_WCb)) - abs(case.distance))
+        aside = max(
+            gap,
+            abs(height(case.a, answer.p_WCa)),
+            abs(height(case.b, answer.p_WCb)),
+        )
+        if not aside <= 2.0 * off:
+            return Verdict('wrong', f'witness points off by {aside:.2g} m', aside / off)
+    return Verdict('pass')

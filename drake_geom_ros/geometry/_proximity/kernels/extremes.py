@@ -1,0 +1,63 @@
+"""Pairs so small or so large that products of their lengths leave float64, brought to about 1 m.
+
+A power of two changes no digit of a length, and the signed distance scales with the lengths.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling import (
+    DISTANCE,
+    ERROR_BOUND,
+    WITNESS_A,
+    WITNESS_B,
+    call_kernel,
+)
+from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
+
+
+@inlined
+def is_extreme(size, p_AB_W):
+    """Tell whether products of a few lengths of a pair may leave float64.
+
+    ``size`` [m] is that of its shapes, ``p_AB_W`` what is between them.
+    """
+    x, y, z = abs(p_AB_W[0]), abs(p_AB_W[1]), abs(p_AB_W[2])
+    return not SMALL_SIZE < size + x + y + z < LARGE_SIZE
+
+
+@compiled
+def resized(kind, shape, exponent):
+    """Return a copy of a shape's parameters with its lengths times 2^exponent."""
+    copy = shape.copy()
+    first, last = 0, shape.size
+    if kind == CONVEX:
+        # Behind the number of the vertices their coordinates, and of a large hull its defect.
+        first, last = 1, min(shape.size, 3 * int(shape[0]) + 2)
+    for k in range(first, last):
+        copy[k] = math.ldexp(copy[k], exponent)
+    return copy
+
+
+@compiled
+def call_at_one_metre(
+    address, size, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Call the kernel at an address as ``call_kernel`` does, for the pair brought to about 1 m."""
+    largest = max(size, norm((p_AB_W[0], p_AB_W[1], p_AB_W[2])))
+    e = -math.frexp(largest)[1]
+    p = p_AB_W.copy()
+    for k in range(3):
+        p[k] = math.ldexp(p[k], e)
+    call_kernel(
+        *(address, kind_A, resized(kind_A, shape_A, e), R_WA),
+        *(kind_B, resized(kind_B, shape_B, e), R_WB, p),
+        *(math.ldexp(tolerance, e), math.ldexp(cutoff, e), out),
+    )
+    for k in (DISTANCE, ERROR_BOUND):
+        out[k] = math.ldexp(out[k], -e)
+    for k in range(3):
+        out[WITNESS_A + k] = math.ldexp(out[WITNESS_A + k], -e)
+        out[WITNESS_B + k] = math.ldexp(out[WITNESS_B + k], -e)

@@ -1,0 +1,41 @@
+"""A question that kills or hangs its process costs one answer, and no other."""
+
+import os
+import signal
+import time
+
+from bench.hard_cases.isolated import outcomes
+
+
+def ask(question):
+    if question == 'abort':
+        os.kill(os.getpid(), signal.SIGKILL)
+    if question == 'hang':
+        time.sleep(60)
+    if question == 'raise':
+        raise ValueError('no')
+    if question == 'leave':
+        os._exit(0)
+    return question.upper()
+
+
+def test_every_question_gets_its_outcome_in_order():
+    questions = ['a', 'abort', 'b', 'hang', 'raise', 'leave', 'c', 'abort']
+    found = list(outcomes(questions, ask, 2.0))
+    assert [question for question, _ in found] == questions
+    ends = [outcome.end for _, outcome in found]
+    assert ends == ['answer', 'crash', 'answer', 'hang', 'exception', 'crash', 'answer', 'crash']
+    assert found[0][1].value == 'A'
+    assert found[1][1].value == f'signal {int(signal.SIGKILL)}'
+    assert isinstance(found[4][1].value, ValueError)
+
+
+def test_an_error_that_cannot_be_sent_is_told_by_its_text():
+    class LocalError(Exception):
+        pass
+
+    def ask_local(question):
+        raise LocalError(f'about {question}')
+
+    ((_, outcome),) = outcomes(['x'], ask_local, 2.0)
+    assert (outcome.end, str(outcome.value)) == ('exception', 'about x')

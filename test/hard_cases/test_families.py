@@ -1,0 +1,36 @@
+"""What is stored is what the generator makes, and what the oracles hold true."""
+
+import numpy as np
+import pytest
+from hard_cases import truth
+from hard_cases.families import FAMILIES, generate
+
+from bench.hard_cases import cases
+
+QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested')
+
+
+def test_every_stored_family_is_generated_but_the_reports():
+    assert set(cases.families()) == {*FAMILIES, 'reports'}
+
+
+@pytest.mark.parametrize('family', QUICK)
+def test_stored_cases_are_those_of_the_generator(family):
+    stored, made = cases.load(family), generate(family)
+    assert len(stored) == len(made)
+    for old, new in zip(stored, made, strict=True):
+        assert (old.id, old.source, old.about) == (new.id, new.source, new.about)
+        # Other versions of NumPy and SciPy round otherwise.
+        assert old.distance == pytest.approx(new.distance, abs=2.0 * new.tolerance)
+        for a, b in ((old.a, new.a), (old.b, new.b)):
+            assert a.kind == b.kind
+            np.testing.assert_allclose(np.ravel(a.size), np.ravel(b.size), rtol=1e-14)
+            np.testing.assert_allclose(a.R, b.R, atol=1e-15)
+            np.testing.assert_allclose(a.p, b.p, atol=1e-14 * (1.0 + np.abs(b.p).max()))
+
+
+@pytest.mark.parametrize('case', cases.load('reports'), ids=lambda case: case.id)
+def test_reports_are_true(case):
+    distance, tolerance = truth.signed_distance(case.a, case.b)
+    assert abs(distance - case.distance) <= tolerance + case.tolerance
+    assert case.tolerance <= 1e-12 + 1e-11 * (case.extent + abs(case.a.p).max())
