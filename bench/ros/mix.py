@@ -19,7 +19,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from bench.ros.hostile import requests
-from drake_geom_ros.ros.services import BESIDE, CHANGES
+from drake_geom_ros.ros.services import SERVICES
 
 Life = Generator[Any, Any, None]
 _REASON_LENGTH = 60
@@ -37,9 +37,7 @@ class Tally:
 
 def open_services(node: Node, server: str) -> dict[str, Client]:
     """Return clients of all services of a server, found; the callers share them."""
-    services = {
-        name: node.create_client(kind, f'{server}/{name}') for name, kind, _ in (*CHANGES, *BESIDE)
-    }
+    services = {name: node.create_client(kind, f'{server}/{name}') for name, kind, _ in SERVICES}
     for name, client in services.items():
         if not client.wait_for_service(_PATIENCE):
             raise RuntimeError(f'there is no service {server}/{name}')

@@ -17,6 +17,7 @@ import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from statistics import linear_regression, median
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -165,6 +166,20 @@ def finish(
     rclpy.shutdown()
 
 
+def medians_by_minute(samples: list[tuple[float, float]]) -> list[float]:
+    """Return the median of the samples ([s], value) of each minute that has any."""
+    minutes: dict[int, list[float]] = {}
+    for moment, value in samples:
+        minutes.setdefault(int(moment // 60.0), []).append(value)
+    return [median(minutes[minute]) for minute in sorted(minutes)]
+
+
+def slope(samples: list[tuple[float, float]]) -> float:
+    """Return by how much samples ([s], value) grow in a minute, by least squares."""
+    moments, values = zip(*samples, strict=True)
+    return 60.0 * linear_regression(moments, values).slope if len(set(moments)) > 1 else 0.0
+
+
 def report(soak: Soak, measured: dict, minutes: float) -> None:
     """Print what happened."""
     tally, status = soak.tally, soak.status
@@ -181,6 +196,9 @@ def report(soak: Soak, measured: dict, minutes: float) -> None:
     (_, first), (_, last) = soak.memory[0], soak.memory[-1]
     half = soak.memory[len(soak.memory) // 2][1]
     print(f'memory [MB]: {first:.1f} at the start, {half:.1f} half-way, {last:.1f} at the end')
+    by_minute = ' '.join(f'{median:.1f}' for median in medians_by_minute(soak.memory))
+    print(f'  median of each minute: {by_minute}; in the second half it grew by '
+          f'{slope(soak.memory[len(soak.memory) // 2 :]):+.2f} a minute')  # fmt: skip
     print(f'{len(tally.problems)} answers that were not expected')
     for problem in tally.problems[:SHOWN]:
         print(f'  {problem}')

@@ -1,1 +1,1 @@
-"""The command line without ROS: ``query``, ``check`` and ``convert`` on scene and pose files."""
+"""The command line without ROS: ``query``, ``check``, ``convert`` and ``replay`` on files."""

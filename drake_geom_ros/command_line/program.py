@@ -5,7 +5,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from drake_geom_ros.command_line import check, convert, query
+from drake_geom_ros.command_line import accuracy, check, convert, query, replay
 from drake_geom_ros.geometry import GeometryError
 
 BAD_INPUT = 2  # the exit code of what was asked wrongly, as argparse has it
@@ -15,8 +15,8 @@ _READER_LEFT = 141  # as a shell reports a process that SIGPIPE ended
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the subcommand that the arguments name and return the exit code.
 
-    0: done; 1: ``check`` found the scene bad; 2: what was asked cannot be, said in one line on
-    standard error.
+    0: done; 1: ``check`` found the scene bad, ``replay`` the promise still broken, ``accuracy`` a
+    certificate that is wrong; 2: what was asked cannot be, said in one line on standard error.
     """
     parser = argparse.ArgumentParser(
         prog='python -m drake_geom_ros',
@@ -24,7 +24,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         epilog='Each command explains itself: python -m drake_geom_ros query --help.',
     )
     commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
-    for module in (query, check, convert):
+    for module in (query, check, convert, replay, accuracy):
         module.add_to(commands)
     options = parser.parse_args(arguments)
     try:

@@ -37,6 +37,11 @@ def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
         text = Path(filename).read_text(encoding='utf-8', errors='replace')
     except OSError as error:
         raise MeshFileError(f"'{filename}' cannot be read: {error.strerror}") from None
+    return parse_obj(text, filename)
+
+
+def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
+    """Return what ``read_obj`` does of a file's text; the name is for messages."""
     points: list[Point] = []
     polygons: list[_Polygon] = []
     for number, words in _statements(text):
@@ -64,6 +69,8 @@ def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, 
     Ears are clipped off (Meisters, American Mathematical Monthly 82(6), 1975); a convex polygon
     becomes a fan about its first corner. ``names`` are what the corners are called in the answer.
     """
+    if len(names) == 3:
+        return [(names[0], names[1], names[2])]
     flat = _projected(corners)
     loop = list(range(len(names)))
     triangles = []

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from drake_geom_ros.geometry.errors import GeometryError
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.pair_table import CONVEX
+from drake_geom_ros.geometry.errors import ArgumentTypeError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
@@ -13,8 +17,10 @@ from drake_geom_ros.geometry.properties import (
     ProximityProperties,
     Role,
 )
-from drake_geom_ros.geometry.shapes import Shape
+from drake_geom_ros.geometry.shapes import Mesh, Shape
 from drake_geom_ros.math import RigidTransform
+
+Floats = NDArray[np.float64]
 
 # One world for all scenes of the process, as in Drake.
 WORLD_FRAME_ID = FrameId.get_new_id()
@@ -102,13 +108,35 @@ def named(record: FrameRecord | GeometryRecord) -> str:
     return f"the {kind} '{record.name}' ({record.id!r})"
 
 
-def check_for_queries(record: GeometryRecord) -> None:
-    """Raise RuntimeError where queries could not answer for a geometry of the proximity role."""
+def packed_shape(record: GeometryRecord) -> tuple[int, Floats]:
+    """Return the type number and the parameters of a geometry's shape, as queries take it.
+
+    A mesh counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that its
+    surface encloses. Raises GeometryError where it is neither.
+    """
+    shape = record.shape
+    if not isinstance(shape, Mesh):
+        return shape._type_number(), shape._kernel_parameters()
+    if not is_solid(record):
+        return CONVEX, shape._kernel_parameters()
+    from drake_geom_ros.geometry._solid_mesh import solid_of
+
+    return solid_of(shape.mesh_data() or shape.filename(), tuple(shape.scale3().tolist()))
+
+
+def is_solid(record: GeometryRecord) -> bool:
+    """Return the property ('mesh', 'solid'); raises ArgumentTypeError if it is no bool."""
     if record.proximity is None:
-        return
-    if record.proximity.GetPropertyOrDefault('mesh', 'solid', False):
-        raise GeometryError(
-            f"{named(record)} has the property ('mesh', 'solid'): solid meshes are not answered "
-            'for yet; without the property a mesh counts as its convex hull'
+        return False
+    solid = record.proximity.GetPropertyOrDefault('mesh', 'solid', False)
+    if not isinstance(solid, (bool, np.bool_)):
+        raise ArgumentTypeError(
+            f"{named(record)}: the property ('mesh', 'solid') = {solid!r} must be True or False"
         )
-    record.shape._kernel_parameters()
+    return bool(solid)
+
+
+def check_for_queries(record: GeometryRecord) -> None:
+    """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
+    if record.proximity is not None:
+        packed_shape(record)

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX, MESH, SHAPE_NAMES
 from drake_geom_ros.geometry._proximity.rehearsal import rehearse
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._records import packed_shape
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.ids import FrameId, SourceId
@@ -150,10 +150,6 @@ def checked_accuracy(accuracy: str) -> str:
     return accuracy
 
 
-# What a shape type counts as in queries: a mesh as its convex hull.
-_QUERY_TYPES = {**{number: number for number in SHAPE_NAMES}, MESH: CONVEX}
-
-
 def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
     """Pack a model: frames with parents first, proximity geometry by ascending id."""
     # Registration order puts a parent before its children, for it must exist by then.
@@ -166,13 +162,14 @@ def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
     geometries = sorted(
         (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
     )
-    parameters = [g.shape._kernel_parameters() for g in geometries]
+    packed = [packed_shape(g) for g in geometries]
+    parameters = [numbers for _, numbers in packed]
     table = GeometryTable(
         ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
         frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
         R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
         p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
-        types=np.array([_QUERY_TYPES[g.shape._type_number()] for g in geometries], dtype=np.int64),
+        types=np.array([kind for kind, _ in packed], dtype=np.int64),
         starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
         pool=np.concatenate([np.zeros(0), *parameters]),
     )

@@ -1,21 +1,21 @@
-"""Meshes, from files or from numbers, to convex hulls: the only room that knows trimesh."""
+"""Meshes, from files or from numbers, each known by its content: surfaces and convex hulls."""
 
 from __future__ import annotations
 
 import functools
-import math
+import hashlib
 import os
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.tolerances import FLAT_HULL
+from drake_geom_ros.geometry._mesh_library import convex_hull, parse_mesh
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
 
 # A file is read whole, and trimesh needs some ten times its size; a scan of 2 million triangles as
 # binary STL has 100 MB.
 MAX_MESH_BYTES = 200_000_000
-HULL_EXPONENT = 24  # hulls are made of points brought to about 2^24
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -60,73 +60,105 @@ class MeshData:
         return f'<MeshData of {len(self.vertices)} vertices, {len(self.triangles)} triangles>'
 
 
-def hull_vertices(source: str | MeshData, scale3: Floats) -> Floats:
+class MeshFile:
+    """A mesh file in the state that it was found in: compared and hashed by its content.
+
+    Two paths of the same bytes are the same mesh, if their suffix names the same format. Raises
+    MeshFileError for a file that is missing or too large.
+    """
+
+    __slots__ = ('_key', 'filename')
+
+    def __init__(self, filename: str) -> None:
+        try:
+            status = os.stat(filename)
+            if status.st_size > MAX_MESH_BYTES:
+                raise MeshFileError(
+                    f'{filename!r} has {status.st_size} bytes; at most {MAX_MESH_BYTES} are read: '
+                    'collision geometry needs a simpler mesh'
+                )
+            digest = _digest(filename, status.st_mtime_ns, status.st_size)
+        except OSError as error:
+            raise MeshFileError(f'{filename!r} cannot be read: {error.strerror}') from None
+        self.filename = filename
+        self._key = digest, self.kind
+
+    @property
+    def kind(self) -> str:
+        """The format, by the suffix: lower case, without the dot."""
+        return os.path.splitext(self.filename)[1].lower().lstrip('.')
+
+    def content(self) -> bytes:
+        """Return the bytes; raises MeshFileError if they are others by now."""
+        data = Path(self.filename).read_bytes()
+        if hashlib.sha256(data).digest() != self._key[0]:
+            raise MeshFileError(f'{self.filename!r} changed while it was read')
+        return data
+
+    def __eq__(self, other: object) -> bool:
+        return self._key == other._key if isinstance(other, MeshFile) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __repr__(self) -> str:
+        return repr(self.filename)
+
+
+MeshSource = MeshData | MeshFile
+
+
+@functools.lru_cache(maxsize=1024)
+def _digest(filename: str, mtime_ns: int, size: int) -> bytes:
+    """Return the digest of a file in the state that its stamp and size tell."""
+    return hashlib.sha256(Path(filename).read_bytes()).digest()
+
+
+def mesh_source(mesh: str | MeshData) -> MeshSource:
+    """Return the source of a mesh, which came as numbers or as the path of a file."""
+    return MeshFile(mesh) if isinstance(mesh, str) else mesh
+
+
+def hull_vertices(mesh: str | MeshData, scale3: Floats) -> Floats:
     """Return the vertices (n, 3) [m] of the convex hull of a mesh, scaled along x, y, z.
 
-    ``source`` is numbers or a file of any format that trimesh reads. Raises MeshFileError for a
-    file that is missing, holds no mesh or numbers that are not finite, or where the hull has no
-    volume.
+    ``mesh`` is numbers or a file. Raises MeshFileError for a file that is missing, holds no mesh
+    or numbers that are not finite, or where the hull has no volume.
     """
-    return hull_surface(source, scale3)[0]
+    return hull_surface(mesh, scale3)[0]
 
 
-def hull_surface(source: str | MeshData, scale3: Floats) -> tuple[Floats, Indices]:
+def hull_surface(mesh: str | MeshData, scale3: Floats) -> tuple[Floats, Indices]:
     """Return ``hull_vertices`` and the hull's triangles (m, 3), counter-clockwise from outside."""
+    vertices, triangles = hull_of(mesh_source(mesh))
+    return vertices * scale3, turned(triangles, scale3)
+
+
+def surface(mesh: str | MeshData, scale3: Floats) -> tuple[Floats, Indices]:
+    """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh itself, scaled along x, y, z."""
+    vertices, triangles = triangles_of(mesh_source(mesh))
+    return vertices * scale3, turned(triangles, scale3)
+
+
+def turned(triangles: Indices, scale3: Floats) -> Indices:
+    """Return the triangles of a scaled mesh: a mirror image turns every one around."""
+    return triangles[:, ::-1] if np.prod(np.sign(scale3)) < 0.0 else triangles
+
+
+@functools.lru_cache(maxsize=8)
+def triangles_of(source: MeshSource) -> tuple[Floats, Indices]:
+    """Return vertices and triangles of a source, unscaled; not to be written to."""
     if isinstance(source, MeshData):
-        vertices, triangles = _hull_of_data(source)
-    else:
-        try:
-            status = os.stat(source)
-        except OSError as error:
-            raise MeshFileError(f'{source!r} cannot be read: {error.strerror}') from None
-        if status.st_size > MAX_MESH_BYTES:
-            raise MeshFileError(
-                f'{source!r} has {status.st_size} bytes; at most {MAX_MESH_BYTES} are read: '
-                'collision geometry needs a simpler mesh'
-            )
-        vertices, triangles = _hull_of_file(source, status.st_mtime_ns, status.st_size)
-    # A mirror image turns every triangle around.
-    mirrored = np.prod(np.sign(scale3)) < 0.0
-    return vertices * scale3, triangles[:, ::-1] if mirrored else triangles
-
-
-@functools.lru_cache(maxsize=256)
-def _hull_of_data(data: MeshData) -> tuple[Floats, Indices]:
-    return _hull(data.vertices, 'a mesh given as numbers')
-
-
-@functools.lru_cache(maxsize=256)
-def _hull_of_file(filename: str, mtime_ns: int, size: int) -> tuple[Floats, Indices]:
-    """Return the unscaled hull of a file in the state that its stamp and size tell."""
-    # Slow to import, and most scenes have no mesh.
-    import trimesh
-
-    try:
-        mesh = trimesh.load_mesh(filename, process=False)
-        points = np.asarray(mesh.vertices, dtype=np.float64)
-    except Exception as error:
-        # A reader of many formats raises errors of many kinds.
-        raise MeshFileError(f'{filename!r} holds no mesh that can be read: {error}') from None
-    return _hull(points, repr(filename))
-
-
-def _hull(points: Floats, name: str) -> tuple[Floats, Indices]:
-    """Return vertices and triangles of the convex hull of points; ``name`` is for the error."""
-    import trimesh
-
-    if len(points) == 0 or not np.isfinite(points).all():
-        raise MeshFileError(f'{name}: {len(points)} vertices, and all must be finite')
-    extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if len(extents) < 3 or extents[2] <= FLAT_HULL * extents[0]:
-        raise MeshFileError(
-            f'{name}: its {len(points)} vertices lie in a plane, and a convex hull without '
-            'a volume has no inside; give the mesh a thickness'
-        )
-    # trimesh merges vertices within 1e-8 and drops triangles below 1e-14: at this size that is
-    # rounding. A power of two, so that the points stay what they are.
-    exponent = HULL_EXPONENT - math.frexp(float(np.abs(points).max()))[1]
-    hull = trimesh.Trimesh(np.ldexp(points, exponent), process=False).convex_hull
-    vertices = np.ldexp(np.array(hull.vertices, dtype=np.float64), -exponent)
-    triangles = np.array(hull.faces, dtype=np.int64)
+        return source.vertices, source.triangles
+    vertices, triangles = parse_mesh(source.content(), source.kind, source.filename)
+    if len(vertices) == 0 or not np.isfinite(vertices).all():
+        raise MeshFileError(f'{source}: {len(vertices)} vertices, and all must be finite')
     vertices.flags.writeable = triangles.flags.writeable = False
     return vertices, triangles
+
+
+@functools.lru_cache(maxsize=256)
+def hull_of(source: MeshSource) -> tuple[Floats, Indices]:
+    """Return vertices and triangles of the convex hull of a source, unscaled."""
+    name = 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
+    return convex_hull(triangles_of(source)[0], name)

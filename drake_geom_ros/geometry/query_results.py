@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     P_BCB,
     P_FACA,
     P_FBCB,
+    PROMISED,
     PairBatch,
     PointBatch,
 )
@@ -194,6 +195,18 @@ class _PairSequence(ResultSequence[Record]):
     def error_bound(self) -> Floats:
         """Certified bounds (k,) [m] on the error of the distance."""
         return self._rows[:, ERROR_BOUND]
+
+    @property
+    def promised_error_bound(self) -> Floats:
+        """What the accuracy level promises of each error bound (k,) [m]; see ``breaks_promise``.
+
+        Infinite where bounds alone answered (METHOD_BOUND_ONLY).
+        """
+        return self._rows[:, PROMISED]
+
+    def breaks_promise(self) -> NDArray[np.bool_]:
+        """Return which answers (k,) are not finite or less sharp than their level promises."""
+        return self._batch.broken()
 
     @property
     def method(self) -> NDArray[np.uint8]:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
-from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface
+from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface, surface
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.rotations import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
@@ -303,11 +303,20 @@ class Convex(_FromMesh):
 class Mesh(_FromMesh):
     """The triangle mesh in a file, scaled by ``scale``, a number or one an axis.
 
-    In proximity queries it counts as its convex hull.
+    In proximity queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as
+    the body that its surface encloses.
     """
 
     __slots__ = ()
     _TYPE = 8
+
+    def surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) of the mesh itself, scaled.
+
+        Triangles are indices of vertices, turned as in the file. Raises MeshFileError for a file
+        that is not a mesh.
+        """
+        return surface(self._measures[0], self.scale3())
 
 
 def _scales(kind: str, scale: ArrayLike) -> tuple[float, ...]:

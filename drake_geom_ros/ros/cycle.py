@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import METHODS, Effects
-from drake_geom_ros.ros.conversions import fill_penetrations, fill_signed_distances
+from drake_geom_ros.ros.conversions import fill_penetrations, fill_signed_distances, floats
+from drake_geom_ros.ros.level_costs import LevelCosts
 from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.replays import Replays
 from drake_geom_ros.ros.scene_view import Moment
 
 NO_SUBSCRIBER = 'no subscriber'
@@ -32,9 +34,21 @@ class Effect:
 class Cycle:
     """Runs cycles of a live scene over three publishers; nothing is computed for nobody."""
 
-    def __init__(self, live: LiveScene, messages: Any, publishers: dict[str, Any]) -> None:
-        """Publish on ``publishers``: penetrations, signed_distances and cycle_report."""
+    def __init__(
+        self,
+        live: LiveScene,
+        messages: Any,
+        publishers: dict[str, Any],
+        costs: LevelCosts,
+        replays: Replays,
+    ) -> None:
+        """Publish on ``publishers``: penetrations, signed_distances and cycle_report.
+
+        ``costs`` are told what was computed, ``replays`` what was answered.
+        """
         self._live = live
+        self._costs = costs
+        self._replays = replays
         self._publishers = publishers
         # Filled anew each cycle: making one costs as much as filling it (30 us).
         self._messages = {
@@ -45,10 +59,13 @@ class Cycle:
         self.count = 0
         self.worst_error_bound = 0.0  # [m] of the last cycle that computed anything
 
-    def run(self, poses_taken: int, poses_seconds: float, max_distance: float) -> None:
+    def run(
+        self, poses_taken: int, poses_seconds: float, max_distance: float, time_budget: float
+    ) -> None:
         """Answer for the poses of now; ``poses_seconds`` is what taking them cost.
 
-        The caller holds the scene's lock.
+        ``time_budget`` [s] limits the narrow phase; 0: it has none. The caller holds the scene's
+        lock.
         """
         start = time.perf_counter()
         self.count += 1
@@ -62,16 +79,16 @@ class Cycle:
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
         if wanted['signed_distances'] or wanted['penetrations']:
-            computed, published = self._answer(moment, wanted, max_distance)
+            computed, published = self._answer(moment, wanted, max_distance, time_budget)
         else:
             published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['cycle_report']:
             effects += _computed(computed) + published
             seconds = poses_seconds + time.perf_counter() - start
-            self._report(moment, effects, computed, seconds)
+            self._report(moment, effects, computed, seconds, time_budget)
 
     def _answer(
-        self, moment: Moment, wanted: dict[str, bool], max_distance: float
+        self, moment: Moment, wanted: dict[str, bool], max_distance: float, time_budget: float
     ) -> tuple[Effects, list[Effect]]:
         """Compute, publish what is wanted, and return what that took.
 
@@ -79,8 +96,12 @@ class Cycle:
         """
         query = self._live.query
         reach = max_distance if wanted['signed_distances'] else 0.0
-        distances = query.ComputeSignedDistancePairwiseClosestPoints(reach)
+        distances = query.ComputeSignedDistancePairwiseClosestPoints(
+            reach, time_budget=time_budget
+        )
         computed = query.effects()
+        self._costs.count(computed.narrowphase_pairs, reach)
+        self._replays.look_at(distances, reach)
         self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
         published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['penetrations']:
@@ -99,7 +120,12 @@ class Cycle:
         return Effect(f'publish ~/{name}', len(message.id_a), time.perf_counter() - start)
 
     def _report(
-        self, moment: Moment, effects: list[Effect], computed: Effects | None, seconds: float
+        self,
+        moment: Moment,
+        effects: list[Effect],
+        computed: Effects | None,
+        seconds: float,
+        time_budget: float,
     ) -> None:
         """Publish the CycleReport of a cycle."""
         computed = computed or Effects()
@@ -123,6 +149,11 @@ class Cycle:
         message.effect_counts = [e.count for e in effects]
         message.effect_seconds = [e.seconds for e in effects]
         message.effect_reasons = [e.reason for e in effects]
+        costs = self._costs.last
+        message.levels, message.level_seconds = costs.levels, floats(costs.seconds)
+        message.level_samples = costs.samples
+        message.time_budget = time_budget
+        message.unrefined_pairs = computed.unrefined_pairs
         self._publishers['cycle_report'].publish(message)
 
 

@@ -1,16 +1,17 @@
 """Services that read or write scene files.
 
-They take long, so they run in the thread of the queries, and hold the scene's lock only while
-they take the scene down or put it up. RuntimeError refuses. No ROS import here.
+They take long, so they run in the thread of those that bring shapes, and hold the scene's lock
+only while they take the scene down or put it up. RuntimeError refuses. No ROS import here.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.live_scene import LiveScene
-from drake_geom_ros.scene_files import read_scene, to_yaml
+from drake_geom_ros.scene_files import read_scene, rehearse, to_yaml
 
 
 def load_scene(live: LiveScene, request: Any, response: Any) -> None:
@@ -27,9 +28,9 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     if request.replace:
         added = live.replace(description)
     else:
+        live.make_ready(partial(rehearse, live.scene_graph, description))
         with live.lock:
             added = live.add(description)
-        live.compile_kernels()
     response.frames, response.geometries = added
 
 

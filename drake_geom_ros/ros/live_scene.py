@@ -15,11 +15,18 @@ from typing import Any
 
 from drake_geom_ros.geometry import (
     ArgumentError,
+    Convex,
     FilterId,
     FramePoseVector,
+    GeometryId,
+    Mesh,
     QueryObject,
+    Role,
     SceneGraph,
+    SceneGraphContext,
     SceneGraphInspector,
+    Shape,
+    SourceId,
 )
 from drake_geom_ros.ros.conversions import FramePosesReader
 from drake_geom_ros.ros.file_access import ALL_PACKAGES, FileAccess
@@ -95,6 +102,11 @@ class LiveScene:
         self._version_base = self.version + 1
         self._adopt(SceneGraph(accuracy=self._accuracy))
 
+    @property
+    def accuracy(self) -> str:
+        """The accuracy level of queries that name none."""
+        return self._accuracy
+
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy level of queries that name none."""
         self._accuracy = accuracy
@@ -106,6 +118,33 @@ class LiveScene:
         with self.lock:
             context = self.context.what_if()
         return context.compile_kernels()
+
+    def make_ready(self, change: Callable[[SceneGraphContext], object]) -> None:
+        """Make a change on a copy of the scene, and what queries need of the changed scene.
+
+        So files are read and kernels compiled beside the cycle, before the change is made in
+        earnest: the lock is held only while the scene is copied. Raises what the change raises.
+        """
+        with self.lock:
+            context = self.context.copy()
+        change(context)
+        context.compile_kernels()
+
+    def calls_for_more(self, shape: Shape, anchored: bool) -> bool:
+        """Tell whether queries may have to load or compile something for a shape to come.
+
+        They have not where the scene has such a shape already: it need not be made ready then,
+        which for many shapes, one after the other, would cost more than registering them.
+        """
+        if isinstance(shape, Convex | Mesh):
+            return True
+        inspector = self.inspector
+        world = inspector.world_frame_id()
+        return not any(
+            type(inspector.GetShape(geometry)) is type(shape)
+            and (anchored or inspector.GetFrameId(geometry) != world)
+            for geometry in inspector.GetAllGeometryIds(Role.kProximity)
+        )
 
     # Looking at it.
 
@@ -129,6 +168,11 @@ class LiveScene:
         """The names of this version of the scene."""
         self._refresh()
         return self._names
+
+    def owned_geometry(self, name: str) -> tuple[SourceId, GeometryId]:
+        """Return the source that owns a geometry, and the geometry of that name."""
+        geometry = self.names.geometry(name)
+        return self.inspector.GetOwningSourceId(geometry), geometry
 
     def _refresh(self) -> None:
         if self._named_version != self.version:

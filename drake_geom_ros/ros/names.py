@@ -33,8 +33,7 @@ class NameTable:
         self.frame_names: dict[FrameId, str] = {}
         self.geometry_names: dict[GeometryId, str] = {}
         world = inspector.world_frame_id()
-        for name in {WORLD, world_frame}:
-            self._frames[name].append(world)
+        self._world_names = {WORLD, world_frame}
         self.frame_names[world] = world_frame
         short = {world: WORLD}
         self.world = world
@@ -70,12 +69,15 @@ class NameTable:
         )
 
     def frame(self, name: str, source: str = '') -> FrameId:
-        """Return the frame of that name, looked for in ``source`` alone when that is given."""
+        """Return the frame of that name, looked for in ``source`` alone when that is given.
+
+        The world's name stands for the world; a frame that bears it too needs its source's name.
+        """
+        if name in self._world_names:
+            return self.world
         if name.startswith('#') and name[1:].isdigit():
             return self.frame_of_value(int(name[1:]))
-        key = name
-        if source and '::' not in name and self._frames.get(name) != [self.world]:
-            key = f'{source}::{name}'
+        key = f'{source}::{name}' if source and '::' not in name else name
         found = self._frames.get(key, [])
         if len(found) == 1:
             return found[0]

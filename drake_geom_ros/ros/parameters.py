@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import importlib.util
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -24,6 +31,7 @@ class NodeParameters:
     rate: float = 0.0
     max_distance: float = 0.1
     accuracy: str = 'exact'
+    time_budget: float = 0.0
     stale_after: float = 1.0
     point_threshold: float = 0.1
     use_tf: bool = False
@@ -31,6 +39,8 @@ class NodeParameters:
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
+    replay_dir: str = ''
+    replay_limit: int = 20
     autostart: bool = True
 
 
@@ -41,6 +51,10 @@ _TEXTS = {
     'rate': 'Cycles per second [Hz]; 0: one cycle for each pose message.' + _LIVE,
     'max_distance': 'Pairs farther apart are left out of ~/signed_distances [m].' + _LIVE,
     'accuracy': f'Accuracy level of the queries: {", ".join(ACCURACY_LEVELS)}.' + _LIVE,
+    'time_budget': (
+        'Limit [s] of the narrow phase of a cycle, nearest pairs first, the rest by certified '
+        'bounds; 0: none.' + _LIVE
+    ),
     'stale_after': 'Age at which the pose of a frame counts as stale [s].' + _LIVE,
     'point_threshold': (
         'Geometries farther from a point of ~/query_points are left out of ~/point_distances [m].'
@@ -57,15 +71,25 @@ _TEXTS = {
         "stands for all packages' share folders, and the folder of scene_file always counts."
         + _LIVE
     ),
+    'replay_dir': (
+        'Folder for files of results that break a promise, one for each pair of shape types, for '
+        '`python -m drake_geom_ros replay FILE`; empty: none.' + _LIVE
+    ),
+    'replay_limit': 'Replay files in that folder at which no more are written.' + _LIVE,
     'autostart': 'Configure and activate by itself at start.',
 }
 _RANGES = {
     'rate': (0.0, 10000.0),
     'max_distance': (0.0, math.inf),
+    'time_budget': (0.0, math.inf),
     'stale_after': (0.0, math.inf),
     'point_threshold': (0.0, math.inf),
     'marker_rate': (0.1, 100.0),
+    'replay_limit': (0, 10000),
 }
+
+
+_DEFAULTS = {entry.name: entry.default for entry in fields(NodeParameters)}
 
 
 class ParameterRefusedError(ValueError):
@@ -81,16 +105,18 @@ class ParameterStore:
         """Declare; ``on_change(old, new)`` is called after a change was accepted."""
         self._on_change = on_change
         values = {}
-        for entry in fields(NodeParameters):
-            text = _TEXTS[entry.name]
+        for name, default in _DEFAULTS.items():
+            text = _TEXTS[name]
             descriptor = ParameterDescriptor(description=text, read_only=not text.endswith(_LIVE))
-            if entry.name in _RANGES:
-                low, high = _RANGES[entry.name]
-                descriptor.floating_point_range = [
-                    FloatingPointRange(from_value=low, to_value=high)
-                ]
-            default = list(entry.default) if entry.name == 'mesh_roots' else entry.default
-            values[entry.name] = _plain(node.declare_parameter(entry.name, default, descriptor))
+            if name in _RANGES:
+                low, high = _RANGES[name]
+                if isinstance(default, int):
+                    descriptor.integer_range = [IntegerRange(from_value=low, to_value=high)]
+                else:
+                    descriptor.floating_point_range = [
+                        FloatingPointRange(from_value=low, to_value=high)
+                    ]
+            values[name] = declared(node, name, default, descriptor)
         self.values = NodeParameters(**values)
         if reason := _refusal(self.values):
             raise ParameterRefusedError(reason)
@@ -98,8 +124,9 @@ class ParameterStore:
         node.add_post_set_parameters_callback(self._take)
 
     def _proposal(self, parameters: list[Parameter]) -> NodeParameters:
-        names = {entry.name for entry in fields(NodeParameters)}
-        return replace(self.values, **{p.name: _plain(p) for p in parameters if p.name in names})
+        known = (p for p in parameters if p.name in _DEFAULTS)
+        plain = {p.name: _plain(p.value, _DEFAULTS[p.name]) for p in known}
+        return replace(self.values, **plain)
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         reason = _refusal(self._proposal(parameters))
@@ -111,21 +138,53 @@ class ParameterStore:
             self._on_change(old, self.values)
 
 
-def _plain(parameter: Parameter) -> object:
-    """Return the value of a parameter; an array as a tuple."""
-    value = parameter.value
-    return tuple(value) if isinstance(value, (list, tuple)) else value
+def declared(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Any:
+    """Declare a parameter and return its value, of the type of ``default``.
+
+    A number may be given without its decimal point: ROS by itself would not take 1 for 1.0.
+    Raises ParameterRefusedError for what was given and cannot be.
+    """
+    descriptor.dynamic_typing = isinstance(default, float)
+    start = list(default) if isinstance(default, tuple) else default
+    try:
+        value = _plain(node.declare_parameter(name, start, descriptor).value, default)
+    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+        raise ParameterRefusedError(str(error)) from None
+    limits = [(each.from_value, each.to_value) for each in descriptor.floating_point_range]
+    if reason := _wrong_type(name, value, default) or _out_of_range(name, value, limits):
+        raise ParameterRefusedError(reason)
+    return value
+
+
+def _plain(value: Any, default: object) -> Any:
+    """Return the value of a parameter: an array as a tuple, a whole number as a float."""
+    if isinstance(default, tuple):
+        return tuple(value or ())  # an empty array has no type, and comes as None
+    return float(value) if isinstance(default, float) and type(value) is int else value
+
+
+def _wrong_type(name: str, value: object, default: object) -> str:
+    if type(value) is type(default):
+        return ''
+    return f'{name} is {value!r}; it must be a {type(default).__name__}'
+
+
+def _out_of_range(name: str, value: Any, limits: Sequence[tuple[float, float]]) -> str:
+    for low, high in limits:
+        if not low <= value <= high:
+            return f'{name} is {value}; it must lie in [{low}, {high}]'
+    return ''
 
 
 def _refusal(values: NodeParameters) -> str:
     """Return why the values cannot be, or an empty text."""
+    for name, default in _DEFAULTS.items():
+        value, limits = getattr(values, name), [_RANGES[name]] if name in _RANGES else []
+        if reason := _wrong_type(name, value, default) or _out_of_range(name, value, limits):
+            return reason
     if values.accuracy not in ACCURACY_LEVELS:
         allowed = ', '.join(ACCURACY_LEVELS)
         return f'accuracy is {values.accuracy!r}; it must be one of {allowed}'
-    for name, (low, high) in _RANGES.items():
-        value = getattr(values, name)
-        if not low <= value <= high:
-            return f'{name} is {value}; it must lie in [{low}, {high}]'
     if not values.world_frame or values.world_frame.startswith('/'):
         return f'world_frame is {values.world_frame!r}; it must be a frame name without leading /'
     if values.use_tf and importlib.util.find_spec('tf2_msgs') is None:

@@ -2,6 +2,7 @@
 
 A cloud may be given in the world or in any frame of the scene. Points that are not finite, as
 depth cameras send them for what they did not see, are skipped; ``point_index`` counts them.
+``query_stamp`` in the answer is the cloud's stamp, which tells which cloud it is for.
 """
 
 from __future__ import annotations
@@ -56,4 +57,5 @@ class PointQueries:
         message = self._message_class()
         fill_point_distances(message, parts, threshold, blocks)
         view.moment.stamp(message)
+        message.query_stamp = cloud.header.stamp
         return message

@@ -23,6 +23,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
+from drake_geom_ros.ros.parameters import ParameterRefusedError, declared
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion import Grasp, Motion
@@ -71,7 +72,7 @@ class PosePlayer(Node):
             read_only=True,
             floating_point_range=[] if limits is None else [limits],
         )
-        return self.declare_parameter(name, default, descriptor).value
+        return declared(self, name, default, descriptor)
 
     def _restart(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         """Begin anew; the answer comes before the first pose of the new beginning."""
@@ -114,7 +115,7 @@ def _statement(grasp: Grasp) -> CollisionFilterStatement:
 
 def main(args: list[str] | None = None) -> int:
     """Run the player until it is interrupted; return 2 where it is given files it cannot play."""
-    return run_node(PosePlayer, SceneFileError, args)
+    return run_node(PosePlayer, (SceneFileError, ParameterRefusedError), args)
 
 
 if __name__ == '__main__':

@@ -11,7 +11,9 @@ properties, poses and persistent filters, but ids are new and transient filters 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
+from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.scene_files import (
     DeclarationDescription,
@@ -19,6 +21,8 @@ from drake_geom_ros.scene_files import (
     SceneDescription,
     Statement,
     read_scene,
+    register,
+    rehearse,
 )
 
 
@@ -38,6 +42,7 @@ class RobotInput:
         # A line break tells a text from a path.
         robot = read_scene(f'{text}\n', 'urdf', allowed_roots=self._live.files.folders)
         (source,) = robot.sources
+        self._make_ready(robot)
         with self._live.lock:
             if self._is_there():
                 rest = without_source(self._live.description(), self._source)
@@ -47,10 +52,21 @@ class RobotInput:
                 self._live.add(robot)
                 done = 'added'
             self._text, self._source = text, source
-        self._live.compile_kernels()
         return (
             f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
         )
+
+    def _make_ready(self, robot: SceneDescription) -> None:
+        """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it."""
+        with self._live.lock:
+            there = self._is_there()
+            rest = without_source(self._live.description(), self._source) if there else None
+        if rest is None:
+            self._live.make_ready(partial(rehearse, self._live.scene_graph, robot))
+        else:
+            scene_graph = SceneGraph()
+            register(scene_graph, joined(rest, robot))
+            scene_graph.CreateSharedContext().compile_kernels()
 
     def _is_there(self) -> bool:
         inspector = self._live.inspector

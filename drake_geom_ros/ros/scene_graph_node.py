@@ -4,9 +4,10 @@ A managed life-cycle node: configure loads the scene and compiles its kernels, a
 deactivate stops publishing and keeps the scene, cleanup forgets it. It configures and activates
 itself unless the parameter ``autostart`` is false.
 
-Three threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
-queries on snapshots of the scene and draws, and the main one does the rest: changes of the scene,
-parameters, the life cycle, diagnostics.
+Four threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
+queries on snapshots of the scene and draws, one reads what may take long (meshes, scene files,
+robot descriptions) and compiles for it, and the main one does the rest: other changes of the
+scene, parameters, the life cycle, diagnostics.
 """
 
 from __future__ import annotations
@@ -29,16 +30,19 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from drake_geom_ros.ros import level_costs, replays
 from drake_geom_ros.ros.cycle import Cycle
 from drake_geom_ros.ros.diagnostics import Diagnostics
 from drake_geom_ros.ros.file_access import FileAccess
+from drake_geom_ros.ros.level_costs import LevelCosts
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 from drake_geom_ros.ros.point_queries import PointQueries
+from drake_geom_ros.ros.replays import Replays
 from drake_geom_ros.ros.robot_description import RobotInput
 from drake_geom_ros.ros.scene_conversions import fill_scene
-from drake_geom_ros.ros.services import BESIDE, CHANGES, answer
+from drake_geom_ros.ros.services import BESIDE, CHANGES, LOADING, answer
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
 from drake_geom_ros.ros.tf_input import TfInput
@@ -58,7 +62,8 @@ class SceneGraphNode(LifecycleNode):
         super().__init__('scene_graph', **kwargs)
         self._stream = MutuallyExclusiveCallbackGroup()
         self._beside = MutuallyExclusiveCallbackGroup()
-        self.threaded_groups = (self._stream, self._beside)
+        self._loading = MutuallyExclusiveCallbackGroup()
+        self.threaded_groups = (self._stream, self._beside, self._loading)
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values
         self._live = LiveScene(values.accuracy, self._now, values.world_frame)
@@ -148,13 +153,16 @@ class SceneGraphNode(LifecycleNode):
         if values.robot_description_topic:
             self._robot = RobotInput(self._live)
             topic = values.robot_description_topic
-            self._listen(String, topic, self._on_robot, latched(), self._beside)
+            self._listen(String, topic, self._on_robot, latched(), self._loading)
         for name, kind, handler in CHANGES:
             surface.service(kind, f'~/{name}', partial(self._change, handler))
-        for name, kind, handler in BESIDE:
-            surface.service(kind, f'~/{name}', partial(self._serve, handler), self._beside)
+        for services, group in ((BESIDE, self._beside), (LOADING, self._loading)):
+            for name, kind, handler in services:
+                surface.service(kind, f'~/{name}', partial(self._serve, handler), group)
         self._set_rate(values.rate)
         surface.timer(1.0 / values.marker_rate, self._draw, self._beside)
+        surface.timer(level_costs.PERIOD, self._costs.measure, self._beside)
+        surface.timer(replays.PERIOD, self._write_replays, self._beside)
         surface.timer(_HOUSEKEEPING_PERIOD, self._keep_house)
         surface.timer(_DIAGNOSTICS_PERIOD, self._publish_diagnostics)
 
@@ -169,7 +177,9 @@ class SceneGraphNode(LifecycleNode):
                 ('cycle_report', messages.CycleReport),
             )
         }
-        self._cycle = Cycle(live, messages, publishers)
+        self._costs = LevelCosts(live, publishers['cycle_report'])
+        self._replays = Replays(live, self._replay_settings)
+        self._cycle = Cycle(live, messages, publishers, self._costs, self._replays)
         self._taken = (0, 0.0)
         self._scene_publisher = surface.publisher(messages.Scene, '~/scene', latched())
         self._published_version, self._next_scene = -1, 0.0
@@ -291,7 +301,8 @@ class SceneGraphNode(LifecycleNode):
     def _run_cycle(self) -> None:
         if self._active:
             (frames, seconds), self._taken = self._taken, (0, 0.0)
-            self._cycle.run(frames, seconds, self._settings.values.max_distance)
+            values = self._settings.values
+            self._cycle.run(frames, seconds, values.max_distance, values.time_budget)
 
     def _publish_scene(self) -> None:
         """Publish ~/scene when it is not the version that was published last."""
@@ -315,6 +326,14 @@ class SceneGraphNode(LifecycleNode):
             self._markers.publish()
         else:
             self._markers.clear()
+
+    def _replay_settings(self) -> tuple[str, int]:
+        values = self._settings.values
+        return values.replay_dir, values.replay_limit
+
+    def _write_replays(self) -> None:
+        for told in self._replays.write():
+            self.get_logger().warning(told)
 
     def _keep_house(self) -> None:
         with self._live.lock:

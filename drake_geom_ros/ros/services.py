@@ -8,7 +8,13 @@ from typing import Any
 from drake_geom_msgs import srv
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.ros import file_handlers, filter_handlers, query_handlers, scene_handlers
+from drake_geom_ros.ros import (
+    file_handlers,
+    filter_handlers,
+    query_handlers,
+    scene_handlers,
+    shape_handlers,
+)
 from drake_geom_ros.ros.live_scene import LiveScene
 
 Handler = Callable[[LiveScene, Any, Any], None]
@@ -17,11 +23,8 @@ Handler = Callable[[LiveScene, Any, Any], None]
 CHANGES: tuple[tuple[str, Any, Handler], ...] = (
     ('register_source', srv.RegisterSource, scene_handlers.register_source),
     ('register_frame', srv.RegisterFrame, scene_handlers.register_frame),
-    ('register_geometry', srv.RegisterGeometry, scene_handlers.register_geometry),
-    ('assign_role', srv.AssignRole, scene_handlers.assign_role),
     ('remove_role', srv.RemoveRole, scene_handlers.remove_role),
     ('remove_geometry', srv.RemoveGeometry, scene_handlers.remove_geometry),
-    ('change_shape', srv.ChangeShape, scene_handlers.change_shape),
     ('apply_filter', srv.ApplyFilter, filter_handlers.apply_filter),
     ('apply_transient_filter', srv.ApplyTransientFilter, filter_handlers.apply_transient_filter),
     ('renew_filter', srv.RenewFilter, filter_handlers.renew_filter),
@@ -29,10 +32,17 @@ CHANGES: tuple[tuple[str, Any, Handler], ...] = (
     ('flatten_filters', Trigger, filter_handlers.flatten_filters),
 )
 
-# What takes long: beside the cycle.
-BESIDE: tuple[tuple[str, Any, Handler], ...] = (
+# What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
+LOADING: tuple[tuple[str, Any, Handler], ...] = (
+    ('register_geometry', srv.RegisterGeometry, shape_handlers.register_geometry),
+    ('assign_role', srv.AssignRole, shape_handlers.assign_role),
+    ('change_shape', srv.ChangeShape, shape_handlers.change_shape),
     ('load_scene', srv.LoadScene, file_handlers.load_scene),
     ('save_scene', srv.SaveScene, file_handlers.save_scene),
+)
+
+# What asks: beside the cycle.
+BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('get_filters', srv.GetFilters, query_handlers.get_filters),
     ('explain_filter', srv.ExplainFilter, query_handlers.explain_filter),
     (
@@ -64,6 +74,7 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('get_pose', srv.GetPose, query_handlers.get_pose),
 )
 
+SERVICES = (*CHANGES, *LOADING, *BESIDE)
 
 _LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
 

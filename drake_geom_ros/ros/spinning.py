@@ -144,7 +144,9 @@ def spin_until_stopped(
 
 
 def run_node(
-    make_node: Callable[[], Node], refusal: type[Exception], args: list[str] | None = None
+    make_node: Callable[[], Node],
+    refusal: type[Exception] | tuple[type[Exception], ...],
+    args: list[str] | None = None,
 ) -> int:
     """Run a node as a process until it is told to stop, and return the exit code.
 

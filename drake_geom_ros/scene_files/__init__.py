@@ -24,9 +24,9 @@ from drake_geom_ros.scene_files.description import (
     Statement,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
-from drake_geom_ros.scene_files.registration import LoadedScene, register
+from drake_geom_ros.scene_files.registration import LoadedScene, register, rehearse
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
-from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.saving import describe, describe_moment
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
@@ -36,7 +36,9 @@ __all__ = [
     'read_scene',
     'save_scene',
     'register',
+    'rehearse',
     'describe',
+    'describe_moment',
     'to_yaml',
     'scene_schema',
     'LoadedScene',

@@ -14,6 +14,7 @@ from drake_geom_ros.geometry import (
     GeometrySet,
     Role,
     SceneGraph,
+    SceneGraphContext,
     SourceId,
 )
 from drake_geom_ros.math import RigidTransform
@@ -60,8 +61,18 @@ def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedSc
     refuses: a source or a geometry name that is taken, an unknown parent, persistent filters
     while transient ones are active, and so on.
     """
-    _Registration(scene_graph, description, scene_graph.CreateDefaultContext()).run()
+    rehearse(scene_graph, description, scene_graph.CreateDefaultContext())
     return _Registration(scene_graph, description).run()
+
+
+def rehearse(
+    scene_graph: SceneGraph, description: SceneDescription, context: SceneGraphContext
+) -> None:
+    """Register all of a description in a context alone; raises what ``register`` would raise.
+
+    The files of its meshes are read meanwhile, and what they hold is kept for ``register``.
+    """
+    _Registration(scene_graph, description, context).run()
 
 
 class _Registration:

@@ -3,7 +3,15 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
-from drake_geom_ros.geometry import FrameId, GeometryId, Role, SceneGraph
+from drake_geom_ros.geometry import (
+    CollisionFilterManager,
+    FrameId,
+    GeometryId,
+    QueryObject,
+    Role,
+    SceneGraph,
+    SceneGraphInspector,
+)
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -38,19 +46,34 @@ def describe(
 
     Raises SceneFileError for a frame that is called as the world frame.
     """
-    return _Describer(scene_graph).describe(X_PFs or {}, robots)
+    describer = _Describer(scene_graph.model_inspector())
+    filters = describer.filters(scene_graph.collision_filter_manager())
+    return describer.describe(X_PFs or {}, robots, filters)
+
+
+def describe_moment(query: QueryObject) -> SceneDescription:
+    """Return the description of what a query object sees, every frame where it is.
+
+    Sources, frames and geometries, to the last digit; filters and robots are left out, for they
+    change nothing of how far apart two geometries are. Raises SceneFileError as ``describe``.
+    """
+    inspector = query.inspector()
+    frames = [id for id in inspector.GetAllFrameIds() if id != inspector.world_frame_id()]
+    return _Describer(inspector).describe({frame: query.X_PF(frame) for frame in frames})
 
 
 class _Describer:
-    """Reads one scene graph."""
+    """Reads one model through its inspector."""
 
-    def __init__(self, scene_graph: SceneGraph):
-        self._inspector = scene_graph.model_inspector()
-        self._manager = scene_graph.collision_filter_manager()
-        self._world = self._inspector.world_frame_id()
+    def __init__(self, inspector: SceneGraphInspector):
+        self._inspector = inspector
+        self._world = inspector.world_frame_id()
 
     def describe(
-        self, X_PFs: Mapping[FrameId, RigidTransform], robots: Iterable[RobotDescription]
+        self,
+        X_PFs: Mapping[FrameId, RigidTransform],
+        robots: Iterable[RobotDescription] = (),
+        filters: Iterable[FilterDescription] = (),
     ) -> SceneDescription:
         inspector = self._inspector
         internal = inspector.GetOwningSourceId(self._world)
@@ -61,7 +84,7 @@ class _Describer:
             robots=tuple(robot for robot in robots if robot.urdf is not None),
             frames=tuple(self._frame(id, X_PFs.get(id)) for id in frame_ids),
             geometries=tuple(self._geometry(id) for id in inspector.GetAllGeometryIds()),
-            filters=tuple(self._filters()),
+            filters=tuple(filters),
         )
 
     def _frame_name(self, frame_id: FrameId) -> str:
@@ -99,8 +122,8 @@ class _Describer:
             {role: properties for role, properties in roles.items() if properties is not None},
         )
 
-    def _filters(self) -> Iterator[FilterDescription]:
-        manager = self._manager
+    def filters(self, manager: CollisionFilterManager) -> Iterator[FilterDescription]:
+        """Yield the persistent filters."""
         for name, group in manager.filter_groups().items():
             yield GroupDescription(name, self._members(group.members), tuple(group.ignored))
         for name, ids in manager.cliques().items():

@@ -1,6 +1,7 @@
 """Collision filters of a robot: filter groups of its URDF, cliques of its joints, its SRDF."""
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.scene_files.description import (
@@ -14,6 +15,15 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import Location
 from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of, read_robot_xml
+
+
+@dataclass(frozen=True)
+class Joint:
+    """What holds two links together."""
+
+    type: str
+    parent: str
+    child: str
 
 
 def read_groups(root: Any, file: str, source: str) -> tuple[GroupDescription, ...]:
@@ -49,7 +59,7 @@ def _read_group(element: Any, links: Collection[str], file: str, source: str) ->
 
 
 def adjacent_cliques(
-    joints: Sequence[Any], with_geometry: Collection[str], source: str, options: RobotOptions
+    joints: Sequence[Joint], with_geometry: Collection[str], source: str, options: RobotOptions
 ) -> Iterator[CliqueDescription]:
     """Yield a clique for each two links that a moving joint connects, and for each fixed body.
 
@@ -82,7 +92,7 @@ def _clique(name: str, source: str, links: Sequence[str]) -> CliqueDescription:
     return CliqueDescription(name, tuple(Member(source, link) for link in links), place)
 
 
-def _fixed_bodies(joints: Sequence[Any]) -> list[list[str]]:
+def _fixed_bodies(joints: Sequence[Joint]) -> list[list[str]]:
     """Return the sets of links that fixed joints connect, in the order of the joints."""
     body_of: dict[str, list[str]] = {}
     for joint in joints:

@@ -53,3 +53,21 @@ def attribute(element: Any, name: str, file: str) -> str:
     if not value:
         raise place_of(element, file).error(f'misses the attribute `{name}`')
     return str(value)
+
+
+def numbers(element: Any, name: str, count: int, default: str | None = None) -> list[float]:
+    """Return an attribute that holds ``count`` numbers; ValueError, which names no line, if not.
+
+    ``default`` is what a missing attribute counts as; without one it must be there.
+    """
+    text = element.get(name, default)
+    if text is None:
+        raise ValueError(f'{local_name(element)} misses the attribute `{name}`')
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != count:
+        wanted = 'a number' if count == 1 else f'{count} numbers'
+        raise ValueError(f'{local_name(element)}: {name} = {text!r} must be {wanted}')
+    return values

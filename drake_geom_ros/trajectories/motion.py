@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
 from drake_geom_ros.trajectories.pose_matrices import inverse, poses_of_matrices
@@ -62,8 +63,14 @@ class Motion:
         self.robots = dict(robots)
         self.free = dict(free)
         self.grasps = tuple(sorted(grasps, key=lambda g: g.start))
+        # A link called as the world is no frame: see scene_files/urdf.py.
+        self._moving_links = {
+            source: [k for k, link in enumerate(robot.kinematics.link_names) if link != WORLD]
+            for source, robot in self.robots.items()
+        }
         self.frame_names: dict[str, list[str]] = {
-            source: list(robot.kinematics.link_names) for source, robot in self.robots.items()
+            source: [robot.kinematics.link_names[k] for k in self._moving_links[source]]
+            for source, robot in self.robots.items()
         }
         for full_name in self.free:
             source, _, name = full_name.partition('::')
@@ -87,7 +94,10 @@ class Motion:
         """
         t = np.asarray(t, dtype=float)
         links = {source: robot.link_transforms(t) for source, robot in self.robots.items()}
-        poses = {source: poses_of_matrices(X_WLs) for source, X_WLs in links.items()}
+        poses = {
+            source: poses_of_matrices(X_WLs[..., self._moving_links[source], :, :])
+            for source, X_WLs in links.items()
+        }
         for source, names in self.frame_names.items():
             if source not in self.robots:
                 frames = [self._free_pose(f'{source}::{name}', t, links) for name in names]

@@ -10,8 +10,6 @@ import math
 
 import numpy as np
 import pytest
-from oracles import closed_forms
-from oracles.support_function import signed_distance
 from oracles.worlds import (
     geometry_table,
     random_parameters,
@@ -20,6 +18,8 @@ from oracles.worlds import (
 )
 
 from drake_geom_ros import geometry
+from drake_geom_ros.accuracy import closed_forms
+from drake_geom_ros.accuracy.truth import signed_distance
 from drake_geom_ros.geometry import (
     FramePoseVector,
     GeometryFrame,

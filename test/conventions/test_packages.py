@@ -60,11 +60,12 @@ LIBRARIES = {
     'mpl_toolkits': ('python3-matplotlib', 'matplotlib'),
     'numba': ('python3-numba', 'numba'),
     'numpy': ('python3-numpy', 'numpy'),
+    'scipy': ('python3-scipy', 'scipy'),
     'trimesh': ('python3-trimesh-pip', 'trimesh'),
     'yaml': ('python3-yaml', 'pyyaml'),
     'yourdfpy': ('python3-yourdfpy-pip', 'yourdfpy'),
 }
-OPTIONAL = {'tf2_msgs', 'pydrake', 'coal', 'mujoco'}  # used where it is there
+OPTIONAL = {'tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath'}  # used where it is there
 
 
 def dependencies(name):

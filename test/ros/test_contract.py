@@ -34,8 +34,17 @@ PARAMETERS = {
     'point_threshold': (0.1, True),
     'marker_rate': (10.0, False),
     'mesh_roots': (['package://', '.'], True),
+    'time_budget': (0.0, True),
+    'replay_dir': ('', True),
+    'replay_limit': (20, True),
 }
-FIELDS = {1: 'bool_value', 3: 'double_value', 4: 'string_value', 9: 'string_array_value'}
+FIELDS = {
+    1: 'bool_value',
+    2: 'integer_value',
+    3: 'double_value',
+    4: 'string_value',
+    9: 'string_array_value',
+}
 
 
 @pytest.fixture(scope='module')

@@ -81,7 +81,14 @@ def test_everything_is_said_in_the_world_frame_of_the_parameter(client):
     scenes = client.listen(msg.Scene, 'scene', LATCHED)
     header = move_ball(client, 0.125)
     assert (header.frame_id, header.stamp.sec) == ('map', 1)
-    result = client.wait_for(lambda: results, 'results')[0]
+    publisher = client.publisher(msg.FramePoses, 'frame_poses', QoSProfile(depth=10))
+
+    def answered():
+        # The node may have found this listener only after the pose had come.
+        publisher.publish(poses(['ball'], [(0.125, 0, 1)], stamp=1))
+        return results
+
+    result = client.wait_for(answered, 'results')[0]
     assert result.header.frame_id == 'map'
     assert client.wait_for(lambda: scenes, 'the scene')[0].header.frame_id == 'map'
     answer = client.call(srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise')
@@ -178,6 +185,7 @@ def test_points_are_answered(client):
         PointField(name=axis, offset=4 * k, datatype=PointField.FLOAT32, count=1)
         for k, axis in enumerate('xyz')
     ]
+    cloud.header.stamp.sec, cloud.header.stamp.nanosec = 17, 4
     assert set_parameter(client, 'point_threshold', double_value=0.2).successful
 
     def answered():
@@ -186,6 +194,7 @@ def test_points_are_answered(client):
 
     answer = client.wait_for(answered, 'an answer')[-1]
     assert list(answer.point_index) == [0]
+    assert answer.query_stamp == cloud.header.stamp
     assert answer.distance[0] == pytest.approx(0.15, abs=1e-7)
     assert list(answer.grad_w) == pytest.approx([0, 0, 1], abs=1e-7)
 
@@ -251,7 +260,7 @@ def test_every_parameter_tells_what_it_is(client):
     expected = {
         *('scene_file', 'world_frame', 'rate', 'max_distance', 'accuracy', 'stale_after'),
         *('use_tf', 'publish_markers', 'autostart', 'point_threshold', 'marker_rate'),
-        *('robot_description_topic', 'mesh_roots'),
+        *('robot_description_topic', 'mesh_roots', 'time_budget', 'replay_dir', 'replay_limit'),
     }
     assert expected <= set(names)
     described = client.call(DescribeParameters, 'describe_parameters', names=sorted(expected))
@@ -261,6 +270,8 @@ def test_every_parameter_tells_what_it_is(client):
         assert changes != descriptor.read_only
         if descriptor.type == ParameterType.PARAMETER_DOUBLE:
             assert descriptor.floating_point_range
+        if descriptor.type == ParameterType.PARAMETER_INTEGER:
+            assert descriptor.integer_range
 
 
 @pytest.mark.parametrize(
@@ -273,6 +284,9 @@ def test_every_parameter_tells_what_it_is(client):
         ('marker_rate', {'double_value': 5.0}),
         ('point_threshold', {'double_value': float('nan')}),
         ('accuracy', {'string_value': 'superb'}),
+        ('time_budget', {'double_value': -0.1}),
+        ('time_budget', {'double_value': float('nan')}),
+        ('replay_limit', {'integer_value': -1}),
     ],
 )
 def test_a_parameter_that_cannot_be_is_refused(client, name, value):

@@ -66,6 +66,12 @@ def test_points_in_the_world(live, queries):
     assert message.scene_version == live.version
 
 
+def test_an_answer_bears_the_stamp_of_its_cloud(queries):
+    points = cloud(np.zeros((1, 3)))
+    points.header.stamp = Plain(sec=5, nanosec=6)
+    assert queries.answer(points).query_stamp is points.header.stamp
+
+
 def test_points_in_a_frame(live, queries):
     points = cloud(np.array([[0.2, 0, 0.2]]), kind='f8')
     points.header.frame_id = 'hand'

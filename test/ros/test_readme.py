@@ -10,7 +10,7 @@ import yaml
 from ros.harness import ROOT, environment, start_node
 from ros.scene_calls import accepted
 
-from drake_geom_ros.ros.services import BESIDE, CHANGES
+from drake_geom_ros.ros.services import SERVICES
 
 README = (ROOT / 'README.md').read_text()
 
@@ -59,7 +59,7 @@ def minimal(tmp_path_factory):
 
 def test_every_request_in_the_table_goes_through_in_order(minimal, lone_client):
     rows = re.findall(r'^\| `(\w+)` \| `(\{.*?\})`(?= \|| \()', README, re.M)
-    kinds = {name: kind for name, kind, _ in (*CHANGES, *BESIDE)}
+    kinds = {name: kind for name, kind, _ in SERVICES}
     assert sorted(name for name, _ in rows) == sorted(kinds)
     for name, request in rows:
         fields = filled(kinds[name].Request(), yaml.safe_load(request))

@@ -252,6 +252,8 @@ def test_the_other_queries(client):
     )
     assert found == pytest.approx({(0, small): -0.1, (0, large): 0.3, (1, large): 0.3}, abs=1e-13)
     assert all(math.isfinite(g) for g in points.grad_w)
+    # Points that came without a stamp.
+    assert (points.query_stamp.sec, points.query_stamp.nanosec) == (0, 0)
 
 
 def test_impossible_requests_are_refused_and_change_nothing(client):
@@ -268,6 +270,7 @@ def test_impossible_requests_are_refused_and_change_nothing(client):
     refused(call(srv.RegisterSource, 'register_source', name='refusals'), 'refusals')
     refused(call(srv.RegisterFrame, 'register_frame', source='nobody', name='x'), 'nobody')
     refused(call(srv.RegisterFrame, 'register_frame', source='refusals', name='a'), 'a')
+    refused(call(srv.RegisterFrame, 'register_frame', source='refusals', name='world'), 'world')
     refused(call(srv.RegisterGeometry, 'register_geometry', shape=sphere, **place), 'radius', '-1')
     ball = msg.Shape(type=msg.Shape.SPHERE, dimensions=[1.0])
     twice = {'shape': ball, 'roles': [msg.Role(role=1), msg.Role(role=1)]}

@@ -61,6 +61,17 @@ def test_every_link_is_a_frame_on_the_world(folder):
     assert {(frame.source, frame.parent) for frame in parts.frames} == {('left', 'world')}
 
 
+def test_a_link_called_world_is_the_world_and_no_frame(folder):
+    world = (
+        b'<link name="world"/><joint name="j0" type="fixed"><parent link="world"/>'
+        b'<child link="base"/></joint><link name="empty"/>'
+    )
+    parts = read(ARM.replace(b'<link name="empty"/>', world), folder)
+    assert parts.link_names == ['base', 'empty', 'tip']
+    names = [filter.name for filter in parts.filters]
+    assert names == [filter.name for filter in read(ARM, folder).filters]
+
+
 def test_every_collision_element_is_a_geometry_with_its_own_name(folder):
     geometries = read(ARM, folder).geometries
     assert [(g.frame, g.name) for g in geometries] == [
@@ -112,19 +123,20 @@ def test_places_have_lines(folder):
         (b'<sphere radius="0.5"/>', b'<sphere radius="nan"/>',
          'r.urdf:9: link[base].collision[foot]: Sphere: radius = nan must be finite'),
         (b'<sphere radius="0.5"/>', b'<sphere radius="big"/>',
-         "r.urdf:3: link[base]: cannot be read: could not convert string to float: 'big'"),
+         "r.urdf:9: link[base].collision[foot]: sphere: radius = 'big' must be a number"),
         (b'<sphere radius="0.5"/>', b'<sphere/>',
-         "r.urdf:3: link[base]: cannot be read: misses 'radius'"),
+         'r.urdf:9: link[base].collision[foot]: sphere misses the attribute `radius`'),
         (b'<sphere radius="0.5"/>', b'<cone radius="0.5"/>',
-         'r.urdf:9: link[base].collision[foot].geometry.cone: unknown shape <cone>; known are '
+         'r.urdf:9: link[base].collision[foot]: unknown shape <cone>; known are '
          'box, capsule, cylinder, ellipsoid, mesh, sphere'),
         (b'<sphere radius="0.5"/>', b'',
          'r.urdf:9: link[base].collision[foot]: misses <geometry> with one shape in it'),
         (b'<sphere radius="0.5"/>', b'<box size="1 2"/>',
-         'r.urdf:9: link[base].collision[foot]: box size [1.0, 2.0] must have 3 numbers'),
+         "r.urdf:9: link[base].collision[foot]: box: size = '1 2' must be 3 numbers"),
         (b'xyz="1 2 3"', b'xyz="1 2 inf"',
          'r.urdf:5: link[base].collision[foot]: origin: xyz and rpy must be finite numbers'),
-        (b'xyz="1 2 3"', b'xyz="1 2"', 'r.urdf:3: link[base]: cannot be read'),
+        (b'xyz="1 2 3"', b'xyz="1 2"',
+         "r.urdf:5: link[base].collision[foot]: origin: xyz = '1 2' must be 3 numbers"),
         (b'meshes/tip.obj', b'tip.obj',
          "r.urdf:16: link[tip].collision: 'tip.obj': there is no file"),
         (b' filename="meshes/tip.obj"', b'',
@@ -137,7 +149,11 @@ def test_places_have_lines(folder):
         (b'<parent link="base"/><child link="tip"/>', b'<parent link="bas"/><child link="tip"/>',
          "r.urdf:22: joint[j2].parent: link 'bas' is not in the file"),
         (b'<child link="tip"/>', b'', 'r.urdf:21: joint[j2]: misses <child link="..."/>'),
-        (b'<joint name="j2"', b'<joint', "r.urdf:21: joint: cannot be read: misses 'name'"),
+        (b'<joint name="j2"', b'<joint', 'r.urdf:21: joint: misses the attribute `name`'),
+        (b'<link name="empty"/>',
+         b'<link name="empty"/><link name="world"><collision/></link>',
+         "r.urdf:12: link[world]: the link 'world' is the world frame and cannot have"),
+        (b' type="prismatic"', b'', 'r.urdf:21: joint[j2]: misses the attribute `type`'),
         (b'<robot name="arm"', b'<robot', 'r.urdf:2: misses the attribute `name`'),
         (b'member link="tip"', b'member link="top"',
          "r.urdf:24: collision_filter_group[g].member: link 'top' is not in the file"),

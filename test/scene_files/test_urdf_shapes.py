@@ -1,12 +1,11 @@
 import pytest
-from lxml import etree
 
-from drake_geom_ros.geometry import Convex, Mesh
+from drake_geom_ros.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, Mesh, Sphere
 from drake_geom_ros.scene_files.description import RobotOptions
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.urdf import read_urdf
-from drake_geom_ros.scene_files.urdf_shapes import KNOWN_SHAPES, put_stand_ins
+from drake_geom_ros.scene_files.urdf_shapes import KNOWN_SHAPES
 
 
 def robot(shape):
@@ -23,27 +22,23 @@ def shape(text, folder):
 
 
 @pytest.mark.parametrize(
-    ('given', 'stand_in'),
+    ('given', 'expected'),
     [
-        ('<capsule radius="1" length="2"/>', '<cylinder radius="1" length="2"/>'),
-        ('<drake:capsule radius="1" length="2"/>', '<cylinder radius="1" length="2"/>'),
-        ('<drake:ellipsoid a="1" b="2" c="3"/>', '<box size="1 2 3"/>'),
-        ('<sphere radius="1"/>', '<sphere radius="1"/>'),
+        ('<capsule radius="1" length="2"/>', Capsule(1, 2)),
+        ('<drake:capsule radius="1" length="2"/>', Capsule(1, 2)),
+        ('<cylinder radius="1" length="2"/>', Cylinder(1, 2)),
+        ('<drake:ellipsoid a="1" b="2" c="3"/>', Ellipsoid(1, 2, 3)),
+        ('<box size=" 1 2\t3 "/>', Box(1, 2, 3)),
+        ('<sphere radius="1e-1"/>', Sphere(0.1)),
     ],
 )
-def test_what_the_library_does_not_know_gets_a_stand_in(given, stand_in):
-    root = etree.fromstring(robot(given))
-    put_stand_ins(root, 'r.urdf')
-    (link,) = root
-    assert [child.tag for child in link] == ['collision']
-    (found,) = link[0][0]
-    expected = etree.fromstring(stand_in)
-    assert (found.tag, dict(found.attrib)) == (expected.tag, dict(expected.attrib))
+def test_shapes(tmp_path, given, expected):
+    assert shape(given, tmp_path) == expected
 
 
-def test_an_ellipsoid_needs_all_its_axes():
+def test_an_ellipsoid_needs_all_its_axes(tmp_path):
     with pytest.raises(SceneFileError, match='misses the attribute `b`'):
-        put_stand_ins(etree.fromstring(robot('<drake:ellipsoid a="1"/>')), 'r.urdf')
+        shape('<drake:ellipsoid a="1"/>', tmp_path)
 
 
 def test_the_message_about_unknown_shapes_lists_those_that_are_read(tmp_path):
@@ -60,6 +55,12 @@ def test_a_mesh_is_convex_where_it_is_declared_so(tmp_path, inside, kind):
     (tmp_path / 'm.obj').write_text('v 0 0 0')
     expected = kind(str(tmp_path / 'm.obj'), 1.0)
     assert shape(f'<mesh filename="m.obj">{inside}</mesh>', tmp_path) == expected
+
+
+def test_one_scale_is_for_all_axes(tmp_path):
+    (tmp_path / 'm.obj').write_text('v 0 0 0')
+    expected = Mesh(str(tmp_path / 'm.obj'), 0.001)
+    assert shape('<mesh filename="m.obj" scale="0.001"/>', tmp_path) == expected
 
 
 @pytest.mark.parametrize('scale', ['0 1 1', '1 2', 'x'])

@@ -2,7 +2,13 @@ import pytest
 
 from drake_geom_ros.scene_files import xml_tree
 from drake_geom_ros.scene_files.errors import SceneFileError
-from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of, read_robot_xml
+from drake_geom_ros.scene_files.xml_tree import (
+    attribute,
+    local_name,
+    numbers,
+    place_of,
+    read_robot_xml,
+)
 
 
 def fault(data):
@@ -61,3 +67,16 @@ def test_size_is_bounded(monkeypatch):
     monkeypatch.setattr(xml_tree, 'MAX_BYTES', 8)
     assert read_robot_xml(b'<robot/>', 'r.urdf') is not None
     assert fault(b'<robot />') == 'r.urdf: 9 bytes; at most 8 are read'
+
+
+def test_numbers_of_an_attribute():
+    element = read_robot_xml(b'<robot a="1 -2e1" b="x"/>', 'r.urdf')
+    assert numbers(element, 'a', 2) == [1.0, -20.0]
+    assert numbers(element, 'c', 3, '0 0 1') == [0.0, 0.0, 1.0]
+    for name, count, message in (
+        ('a', 3, "robot: a = '1 -2e1' must be 3 numbers"),
+        ('b', 1, "robot: b = 'x' must be a number"),
+        ('c', 1, 'robot misses the attribute `c`'),
+    ):
+        with pytest.raises(ValueError, match=message):
+            numbers(element, name, count)

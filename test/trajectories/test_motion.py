@@ -46,6 +46,18 @@ def test_links_are_those_of_forward_kinematics(robot):
             )
 
 
+def test_a_link_called_world_is_not_posed(tmp_path):
+    urdf = tmp_path / 'r.urdf'
+    urdf.write_text(
+        '<robot name="r"><link name="world"/><link name="a"/><joint name="j" type="fixed">'
+        '<parent link="world"/><child link="a"/><origin xyz="1 2 3"/></joint></robot>'
+    )
+    still = MonotoneCubic([0.0, 1.0], np.zeros((2, 0)))
+    motion = Motion({'r': RobotMotion(Kinematics(str(urdf)), np.eye(4), still)}, {})
+    assert motion.frame_names == {'r': ['a']}
+    np.testing.assert_array_equal(motion.poses(0.0)['r'], [[1, 2, 3, 0, 0, 0, 1]])
+
+
 def test_a_grasped_frame_keeps_its_pose_in_the_hand(robot):
     motion = _motion(robot, _grasp(0.5, 1.5))
     in_hand = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -9,12 +10,16 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import (
+    BOUND_ONLY,
     DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    NORMAL,
     PAIR_WIDTH,
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -26,8 +31,9 @@ P_ACA = PAIR_WIDTH  # 3: in A [m]
 P_BCB = P_ACA + 3  # 3: in B [m]
 P_FACA = P_BCB + 3  # 3: from the origin of A's frame, in World axes [m]
 P_FBCB = P_FACA + 3  # 3: from the origin of B's frame, in World axes [m]
-OVERLAPS = P_FBCB + 3  # 1 where the pair overlaps by more than touching
-BATCH_WIDTH = OVERLAPS + 1
+OVERLAPS = P_FBCB + 3  # 1 where the pair overlaps, or by its bounds may, by more than touching
+PROMISED = OVERLAPS + 1  # the largest error bound that keeps the level's promise [m]
+BATCH_WIDTH = PROMISED + 1
 
 
 class PairBatch(NamedTuple):
@@ -37,9 +43,29 @@ class PairBatch(NamedTuple):
     rows: Floats
 
     def penetrating(self) -> PairBatch:
-        """Return those that overlap by more than touching, that is by more than rounding."""
+        """Return those that overlap by more than touching, that is by more than rounding.
+
+        Of bounds alone those that may. Two bodies that are apart have the depth 0, so the interval
+        of the depth ends there: its middle is above 0 then, and half its width the error bound.
+        """
         keep = self.rows[:, OVERLAPS] > 0.0
-        return PairBatch(self.ids[keep], self.rows[keep])
+        ids, rows = self.ids[keep], self.rows[keep]
+        most = rows[:, DISTANCE] + rows[:, ERROR_BOUND]
+        unsure = (rows[:, METHOD] == BOUND_ONLY) & (most > 0.0)
+        if unsure.any():
+            some = rows[unsure]
+            some[:, DISTANCE] = 0.5 * (some[:, DISTANCE] - some[:, ERROR_BOUND])
+            some[:, ERROR_BOUND] = -some[:, DISTANCE]
+            spans = some[:, DISTANCE : DISTANCE + 1] * some[:, NORMAL : NORMAL + 3]
+            some[:, WITNESS_B : WITNESS_B + 3] = some[:, WITNESS_A : WITNESS_A + 3] - spans
+            rows[unsure] = some
+        return PairBatch(ids, rows)
+
+    def broken(self) -> NDArray[np.bool_]:
+        """Return which answers (k,) break a promise: not finite, or bounds wider than promised."""
+        finite = np.isfinite(self.rows[:, :PROMISED]).all(axis=1)
+        kept: NDArray[np.bool_] = finite & (self.rows[:, ERROR_BOUND] <= self.rows[:, PROMISED])
+        return ~kept
 
 
 class PointBatch(NamedTuple):
@@ -51,12 +77,15 @@ class PointBatch(NamedTuple):
 
 
 def gathered(
-    world: World, hits: Indices, pairs: Indices, slots: Indices, answers: Floats
+    world: World, hits: Indices, pairs: Indices, slots: Indices, answers: Floats, gap: float
 ) -> PairBatch:
-    """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of answers."""
+    """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of answers.
+
+    ``gap`` [m] is that of the level that was asked for.
+    """
     ids = np.empty((len(hits), 2), dtype=np.int64)
     rows = np.empty((len(hits), BATCH_WIDTH))
-    _gather(hits, pairs, slots, answers, *world.posed, ids, rows)
+    _gather(hits, pairs, slots, answers, gap, *world.posed, ids, rows)
     # Whoever asks again gets the same arrays, if nothing has changed.
     ids.setflags(write=False)
     rows.setflags(write=False)
@@ -65,7 +94,20 @@ def gathered(
 
 @compiled
 def _gather(  # type: ignore[no-untyped-def]
-    hits, pairs, slots, answers, geometry_ids, types, frames, R_WGs, p_WGs, p_WFs, outer, ids, rows
+    hits,
+    pairs,
+    slots,
+    answers,
+    gap,
+    geometry_ids,
+    types,
+    frames,
+    R_WGs,
+    p_WGs,
+    p_WFs,
+    outer,
+    ids,
+    rows,
 ):
     """Fill ids and rows; witness points come measured from Ao, in World axes."""
     for k in range(hits.size):
@@ -73,10 +115,12 @@ def _gather(  # type: ignore[no-untyped-def]
         ids[k, 0], ids[k, 1] = geometry_ids[a], geometry_ids[b]
         for c in range(PAIR_WIDTH):
             rows[k, c] = answers[s, c]
-        # A half space has no size of its own: the pair's size is the other body's.
-        size = 0.0 if types[a] == HALF_SPACE else outer[a]
-        size += 0.0 if types[b] == HALF_SPACE else outer[b]
-        rows[k, OVERLAPS] = 1.0 if answers[s, DISTANCE] < -TOUCHING_DEPTH * size else 0.0
+        least, promised = answers[s, DISTANCE], promised_bound(gap, a, b, types, outer, p_WGs)
+        if answers[s, METHOD] == BOUND_ONLY:
+            least, promised = least - answers[s, ERROR_BOUND], math.inf
+        touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
+        rows[k, OVERLAPS] = 1.0 if least < touching else 0.0
+        rows[k, PROMISED] = promised
         for c in range(3):
             rows[k, P_ACA + c] = 0.0
             rows[k, P_BCB + c] = 0.0

@@ -10,15 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
+from drake_geom_ros.geometry._proximity.budget import Pace
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernels import calling
-from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     ADDRESSES,
     BY_METHOD,
     CACHED,
     COUNTS,
     FAR,
+    POSTPONED,
     answer_pairs,
     compile_rows,
     near_pairs,
@@ -26,7 +28,11 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import SPHERE
-from drake_geom_ros.geometry._proximity.point_phase import POINT_WIDTH, point_phase
+from drake_geom_ros.geometry._proximity.point_phase import (
+    POINT_METHOD,
+    POINT_WIDTH,
+    point_phase,
+)
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -43,6 +49,7 @@ METHODS = {
 }
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 STEPS = ('update', 'broadphase', 'compile', 'narrowphase')  # of a query, in order
+_AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
 _KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
 
 
@@ -60,7 +67,8 @@ class Effects:
     filtered_pairs: int = 0
     far_pairs: int = 0  # too far apart, by their bounds or by how little they can have moved
     cached_pairs: int = 0  # answered from the last result, because both bodies rest
-    narrowphase_pairs: int = 0  # computed by a kernel
+    narrowphase_pairs: int = 0  # computed, by a kernel or from bounds
+    unrefined_pairs: int = 0  # reported from bounds because the time budget was spent
     pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
     near_list_made: bool = False  # the broad phase ran
     kernels_compiled: list[str] = field(default_factory=list)
@@ -79,10 +87,11 @@ class Engine:
         self._hits: Indices = np.zeros(0, dtype=np.int64)
         self._last: tuple[tuple[object, ...], PairBatch] | None = None
         self._last_contact = 0
+        self._pace = Pace()
         # What the last query did; put in words only for those who ask.
         self._counts = np.zeros(COUNTS, dtype=np.int64)
         self._moved = 0, 0
-        self._considered = self._filtered = 0
+        self._considered = self._filtered = self._unrefined = 0
         self._list_made = False
         self._kernels: list[str] = []
         self._times = [0.0] * 5
@@ -96,6 +105,7 @@ class Engine:
             *self._moved,
             *(self._considered, self._filtered, counts[FAR], counts[CACHED]),
             narrowphase_pairs=sum(counts[BY_METHOD:]),
+            unrefined_pairs=self._unrefined,
             pairs_by_method={
                 name: counts[BY_METHOD + number]
                 for name, number in METHODS.items()
@@ -130,8 +140,13 @@ class Engine:
         accuracy: str,
         cutoff: float,
         penetrating: bool = False,
+        time_budget: float = 0.0,
     ) -> PairBatch:
-        """Return the unfiltered pairs within ``cutoff`` [m], or only those that overlap."""
+        """Return the unfiltered pairs within ``cutoff`` [m], or only those that overlap.
+
+        Of pairs that are answered from bounds alone, by the level or because the narrow phase has
+        spent its ``time_budget`` [s] (0: none), all that may be.
+        """
         near = self._near(world, filters, cutoff)
         query = _GAPS[accuracy], cutoff, penetrating
         moment = (world.revision, filters.version, query)
@@ -141,10 +156,18 @@ class Engine:
             self._times[4] = time.perf_counter()
             return self._last[1]
         self._compile_for(world, near, accuracy)
-        hits = self._answer(world, near.pairs, near.slots, near.memory, query, -1)
-        batch = gathered(world, hits, near.pairs, near.slots, near.answers)
+        limited = time_budget > 0.0 and accuracy != 'bound'
+        if limited and not self._pace.fits(len(near.pairs), time_budget):
+            hits = self._answer_within(world, near, query, time_budget)
+        else:
+            hits = self._answer(world, near.pairs, near.slots, near.memory, query)
+            if limited:
+                computed = int(self._counts[BY_METHOD:].sum())
+                self._pace.learn(computed, time.perf_counter() - self._times[3])
+        batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
         self._times[4] = time.perf_counter()
-        self._last = moment, batch
+        # What was left at its bounds is refined when somebody asks again.
+        self._last = None if self._unrefined else (moment, batch)
         if len(near.pairs) > _KEPT_PAIRS:
             self._last = None
             self._lists.pop(math.isinf(cutoff))
@@ -163,26 +186,31 @@ class Engine:
             self._last_contact = int(hits[0])
         return len(hits) > 0
 
-    def distance_of_pair(self, world: World, pair: Indices, accuracy: str) -> PairBatch:
+    def distance_of_pair(
+        self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
+    ) -> PairBatch:
         """Return the signed distance of one pair (1, 2), whatever the filters say.
 
-        Two half spaces have none: the batch is empty then.
+        ``hint`` (3,) is the normal that an iteration starts from. Two half spaces have no
+        distance: the batch is empty then.
         """
         self._begin(world)
         types = world.geometries.types[pair]
         rows = table_rows(types[:, 0], types[:, 1])
         slots, answers = np.zeros(1, dtype=np.int64), np.zeros((1, PAIR_WIDTH))
+        if hint is not None:
+            answers[0, NORMAL : NORMAL + 3] = hint
         if rows[0] < 0:
-            return gathered(world, slots[:0], pair, slots, answers)
+            return gathered(world, slots[:0], pair, slots, answers, math.inf)
         self._kernels = compile_rows(rows)
         self._considered, self._filtered = 1, 0
         self._times[2] = self._times[3] = time.perf_counter()
         self._make_room(1)
         memory = answers, np.array([-math.inf]), np.array([-1]), np.zeros(1)
         query = _GAPS[accuracy], math.inf, False
-        hits = self._answer(world, pair, slots, memory, query, -1)
+        hits = self._answer(world, pair, slots, memory, query)
         self._times[4] = time.perf_counter()
-        return gathered(world, hits, pair, slots, answers)
+        return gathered(world, hits, pair, slots, answers, query[0])
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
@@ -203,7 +231,8 @@ class Engine:
         self._considered, self._filtered = capacity, 0
         self._counts[:] = 0
         self._counts[FAR] = capacity - count
-        self._counts[BY_METHOD + calling.CLOSED_FORM] = count
+        methods = results[:count, POINT_METHOD].astype(np.int64)
+        self._counts[BY_METHOD:] = np.bincount(methods, minlength=COUNTS - BY_METHOD)
         ids = table.ids[geometries[:count]]
         self._times[4] = time.perf_counter()
         return PointBatch(ids, points[:count], results[:count])
@@ -216,7 +245,7 @@ class Engine:
         if world is not self._world:
             self._world, self._lists, self._last = world, {}, None
         self._moved = world.update()
-        self._list_made, self._kernels = False, []
+        self._list_made, self._kernels, self._unrefined = False, [], 0
         self._times[1] = time.perf_counter()
 
     def _near(self, world: World, filters: FilterState, distance: float) -> NearList:
@@ -254,11 +283,42 @@ class Engine:
         slots: Indices,
         memory: tuple[Floats, Floats, Indices, Floats],
         query: tuple[float, float, bool],
-        first: int,
+        first: int = -1,
+        queue: tuple[Indices, Floats] = _AT_ONCE,
     ) -> Indices:
-        """Return the numbers of the pairs that ``query`` is about, their slots up to date."""
+        """Return the numbers of the pairs that ``query`` is about, their slots up to date.
+
+        With a ``queue`` for all pairs, those that need a kernel are put there instead.
+        """
         found = answer_pairs(
             *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
-            *(query, first, self._hits, self._counts),
+            *(query, first, queue, self._hits, self._counts),
         )
         return self._hits[:found]
+
+    def _answer_within(
+        self, world: World, near: NearList, query: tuple[float, float, bool], seconds: float
+    ) -> Indices:
+        """Return what ``_answer`` does, kernels for the nearest pairs only as time lasts."""
+        room = len(near.pairs)
+        waiting, distances = queue = np.empty(room, dtype=np.int64), np.empty(room)
+        start = self._times[3]
+        known = self._answer(world, near.pairs, near.slots, near.memory, query, queue=queue)
+        hits, total = [known.copy()], self._counts.copy()
+        count = int(total[POSTPONED])
+        total[POSTPONED] = 0
+
+        def compute(block: Indices, gap: float = query[0]) -> None:
+            some = waiting[block]
+            asked = near.pairs[some], near.slots[some], near.memory, (gap, *query[1:])
+            hits.append(some[self._answer(world, *asked)])
+            total[:] += self._counts
+
+        # What is left is bounded once more, as all pairs were just now.
+        reserve = (time.perf_counter() - start) / max(1, room)
+        left = self._pace.spend(distances[:count], compute, start + seconds, reserve)
+        if len(left):
+            compute(left, math.inf)
+            self._unrefined = len(hits[-1])
+        self._counts[:] = total
+        return np.sort(np.concatenate(hits))

@@ -22,15 +22,15 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     counter-clockwise from outside.
     """
     count = len(vertices)
-    all_of_small = np.concatenate(([count], vertices.ravel()))
+    coordinates = np.concatenate(([count], vertices.ravel()))
     if count < CLIMBED:
-        return all_of_small
+        return np.append(coordinates, 0.0)
     sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = np.unique(np.concatenate((sides, sides[:, ::-1])), axis=0)
     sharpness = _sharpness(vertices, triangles, edges)
     blunt = sharpness < BLUNT
     if np.count_nonzero(blunt) > count // 8:  # most climbs would end in looking at all
-        return all_of_small
+        return np.append(coordinates, 0.0)
     # Computed gains are off by 3 EPS of the edge. A vertex whose edges all seem to lead down is
     # the summit for a direction this little off, in radians: 3 EPS over its sharpness.
     defect = 4.0 * EPS / sharpness[~blunt].min() * float(np.linalg.norm(np.ptp(vertices, axis=0)))
@@ -38,7 +38,7 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     lists = 3 * count + LISTS + count + 1 + np.searchsorted(edges[:, 0], np.arange(count + 1))
     lists[:-1][blunt] *= -1
     places = 1 + 3 * np.concatenate((summits, edges[:, 1]))
-    return np.concatenate((all_of_small, [defect], places[:6], lists, places[6:]))
+    return np.concatenate((coordinates, [defect], places[:6], lists, places[6:]))
 
 
 def _sharpness(vertices: Floats, triangles: Indices, edges: Indices) -> Floats:

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     ERROR_BOUND,
     METHOD,
     NORMAL,
+    PAIR_WIDTH,
     WITNESS_A,
     WITNESS_B,
     address_table,
@@ -30,10 +31,16 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 )
 from drake_geom_ros.geometry._proximity.kernels.extremes import call_at_one_metre, is_extreme
 from drake_geom_ros.geometry._proximity.pair_table import (
+    ALL_ROWS,
+    CONVEX,
     HALF_SPACE,
-    PAIR_TABLE,
     ROW_OF_TYPES,
     TYPE_COUNT,
+)
+from drake_geom_ros.geometry._proximity.promise import (
+    pose_rounding,
+    size_of_pair,
+    tolerance_of_pair,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -44,13 +51,14 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 _ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(PAIR_TABLE))
-_COMPILED = np.zeros(len(PAIR_TABLE), dtype=np.bool_)
+ADDRESSES = address_table(len(ALL_ROWS))
+_COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 # What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
 FAR = 0
 CACHED = 1
-BY_METHOD = 2
+POSTPONED = 2
+BY_METHOD = 3
 COUNTS = BY_METHOD + BOUND_ONLY + 1
 
 
@@ -66,9 +74,9 @@ def compile_rows(rows: NDArray[np.int64]) -> list[str]:
     missing = rows[(rows >= 0) & ~_COMPILED[rows]]
     names: dict[str, None] = {}
     for row in np.unique(missing).tolist():
-        ADDRESSES[row] = compiled_address(PAIR_TABLE[row].load_kernel())
+        ADDRESSES[row] = compiled_address(ALL_ROWS[row].load_kernel())
         _COMPILED[row] = True
-        names[PAIR_TABLE[row].kernel] = None
+        names[ALL_ROWS[row].kernel] = None
     return list(names)
 
 
@@ -76,15 +84,6 @@ def compile_rows(rows: NDArray[np.int64]) -> list[str]:
 def _code(type_a, type_b):  # type: ignore[no-untyped-def]
     """Return where a pair of types stands in ROW_OF_TYPES."""
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
-
-
-@inlined
-def _pose_rounding(p_WGs, i, j):  # type: ignore[no-untyped-def]
-    """Return what composing world poses may have cost the pair [m]: far away, digits."""
-    reach = 0.0
-    for k in range(3):
-        reach = max(reach, abs(p_WGs[i, k]), abs(p_WGs[j, k]))
-    return 8.0 * EPS * reach
 
 
 @inlined
@@ -124,7 +123,7 @@ def _call_in_order(  # type: ignore[no-untyped-def]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     shape_a, shape_b = pool[starts[a] : starts[a + 1]], pool[starts[b] : starts[b + 1]]
-    if is_extreme(size, p_AB_W):
+    if types[b] <= CONVEX and is_extreme(size, p_AB_W):
         call_at_one_metre(
             *(address, size, types[a], shape_a, R_WGs[a], types[b], shape_b, R_WGs[b]),
             *(p_AB_W, tolerance, cutoff, out),
@@ -157,13 +156,6 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
 
 
 @inlined
-def _size(a, b, types, outer):  # type: ignore[no-untyped-def]
-    """Return the size of a pair [m]; a half space has none of its own."""
-    size = 0.0 if types[a] == HALF_SPACE else outer[a]
-    return size if types[b] == HALF_SPACE else size + outer[b]
-
-
-@inlined
 def _least(out, gap, size):  # type: ignore[no-untyped-def]
     """Return what the distance is at least [m], by an answer that was computed for ``gap``."""
     if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
@@ -172,24 +164,44 @@ def _least(out, gap, size):  # type: ignore[no-untyped-def]
     return out[DISTANCE] - out[ERROR_BOUND]
 
 
+@inlined
+def _postpone(k, bounds, waiting, distances, counts):  # type: ignore[no-untyped-def]
+    """Put pair k into the queue, with its least distance by its bounds."""
+    waiting[counts[POSTPONED]] = k
+    distances[counts[POSTPONED]] = bounds[DISTANCE] - bounds[ERROR_BOUND]
+    counts[POSTPONED] += 1
+
+
+@inlined
+def _is_hit(out, gap, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+    """Tell whether an answer is within reach; of bounds alone, whether it may be."""
+    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(gap) else 0.0)
+    if penetrating:
+        return distance < -TOUCHING_DEPTH * size
+    return distance <= cutoff
+
+
 @compiled
 def answer_pairs(  # type: ignore[no-untyped-def]
-    addresses, pairs, slots, memory, scene, revision, query, first, hits, counts
+    addresses, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
 ):
-    """Bring the slots of the pairs up to date that are within reach; return how many are.
+    """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
     ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
     R_WGs, p_WGs, half extents, outer and inner radii, travels, stamps.
     ``query``: gap [m] (infinite: bounds alone will do), cutoff [m], and whether only pairs count
     that overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that
-    is not negative is where to begin, and then one hit is enough.
+    is not negative is where to begin, and then one hit is enough. ``queue``: with room for all
+    pairs, those for which a kernel would run are put there instead, with their certified least
+    distance; without any, kernels run.
     """
     # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
     # does an array a pair.
     answers, slacks, seen, gaps = memory
     types, starts, pool, R_WGs, p_WGs, half_extents, outer, inner, travels, stamps = scene
     gap, cutoff, penetrating = query
-    scratch = np.empty(3)
+    waiting, distances = queue
+    scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
     found = 0
     for turn in range(slots.size):
@@ -200,7 +212,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             counts[FAR] += 1
             continue
         out = answers[s]
-        size = _size(a, b, types, outer)
+        size = size_of_pair(a, b, types, outer)
         rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and gaps[s] <= gap
         # What stopped at a cutoff says enough about smaller ones only.
         if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(gaps[s])):
@@ -212,18 +224,21 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 boxes = _gap_of_boxes(a, b, types, R_WGs, p_WGs, half_extents)
                 least = max(boxes, _gap_of_balls(a, b, p_WGs, outer))
             near = least <= cutoff
+            if near and waiting.size > 0:
+                _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+                _postpone(k, bounds, waiting, distances, counts)
+                continue
             if near:
                 if math.isinf(gap):
                     _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
                 else:
                     address = addresses[_ROWS[_code(types[a], types[b])]]
-                    # The gap is absolute for bodies of a metre and more, relative below.
-                    tolerance = gap * min(1.0, outer[a], outer[b])
+                    tolerance = tolerance_of_pair(gap, a, b, outer)
                     _call_in_order(
                         *(a, b, address, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance, cutoff, out),
                     )
-                out[ERROR_BOUND] += _pose_rounding(p_WGs, a, b)
+                out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, gap, size)
@@ -235,8 +250,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             slacks[s] = -math.inf if flat else least + travelled - rounding
             if not near:
                 continue
-        limit = -TOUCHING_DEPTH * size if penetrating else cutoff
-        if out[DISTANCE] < limit or (out[DISTANCE] == limit and not penetrating):
+        if _is_hit(out, gaps[s], size, cutoff, penetrating):
             hits[found] = k
             found += 1
             if first >= 0:

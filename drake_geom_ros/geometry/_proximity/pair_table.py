@@ -2,7 +2,8 @@
 
 Which kernel answers, by which method, and how far off it was at worst: the look-up of the engine,
 the support table of the README, the accuracy tests and the "not supported" text all come from
-here. The lower type number is A.
+here. The lower type number is A. Solids, whose signed distance no support function tells, have a
+table of their own.
 """
 
 from __future__ import annotations
@@ -19,13 +20,14 @@ SHAPE_NAMES = {
     5: 'Ellipsoid',
     6: 'HalfSpace',
     7: 'Convex',
-    8: 'Mesh',
+    8: 'Mesh',  # as a solid that is not convex; any other counts as Convex
 }
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, MESH = SHAPE_NAMES
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID = SHAPE_NAMES
 TYPE_COUNT = 1 + max(SHAPE_NAMES)
 
 CLOSED_FORM = 'closed form'
 ITERATIVE = 'iterative'
+TRIANGLES = 'mesh'
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ class PairRow:
 
 _KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
 _CORES = 'convex.signed_distance_of_cores'
+_SOLIDS = 'solids.signed_distance_to_solid'
 
 PAIR_TABLE = (
     PairRow(SPHERE, SPHERE, 'spheres.sphere_sphere', CLOSED_FORM, 1e-14),
@@ -77,9 +80,23 @@ PAIR_TABLE = (
     PairRow(CONVEX, CONVEX, _CORES, ITERATIVE, 1e-12),
 )
 
-# Row number by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is no row.
+# The worst error is that of solids that are apart; overlapping ones have an interval, which
+# ``error_bound`` tells.
+SOLID_TABLE = (
+    PairRow(SPHERE, SOLID, _SOLIDS, TRIANGLES, 1e-14),
+    PairRow(BOX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+    PairRow(CAPSULE, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+    PairRow(CYLINDER, SOLID, _SOLIDS, TRIANGLES, 1e-11),
+    PairRow(ELLIPSOID, SOLID, _SOLIDS, TRIANGLES, 1e-11),
+    PairRow(HALF_SPACE, SOLID, 'half_spaces.half_space_convex', CLOSED_FORM, 1e-12),
+    PairRow(CONVEX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+    PairRow(SOLID, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+)
+ALL_ROWS = PAIR_TABLE + SOLID_TABLE
+
+# Number in ALL_ROWS by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is none.
 ROW_OF_TYPES = [-1] * TYPE_COUNT**2
-for _number, _row in enumerate(PAIR_TABLE):
+for _number, _row in enumerate(ALL_ROWS):
     ROW_OF_TYPES[_row.type_a * TYPE_COUNT + _row.type_b] = _number
 
 

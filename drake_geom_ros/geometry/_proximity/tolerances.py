@@ -10,6 +10,11 @@ EPS = 2.0**-52
 # for a pair of size 1 m. ``bound`` runs no iteration at all.
 LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 
+# What rounding may add to the bounds that a level promises, in EPS times the pair's size and the
+# distance of the origins. EPA ends within 4 ROUNDING and each answer of an iteration is widened by
+# one more, a closed form has CLOSED_FORM_ROUNDING: this is 1.6 and 4 times as much.
+PROMISED_ROUNDING = 128.0
+
 # Depth [m], relative to the pair's size, that a pair must exceed to count as penetrating:
 # touching is not penetrating, and rounding leaves a touching pair within a few EPS of zero.
 TOUCHING_DEPTH = 1e-14
@@ -112,3 +117,15 @@ LOOSE_SLOPE = 32.0
 # Sine [-] of the angle by which the edges at a vertex of a hull fall away: below it the vertex is
 # blunt, and rounding could hide more than 512 EPS of the hull's diameter from a climb.
 BLUNT = 2.0**-7
+
+# A closed surface that holds less volume [-] than this, relative to the cube of its size, is a
+# sheet: the sum of signed tetrahedra leaves about that of rounding.
+NO_VOLUME = 1e-14
+
+# A mesh whose volume differs from its hull's by more than this [-] is not convex. That it is must
+# be shown edge by edge: a needle of a dent holds no volume.
+SAME_VOLUME = 1e-9
+
+# Triangles of one surface cross if an edge of one goes this far [-] through the other, relative
+# to their size, and past its border: a vertex in single precision that touches does not.
+CROSSING = 1e-6

@@ -250,7 +250,10 @@ def _update(  # type: ignore[no-untyped-def]
         if moved[f]:
             moved_frames += 1
             if parent == 0:
-                p_WFs[f], R_WFs[f] = p_PFs[f], R_PFs[f]
+                for i in range(3):
+                    p_WFs[f, i] = p_PFs[f, i]
+                    for j in range(3):
+                        R_WFs[f, i, j] = R_PFs[f, i, j]
                 continue
             _compose(R_WFs, p_WFs, parent, R_PFs, p_PFs, f, R_WFs, p_WFs, f)
     moved_geometries = 0

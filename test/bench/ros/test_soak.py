@@ -1,7 +1,9 @@
 """What the soak prints is what happened."""
 
+import pytest
+
 from bench.ros.mix import Tally
-from bench.ros.soak import Soak, report
+from bench.ros.soak import Soak, medians_by_minute, report, slope
 
 
 def soaked(problems):
@@ -25,7 +27,18 @@ def test_a_report_tells_counts_delays_memory_and_problems(capsys):
         '2 get_pose: no such frame',
         'p50 1.00, p99 2.00, p99.9 3.00, p100 4.50',
         '100.0 at the start, 101.5 half-way, 102.0 at the end',
+        'median of each minute: 101.5; in the second half it grew by +30.00 a minute',
         '1 answers that were not expected',
         'client_1: get_pose said False',
     ):
         assert words in text
+
+
+def test_memory_is_told_for_each_minute_and_its_growth():
+    flat = [(second, 100.0) for second in range(120)]
+    assert medians_by_minute(flat) == [100.0, 100.0]
+    assert slope(flat) == 0.0
+    leak = [(second, 100.0 + second / 60.0) for second in range(150)]
+    assert medians_by_minute(leak) == pytest.approx([100.5, 101.5, 102.25], abs=0.02)
+    assert slope(leak) == pytest.approx(1.0)
+    assert slope([(1.0, 5.0)]) == 0.0

@@ -43,6 +43,7 @@ CYLINDER   radius, half_length           axis z
 ELLIPSOID  a, b, c                       semi-axes
 HALF_SPACE (none)                        occupies z <= 0
 CONVEX     n, then n x 3 vertices, ...   in the geometry's frame, scaled; see ``hulls``
+SOLID      those of CONVEX, then a tree  see ``solid_tree``
 ========== ============================= ==========================================
 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on

@@ -17,24 +17,34 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     bounding_radius,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
     add_scaled,
     column,
     dot,
     norm,
+    rotate,
     scale,
+    sub,
     unit,
     unrotate,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 HALF_SPACE = 6
+SOLID = 8
+
+
+@inlined
+def has_hull(shape_type):
+    """Tell whether the shape's parameters begin with the vertices of its hull."""
+    return shape_type == CONVEX or shape_type == SOLID
 
 
 @inlined
 def support_value(shape_type, shape, n_G):
     """Return the support value h(n) [m] from Go; n a unit vector in G. A half space has none.
 
-    Every shape but CONVEX is symmetric about Go: h(-n) is the same.
+    Every shape but a hull is symmetric about Go: h(-n) is the same. That of a solid is its hull's.
     """
     x, y, z = abs(n_G[0]), abs(n_G[1]), abs(n_G[2])
     if shape_type == SPHERE:
@@ -47,7 +57,7 @@ def support_value(shape_type, shape, n_G):
         return shape[0] * math.sqrt(x * x + y * y) + z * shape[1]
     if shape_type == ELLIPSOID:
         return norm((x * shape[0], y * shape[1], z * shape[2]))
-    if shape_type == CONVEX:
+    if has_hull(shape_type):
         farthest = farthest_vertex(shape, n_G[0], n_G[1], n_G[2])
         return dot(n_G, farthest) + hull_defect(shape)
     return math.inf
@@ -59,7 +69,7 @@ def box_half_extents(shape_type, shape, R_WG, half_extents):
     for k in range(3):
         e_G = (R_WG[k, 0], R_WG[k, 1], R_WG[k, 2])
         half_extents[k] = support_value(shape_type, shape, e_G)
-        if shape_type == CONVEX:
+        if has_hull(shape_type):
             opposite = support_value(shape_type, shape, scale(-1.0, e_G))
             half_extents[k] = max(half_extents[k], opposite)
 
@@ -71,8 +81,8 @@ def outer_radius(shape_type, shape):
 
 
 @compiled
-def _inner_radius(shape_type, shape):
-    """Return the radius of a ball about Go that lies in the shape."""
+def inner_radius(shape_type, shape):
+    """Return the radius of a ball about Go that lies in the shape; 0 for hulls and solids."""
     if shape_type == SPHERE or shape_type == CAPSULE:
         return shape[0]
     if shape_type == BOX or shape_type == ELLIPSOID:
@@ -89,8 +99,20 @@ def shape_radii(types, starts, pool):
     for k in range(types.size):
         shape = pool[starts[k] : starts[k + 1]]
         outer[k] = outer_radius(types[k], shape)
-        inner[k] = _inner_radius(types[k], shape)
+        inner[k] = inner_radius(types[k], shape)
     return outer, inner
+
+
+@inlined
+def point_inside(shape_type, shape, R_WG, n_W):
+    """Return the centre of the ball inside a shape, from Go in World: a vertex of a hull, else Go.
+
+    The origin of a hull may lie outside it, and that of a solid too.
+    """
+    if not has_hull(shape_type):
+        return 0.0, 0.0, 0.0
+    x, y, z = unrotate(R_WG, n_W)
+    return rotate(R_WG, farthest_vertex(shape, x, y, z))
 
 
 @compiled
@@ -100,7 +122,8 @@ def bounding_interval(A, B, p_AB_W, out):
     ``A`` and ``B`` are (type, shape, R_WG, inner radius). For every unit n,
     ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or along the normal of
     a half space, for which this is the exact value. Above, phi is at most the distance of the
-    balls inside. The witness points lie on the two supporting planes, above Ao.
+    balls inside, that of a hull being its vertex towards the other. The witness points lie on the
+    two supporting planes, above Ao.
     """
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
     flat = A[0] == HALF_SPACE or B[0] == HALF_SPACE
@@ -120,7 +143,9 @@ def bounding_interval(A, B, p_AB_W, out):
     lower = dot(n_AB_W, p) - h_A - h_B
     upper = lower
     if not flat:
-        upper = max(lower, norm(p) - A[3] - B[3])
+        a = point_inside(A[0], A[1], A[2], n_AB_W)
+        b = point_inside(B[0], B[1], B[2], scale(-1.0, n_AB_W))
+        upper = max(lower, norm(sub(add(p, b), a)) - A[3] - B[3])
     distance = lower + 0.5 * (upper - lower)
     p_ACa_W = scale(h_A, n_AB_W)
     p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)

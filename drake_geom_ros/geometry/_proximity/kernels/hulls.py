@@ -1,9 +1,9 @@
 """The vertices of a convex hull: which is extreme along a direction, and how far they reach.
 
-The parameters of a hull are the number n of its vertices and 3 n coordinates. Those of a large one
-go on: its *defect*, the vertices extreme along -x, x, -y, y, -z, z, the places of n + 1 lists, and
-the lists of the neighbours of each vertex along the edges (``hull_parameters`` makes them). A
-vertex is named by the place of its x in the parameters.
+The parameters of a hull are the number n of its vertices, 3 n coordinates and its *defect*. Those
+of a large one, whose defect is not 0, go on: the vertices extreme along -x, x, -y, y, -z, z, the
+places of n + 1 lists, and the lists of the neighbours of each vertex along the edges
+(``hull_parameters`` makes them). A vertex is named by the place of its x in the parameters.
 
 A large hull is climbed, from neighbour to neighbour, for as long as that leads farther along the
 direction: on a convex polytope there is no other summit. At a vertex that is almost flat rounding
@@ -84,7 +84,7 @@ def _climbed(shape, end, x, y, z):
 def farthest_vertex(shape, x, y, z):
     """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
     end = 3 * int(shape[0])
-    if shape.size > end + DEFECT:
+    if hull_defect(shape) > 0.0:
         k = _climbed(shape, end, x, y, z)
     else:
         k = _farthest_of_all(shape, x, y, z)

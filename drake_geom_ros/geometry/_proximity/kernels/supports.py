@@ -26,6 +26,8 @@ CAPSULE = 3
 CYLINDER = 4
 ELLIPSOID = 5
 CONVEX = 7
+# Not in messages: three corners, a leaf of a solid's tree.
+TRIANGLE = 9
 
 
 @inlined
@@ -65,6 +67,19 @@ def signed(size, direction, right_angle):
     return 0.0
 
 
+@inlined
+def farthest_corner(shape, x, y, z):
+    """Return the corner of TRIANGLE parameters, 3 x 3 numbers, that is extreme along (x, y, z)."""
+    best = 0
+    value = shape[0] * x + shape[1] * y + shape[2] * z
+    for k in (3, 6):
+        candidate = shape[k] * x + shape[k + 1] * y + shape[k + 2] * z
+        if candidate > value:
+            value = candidate
+            best = k
+    return shape[best], shape[best + 1], shape[best + 2]
+
+
 @compiled
 def local_support(kind, shape, n, right_angle):
     """Return the point of the core that is extreme along the unit vector n, both in G."""
@@ -91,6 +106,8 @@ def local_support(kind, shape, n, right_angle):
         return x * (a * (a / h) - r), y * (b * (b / h) - r), z * (c * (c / h) - r)
     if kind == CONVEX:
         return farthest_vertex(shape, x, y, z)
+    if kind == TRIANGLE:
+        return farthest_corner(shape, x, y, z)
     return 0.0, 0.0, 0.0
 
 

@@ -14,8 +14,8 @@ from oracles.pairs import (
     random_pairs,
     random_rotation,
 )
-from oracles.support_function import signed_distance
 
+from drake_geom_ros.accuracy.truth import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.boxes import box_box
 
 SAMPLES = 2 if config.DISABLE_JIT else 18

@@ -7,8 +7,8 @@ import pytest
 from numba import config
 from oracles.hard_poses import hard_poses
 from oracles.pairs import Pair, height, random_pairs, random_rotation, width_along_normal
-from oracles.support_function import signed_distance
 
+from drake_geom_ros.accuracy.truth import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import calling, convex
 
 BOX, CAPSULE, CYLINDER, ELLIPSOID = 2, 3, 4, 5

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.pairs import random_pairs
-from oracles.support_function import signed_distance
 
+from drake_geom_ros.accuracy.truth import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import creases, sums
 
 BOX, CAPSULE, CYLINDER = 2, 3, 4

@@ -72,9 +72,9 @@ def test_the_vertex_is_farthest_up_to_the_defect(make, count):
 def test_large_hulls_have_edges_and_small_ones_none():
     rng = np.random.default_rng(0)
     small, large = (hull_parameters(*hull(on_ball(n, rng))) for n in (199, 200))
-    assert len(small) == 1 + 3 * 199
+    assert len(small) == 2 + 3 * 199
     assert hull_defect(small) == 0.0
-    assert len(large) > 1 + 3 * 200
+    assert len(large) > 2 + 3 * 200
     assert hull_defect(large) > 0.0
 
 
@@ -86,7 +86,7 @@ def test_a_hull_with_many_flat_vertices_is_not_climbed():
     points = np.vstack([np.column_stack([x, y, z]) for z in (bulge, -bulge)])
     vertices, triangles = hull(points)
     assert len(vertices) >= 200
-    assert len(hull_parameters(vertices, triangles)) == 1 + 3 * len(vertices)
+    assert len(hull_parameters(vertices, triangles)) == 2 + 3 * len(vertices)
 
 
 def test_radius_is_that_of_the_farthest_vertex():

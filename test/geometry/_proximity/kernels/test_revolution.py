@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 from oracles.pairs import random_rotation
-from oracles.support_function import signed_distance
 
+from drake_geom_ros.accuracy.truth import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import revolution
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,

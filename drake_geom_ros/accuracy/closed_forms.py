@@ -13,24 +13,27 @@ DIGITS = 50
 
 
 def vector(values):
-    """The exact values of floats, or of numbers with more digits."""
+    """Return the exact values of floats, or of numbers with more digits."""
     return [v if isinstance(v, mpf) else mpf(float(v)) for v in values]
 
 
 def dot(a, b):
+    """Return a . b."""
     return sum((x * y for x, y in zip(a, b, strict=True)), mpf(0))
 
 
 def norm(a):
+    """Return |a|."""
     return mp.sqrt(dot(a, a))
 
 
 def combine(a, s, b):
-    """a + s b."""
+    """Return the sum of a and s b."""
     return [x + s * y for x, y in zip(a, b, strict=True)]
 
 
 def cross(a, b):
+    """Return a x b."""
     return [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -39,12 +42,15 @@ def cross(a, b):
 
 
 def columns(R):
+    """Return the columns of a matrix."""
     return [vector(R[:, k]) for k in range(3)]
 
 
 def _ellipsoid_distance(e, q):
-    """Signed distance from an ellipsoid by the largest root v > 0 of sum (e q / (v + f))^2 = 1,
-    f = e^2 - min(e)^2, of which the nearest point is e^2 q / (v + f), inside and outside.
+    """Return the signed distance from an ellipsoid.
+
+    It is by the largest root v > 0 of sum (e q / (v + f))^2 = 1, f = e^2 - min(e)^2, of which the
+    nearest point is e^2 q / (v + f), inside and outside.
     """
     # A coordinate below 1e-60 would need more digits to be told from 0 than it could matter.
     e, q = vector(e), [abs(x) if abs(x) > mpf(10) ** -60 else mpf(0) for x in q]
@@ -72,13 +78,13 @@ def _ellipsoid_distance(e, q):
 
 
 def _rectangle(beyond):
-    """Signed distance to a corner, given how far each of its sides is exceeded."""
+    """Return the signed distance to a corner, given how far each of its sides is exceeded."""
     outside = norm([max(x, mpf(0)) for x in beyond])
     return outside if outside > 0 else max(beyond)
 
 
 def point_distance(kind, size, q):
-    """Signed distance of the point q (in the shape's frame) from a shape."""
+    """Return the signed distance of the point q (in the shape's frame) from a shape."""
     with mp.workdps(DIGITS):
         s, q = vector(size), [mpf(x) for x in q]
         if kind == SPHERE:
@@ -120,14 +126,14 @@ class Polytope:
                 self.edges.append((v, axes[k], half[k]))
 
     def distance_to_point(self, q):
-        """Distance of a point from the solid; 0 inside."""
+        """Return the distance of a point from the solid; 0 inside."""
         r = combine(q, -1, self.centre)
         beyond = [abs(dot(r, a)) - h for a, h in zip(self.axes, self.half, strict=True)]
         return norm([max(x, mpf(0)) for x in beyond])
 
 
 def _line_gap(edge, other):
-    """Distance of two edges if their common perpendicular meets both, else None."""
+    """Return the distance of two edges if their common perpendicular meets both, else None."""
     (p, u, hu), (q, v, hv) = edge, other
     n = cross(u, v)
     nn = dot(n, n)
@@ -139,7 +145,7 @@ def _line_gap(edge, other):
 
 
 def _polytope_distance(a, b):
-    """Signed distance of two polytopes: features where apart, all axes where they overlap."""
+    """Return the signed distance of polytopes: features where apart, all axes in overlap."""
     normals = a.normals + b.normals
     for u, v in itertools.product(a.directions, b.directions):
         n = cross(u, v)
@@ -164,7 +170,7 @@ def _polytope_distance(a, b):
 
 
 def _lowest(kind, size, R, n):
-    """Height along n of a shape's lowest point, from its origin."""
+    """Return the height along n of a shape's lowest point, from its origin."""
     axes, s = columns(R), vector(size)
     if kind == BOX:
         return -sum(h * abs(dot(n, a)) for h, a in zip(s, axes, strict=True))
@@ -176,7 +182,7 @@ def _lowest(kind, size, R, n):
 
 
 def signed_distance(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p_AB_W):
-    """Signed distance of a pair that has a closed form, with the lower kind as A, as an mpf."""
+    """Return the signed distance (mpf) of a pair with a closed form, the lower kind as A."""
     with mp.workdps(DIGITS):
         p = vector(p_AB_W)
         if kind_A == SPHERE:

@@ -1,0 +1,1 @@
+"""What scenes of a ladder cost: imported, compiled, allocated, computed, published."""

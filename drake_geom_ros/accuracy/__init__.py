@@ -1,0 +1,1 @@
+"""What accuracy costs in time: errors against an independent truth, beside times and peers."""

@@ -1,0 +1,153 @@
+"""The whole run: subjects one after another within a time, then files and the verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drake_geom_ros.accuracy import diagrams, machine, ours
+from drake_geom_ros.accuracy.cases import (
+    QUICK_RESOLUTIONS,
+    RESOLUTIONS,
+    Case,
+    all_cases,
+    chosen,
+    in_turns,
+)
+from drake_geom_ros.accuracy.measuring import Measurement, Plan
+from drake_geom_ros.accuracy.results import OURS, Measured, Setting
+from drake_geom_ros.accuracy.scenes import SCENES
+from drake_geom_ros.accuracy.solids import random_solid
+from drake_geom_ros.accuracy.subjects import CaseSubject, SceneSubject, Subject
+from drake_geom_ros.accuracy.tables import Circumstances, microseconds, readme, write_csv
+
+MINUTES, QUICK_MINUTES = 9.0, 0.8  # to measure in: the rest of 10 and of 1 is to begin and to end
+# Of the share of a subject, for batches: turns, and what takes them to be made, come on top.
+BATCHES_PART = 0.35
+LYING = 1  # the exit code
+
+
+@dataclass(frozen=True)
+class Request:
+    """What was asked for; ``patterns`` of cases, all without any."""
+
+    output: Path
+    peers: Sequence[str]
+    patterns: Sequence[str] = ()
+    quick: bool = False
+    minutes: float | None = None
+    seed: int = 0
+
+
+def run(request: Request, say: Callable[[str], None]) -> int:
+    """Measure, write the files, and return the exit code: 1 where a certificate was wrong."""
+    plan = Plan(seed=request.seed)
+    if request.quick:
+        plan = Plan(least_batches=1, turns=5, seed=request.seed, tolerances=False)
+    cases = all_cases(QUICK_RESOLUTIONS if request.quick else RESOLUTIONS)
+    chosen_cases = chosen(cases, request.patterns)
+    measurement = Measurement(plan, request.peers)
+    begun = time.monotonic()
+    minutes = request.minutes or (QUICK_MINUTES if request.quick else MINUTES)
+    try:
+        compiling = compile_kernels(chosen_cases)
+        say(f'kernels ready after {compiling:.0f} s, which no figure contains')
+        measurement.calibrate()
+        scenes = [] if request.patterns else [make() for make in SCENES.values()]
+        subjects: list[Subject] = [SceneSubject(scene) for scene in scenes]
+        subjects += [CaseSubject(case) for case in in_turns(chosen_cases)]
+        measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
+    except KeyboardInterrupt:
+        say('interrupted: what was measured until now is written')
+    finally:
+        measurement.close()
+    told = Circumstances(
+        command='python -m drake_geom_ros accuracy' + (' --quick' if request.quick else ''),
+        machine=machine.description(),
+        versions=machine.versions(request.peers),
+        minutes=(time.monotonic() - begun - compiling) / 60.0,
+        compiling=compiling,
+        overheads=measurement.overheads,
+    )
+    order = {case.name: k for k, case in enumerate(cases)}
+    records = sorted(measurement.records, key=lambda r: order.get(r.case, len(order)))
+    write(records, told, request.output, say)
+    return verdict(records, say)
+
+
+def compile_kernels(cases: Sequence[Case]) -> float:
+    """Compile or load all kernels that the cases need; return the seconds that this took."""
+    start = time.perf_counter()
+    rng = np.random.default_rng(0)
+    for a, b in sorted({(case.a, case.b) for case in cases}):
+        build = ours.Build()
+        solids = [random_solid(rng, kind, 8) for kind in (a, b) if kind != 'Point']
+        for solid in solids:
+            build.add(solid)
+        asked = build.asked([(np.eye(3), np.zeros(3))] * len(solids))
+        if 'Point' in (a, b):
+            asked.ComputeSignedDistanceToPoint(np.zeros(3))
+        else:
+            asked.ComputeSignedDistancePairwiseClosestPoints()
+    return time.perf_counter() - start
+
+
+def measure(
+    measurement: Measurement,
+    subjects: Sequence[Subject],
+    end: float,
+    say: Callable[[str], None],
+) -> None:
+    """Measure the subjects, each in its share of what is left until ``end`` (monotonic) [s]."""
+    left_out = []
+    for number, subject in enumerate(subjects):
+        left = end - time.monotonic()
+        if left < 0.0:
+            left_out.append(subject.name)
+            continue
+        share = left / (len(subjects) - number)
+        start = time.monotonic()
+        records = measurement.measure(subject, BATCHES_PART * share)
+        say(
+            f'[{number + 1}/{len(subjects)}] {_summary(subject, records)} '
+            f'({time.monotonic() - start:.1f} s)'
+        )
+    if left_out:
+        say(f'no time was left for {", ".join(left_out)}: give more with --minutes')
+
+
+def _summary(subject: Subject, records: Sequence[Measured]) -> str:
+    words = []
+    for r in records:
+        if r.setting == Setting(OURS, 'exact') and r.errors:
+            words.append(
+                f'{r.query.replace("_", " ")} worst {r.error(1.0):.1e} m of {len(r.errors)}, '
+                f'{microseconds(r.whole)} us'
+            )
+    return f'{subject.name}: {"; ".join(words)}'
+
+
+def write(
+    records: Sequence[Measured], told: Circumstances, folder: Path, say: Callable[[str], None]
+) -> None:
+    """Write measurements.csv, the diagrams and README.md into a folder, made where missing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_csv(records, folder / 'measurements.csv')
+    pictures = diagrams.draw(records, folder)
+    (folder / 'README.md').write_text(readme(records, told, pictures), encoding='utf-8')
+    say(f'{folder}: README.md, measurements.csv, {", ".join(pictures)}')
+
+
+def verdict(records: Sequence[Measured], say: Callable[[str], None]) -> int:
+    """Say where certificates were wrong or wider than promised; return the exit code."""
+    lies = [lie for r in records for lie in r.lies()]
+    for lie in lies:
+        say(f'WRONG: {lie}')
+    if not lies:
+        count = sum(len(r.bounds) for r in records)
+        say(f'all {count} certificates contain the truth and are as narrow as promised')
+    return LYING if lies else 0

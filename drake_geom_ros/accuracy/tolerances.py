@@ -1,0 +1,47 @@
+"""The epsilons of the truth and of the measurement; none of them is the engine's."""
+
+# Spacing of float64 at 1 [-].
+EPS = 2.0**-52
+
+# The truth.
+
+# Vertices this near [-] to the farthest along a direction, relative to the body's size, are all
+# asked in full digits which one is the farthest: a hundred times the rounding of their heights.
+TIE = 1e-13
+# Relative to the pair's size: how much better a direction the search may overlook until polishing
+# finds it. The angle to a smooth maximum is its square root, which NEARBY must contain.
+GAP = 1e-5
+NEARBY = 0.012  # [rad]
+# [rad] about a direction that is the best by construction, but for rounding.
+KNOWN = 1e-6
+# Step [rad] of Newton's method after which the next would be its square, below rounding.
+LAST_STEP = 1e-10
+# Least curvature [-], relative to the pair's size, that a step of Newton's method divides by.
+LEAST_CURVATURE = 1e-9
+# Sine [-] of the angle of two edges below which their circles cross nowhere that matters.
+PARALLEL = 1e-9
+# Relative to the pair's size: candidates this near to the best are compared in full digits.
+EQUAL = 1e-11
+# What a round of polishing must gain [-], relative to the pair's size, to be followed by another:
+# less than the rounding of the result.
+GAIN = 1e-17
+# Vectors shorter than this [-] have no direction.
+NO_DIRECTION = 1e-12
+
+# The measurement.
+
+# Relative to the pair's size: the truth is rounded once, and taken for rotations that are
+# orthogonal but for rounding.
+TRUTH_ROUNDING = 2.0 * EPS
+# Relative to the pair's size: below this an error is rounding, and a bound need not follow it.
+ROUNDING = 16.0 * EPS
+# What the levels promise for pairs of up to 1 m [m].
+PROMISED = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
+# [m] deep, at most: penetration is about what is deeper, for touching is not penetrating.
+TOUCHING = 1e-9
+# [m] apart, at least, of pairs that no library finds hard.
+EASY = 1e-3
+# The tolerances [m] that peers are given besides their own settings, where they take one.
+PEER_TOLERANCES = {'Coal': (1e-3, 1e-9), 'MuJoCo': (1e-3, 1e-9)}
+# Gaps [m] of the configurations that are close.
+NEAR, SHALLOW, DEEP = 2e-3, -2e-3, -2e-2

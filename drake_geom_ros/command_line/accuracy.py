@@ -1,0 +1,98 @@
+"""``accuracy``: what accuracy costs in time, for us and for peers."""
+
+import argparse
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from drake_geom_ros import peers
+from drake_geom_ros.geometry import ArgumentError, GeometryError
+
+NEEDED = ('scipy', 'mpmath', 'matplotlib')
+NONE = 'none'
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'accuracy',
+        help='measure errors and times, beside peers',
+        description='Measures errors against an independent truth and times, of each pair of '
+        'shapes at each accuracy level, of whole scenes, and of the peers that are installed, in '
+        'about 9 minutes. Writes README.md, measurements.csv and diagrams. Exit code 1 where an '
+        'error_bound was below the error or wider than its level promises.',
+    )
+    parser.add_argument('--quick', action='store_true', help='less of everything, in a minute')
+    parser.add_argument(
+        '--output',
+        metavar='DIR',
+        help='default: docs/accuracy of a source tree, otherwise or with --quick out/accuracy',
+    )
+    parser.add_argument(
+        '--cases', nargs='+', default=[], metavar='NAME', help="as 'Box-*'; without: all"
+    )
+    parser.add_argument(
+        '--peers',
+        nargs='+',
+        choices=(*peers.names(), NONE),
+        metavar='NAME',
+        help=f'of {", ".join(peers.names())}, or {NONE}; default: all that are installed',
+    )
+    parser.add_argument('--minutes', type=_minutes, help='to measure in (default: 9; quick: 0.8)')
+    parser.add_argument('--seed', type=int, default=0)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure and return the exit code; raises GeometryError for what cannot be measured."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise GeometryError(
+            f'accuracy needs {" and ".join(missing)}, which is not installed here: '
+            f'pip install {" ".join(missing)} (requirements/test.txt and demo.txt have versions)'
+        )
+    # Only now: nothing else needs what these import.
+    from drake_geom_ros.accuracy.run import Request
+    from drake_geom_ros.accuracy.run import run as measure
+
+    request = Request(
+        output=output_of(options),
+        peers=peers_of(options.peers),
+        patterns=options.cases,
+        quick=options.quick,
+        minutes=options.minutes,
+        seed=options.seed,
+    )
+    return measure(request, partial(print, flush=True))
+
+
+def output_of(options: argparse.Namespace) -> Path:
+    """Return the folder to write to."""
+    if options.output:
+        return Path(options.output)
+    tree = Path(__file__).parents[2]
+    is_source = (tree / 'setup.py').exists() and (tree / 'docs').is_dir()
+    if is_source and not options.quick and not options.cases:
+        return tree / 'docs' / 'accuracy'
+    return Path('out') / 'accuracy'
+
+
+def peers_of(names: list[str] | None) -> tuple[str, ...]:
+    """Return the peers to ask; raises ArgumentError for one that is not installed."""
+    installed = peers.installed()
+    if names is None:
+        return installed
+    asked = tuple(name for name in peers.names() if name in names)
+    for name in asked:
+        if name not in installed:
+            here = ', '.join(installed) or 'no peer'
+            raise ArgumentError(f'--peers {name}: it is not installed; installed here: {here}')
+    return asked
+
+
+def _minutes(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < float('inf'):
+        raise argparse.ArgumentTypeError(f'{text} must be minutes > 0')
+    return value

@@ -1,0 +1,62 @@
+"""``replay``: ask once more what a replay file of the node holds."""
+
+import argparse
+from collections.abc import Iterator
+from typing import Any
+
+from drake_geom_ros.replay import Answer, Replay, read, reproduce
+
+STILL_BROKEN = 1  # the exit code
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'replay',
+        help='reproduce an answer that broke a promise',
+        description='Rebuilds the scene of a replay file (parameter replay_dir of the node), asks '
+        'for the pair again and compares. Exit code 1 where the promise is still broken.',
+    )
+    parser.add_argument('file', metavar='FILE', help='written by the node')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Reproduce, compare, and return the exit code; raises GeometryError or OSError."""
+    replay = read(options.file)
+    now = reproduce(replay, options.file)
+    for line in _report(replay, now):
+        print(line)
+    return STILL_BROKEN if now.breaks_promise else 0
+
+
+def _report(replay: Replay, now: Answer) -> Iterator[str]:
+    question = replay.question
+    for name in (question.geometry_a, question.geometry_b):
+        source, frame, geometry = name
+        yield f'{source}::{frame}/{geometry}'
+    start = 'the hint of the file' if question.hint else 'no hint'
+    yield f'accuracy {question.accuracy}, pairs within {question.max_distance:g} m, {start}'
+    yield f'recorded with {", ".join(f"{name} {text}" for name, text in replay.versions.items())}'
+    yield f'{"":26}{"recorded":>26}{"now":>26}'
+    for title, then, new in _rows(replay.answer, now):
+        yield f'{title:26}{then:>26}{new:>26}'
+    yield _verdict(now)
+
+
+def _rows(then: Answer, now: Answer) -> Iterator[tuple[str, str, str]]:
+    """Yield title, recorded and new value, with all digits."""
+    numbers = ('distance', 'error_bound', 'promised_error_bound')
+    for name in numbers:
+        yield f'{name} [m]', repr(getattr(then, name)), repr(getattr(now, name))
+    for name in ('nhat_BA_W', 'p_ACa', 'p_BCb'):
+        for axis, x, y in zip('xyz', getattr(then, name), getattr(now, name), strict=True):
+            yield f'{name} {axis}', repr(x), repr(y)
+    yield 'method', then.method, now.method
+
+
+def _verdict(now: Answer) -> str:
+    bounds = f'error bound {now.error_bound:.3g} m, promised {now.promised_error_bound:.3g} m'
+    if now.breaks_promise:
+        return f'the promise is still broken: {bounds}'
+    return f'the promise is kept: {bounds}'

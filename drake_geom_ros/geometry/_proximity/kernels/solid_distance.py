@@ -1,0 +1,264 @@
+"""How far a core or a solid is from a solid's surface: branch and bound over trees of boxes.
+
+``A = (kind, shape, R, tree, box)``: its tree and the box of its core as in ``solid_tree``, its
+orientation R in B. ``B = (shape, tree, identity)``. A's origin is at p in B. Points are measured
+from Bo and expressed in B's axes; n points from A towards B.
+
+A pair of leaves is answered by GJK, with a certificate; a sphere's centre by the closed form. What
+touches to rounding is told from what crosses by the planes of the triangles: a face that lies
+flush on another crosses nothing.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.gjk import (
+    BEYOND_CUTOFF,
+    CLOSED,
+    OVERLAP,
+    distance_of_cores,
+    support_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
+from drake_geom_ros.geometry._proximity.kernels.solid_hulls import width_of_hulls
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+    CORNERS,
+    SOLID,
+    box_at,
+    box_of_node,
+    first_of_leaf,
+    gap_of_boxes,
+    is_leaf,
+    normal_of,
+    push_children,
+    vector_at,
+    walk,
+)
+from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE, TRIANGLE
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    dot,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unit,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    NEAR_TOUCH,
+    ROUNDING,
+    SAME_DIRECTION,
+    SHARPER,
+)
+
+
+@compiled
+def leaf_pair(A, i, B, j, p):
+    """Return the pair, as GJK takes it, of A's core or triangle i and of B's triangle j."""
+    kind, shape, R, tree, _ = A
+    other, B_tree, identity = B
+    at = B_tree[2] + CORNERS * j
+    corners = other[at : at + CORNERS]
+    if kind == SOLID:
+        kind = TRIANGLE
+        at = tree[2] + CORNERS * i
+        shape = shape[at : at + CORNERS]
+    return kind, shape, R, TRIANGLE, corners, identity, scale(-1.0, p)
+
+
+@compiled
+def widest_slab(A, i, B, j, pair):
+    """Return (width, n) of the widest slab between two leaves along the planes of triangles."""
+    best, best_n = -math.inf, (0.0, 0.0, 0.0)
+    for turn in range(4):
+        if turn < 2:
+            n = normal_of(B[0], B[1], j)
+        elif A[0] == SOLID:
+            n = rotate(A[2], normal_of(A[1], A[3], i))
+        else:
+            break
+        n = scale(-1.0 if turn % 2 == 0 else 1.0, n)
+        a, b = support_points(pair, n, 0.0)
+        width = dot(sub(b, a), n)
+        if dot(n, n) > 0.5 and width > best:
+            best, best_n = width, n
+    return best, best_n
+
+
+@compiled
+def point_gap(q, B, j, noise):
+    """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
+    at = B[1][2] + CORNERS * j
+    x = sub(vector_at(B[0], at), q)
+    y, z = sub(vector_at(B[0], at + 3), q), sub(vector_at(B[0], at + 6), q)
+    v = weighted(x, y, z, closest_on_triangle(x, y, z))
+    d = norm(v)
+    if d > noise:
+        return d, unit(v), add(q, v)
+    n = scale(-1.0, normal_of(B[0], B[1], j))
+    if dot(n, n) < 0.5:
+        n = (-1.0, 0.0, 0.0)
+    return d, n, add(q, v)
+
+
+@compiled
+def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
+    """Return (end, upper, lower, n, a, b) of two leaves, as GJK does; a and b from Bo."""
+    noise = ROUNDING * EPS * size
+    if A[0] == SPHERE:
+        d, n, b = point_gap(p, B, j, noise)
+        return CLOSED, d, d, n, p, b
+    pair = leaf_pair(A, i, B, j, p)
+    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+    if end == OVERLAP or (end == CLOSED and upper <= NEAR_TOUCH * size):
+        width, m = widest_slab(A, i, B, j, pair)
+        if end == OVERLAP or width > lower:
+            n, lower = m, width
+        if lower >= -noise:
+            end = CLOSED
+    return end, upper, lower, n, add(p, a), add(p, b)
+
+
+@compiled
+def is_wider(A, B, p, n, other):
+    """Tell whether the hulls are less of an overlap along n than along another direction.
+
+    Of walls that are in line and floors that lie on each other, the floors are in contact.
+    """
+    along, across = scale(-1.0, n), scale(-1.0, other)
+    return width_of_hulls(A, B, p, along, 0.0) < width_of_hulls(A, B, p, across, 0.0)
+
+
+@compiled
+def nearest(A, B, p, n, size, tolerance, limit):
+    """Return (end, upper, lower, n, a, b, unique) of the surfaces of A's core and of B.
+
+    ``lower <= distance <= upper = |b - a|``. End BEYOND_CUTOFF: farther apart than ``limit``, and
+    only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. ``unique`` is False
+    if other points are as near, along a clearly different n.
+    """
+    noise = ROUNDING * EPS * size
+    stack, gaps = walk()
+    stack[0, 0], stack[0, 1], top = 0, 0, 1
+    gaps[0] = gap_of_boxes(box_at(A, 0), A[2], p, box_of_node(B[0], B[1], 0))
+    best, least, a, b, unique = math.inf, math.inf, p, p, True
+    n_best = n
+    while top > 0:
+        top -= 1
+        i, j, gap = stack[top, 0], stack[top, 1], gaps[top]
+        if gap > limit:
+            least = min(least, gap)
+            continue
+        if not (is_leaf(A[3], i) and is_leaf(B[1], j)):
+            top = push_children(A, B, p, i, j, (stack, gaps), top)
+            continue
+        i, j = i - (A[3][1] - 1), j - (B[1][1] - 1)
+        for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
+            for m in range(first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)):
+                end, upper, lower, n, x, y = leaf_gap(
+                    A, k, B, m, p, n_best, size, tolerance, limit
+                )
+                if end == OVERLAP:
+                    return OVERLAP, upper, lower, n, x, y, True
+                least = min(least, lower)
+                if end == BEYOND_CUTOFF:
+                    continue
+                if upper < best - noise:
+                    nearer, unique = True, True
+                elif upper > best + noise:
+                    continue
+                elif dot(n, n_best) < SAME_DIRECTION:
+                    nearer, unique = best <= noise and is_wider(A, B, p, n, n_best), False
+                else:
+                    nearer = upper < best
+                best = min(best, upper)
+                limit = min(limit, best + noise)
+                if nearer:
+                    n_best, a, b = n, x, y
+    end = CLOSED if best < math.inf else BEYOND_CUTOFF
+    return end, best, min(least, best), n_best, a, b, unique
+
+
+@compiled
+def push_out(A, i, B, j, p, radius, found):
+    """Return (m, s): moving A by s along the unit m takes it, as far as these leaves go, out of B.
+
+    ``found`` is what ``leaf_gap`` returned. Where the leaves cross, m is the normal of B's
+    triangle and all of A's core, or A's triangle, is lifted over its plane; else m is along the
+    gap.
+    """
+    end, upper, _, n, _, _ = found
+    if end != OVERLAP:
+        return scale(-1.0, n), radius - upper
+    m = normal_of(B[0], B[1], j)
+    pair = leaf_pair(A, i, B, j, p)
+    a, b = support_points(pair, scale(-1.0, m), 0.0)
+    return m, dot(sub(b, a), m) + radius
+
+
+@compiled
+def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
+    """Fill ``pairs`` (k, 2) with leaves of A and of B within ``reach``; return how many.
+
+    Whoever asks has room for as many as matter; the rest is left out.
+    """
+    noise = ROUNDING * EPS * size
+    stack, gaps = walk()
+    stack[0, 0], stack[0, 1], top = 0, 0, 1
+    gaps[0] = 0.0
+    count = 0
+    while top > 0:
+        top -= 1
+        i, j = stack[top, 0], stack[top, 1]
+        if gaps[top] > reach:
+            continue
+        if not (is_leaf(A[3], i) and is_leaf(B[1], j)):
+            top = push_children(A, B, p, i, j, (stack, gaps), top)
+            continue
+        i, j = i - (A[3][1] - 1), j - (B[1][1] - 1)
+        for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
+            for t in range(first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)):
+                found = leaf_gap(A, k, B, t, p, n, size, tolerance, reach + noise)
+                if found[0] == OVERLAP or (found[0] == CLOSED and found[1] <= reach):
+                    pairs[count, 0], pairs[count, 1] = k, t
+                    count += 1
+                    if count == pairs.shape[0]:
+                        return count
+    return count
+
+
+@compiled
+def contacts(A, B, p, n, size, tolerance, radius, slots, most):
+    """Fill ``slots`` (k, 4) with pushes, m and s, of distinct directions; return how many.
+
+    Of A's core grown by a ball of ``radius``. At most ``most`` pairs of leaves in contact are
+    looked at; a slot keeps the longest push along its direction.
+    """
+    noise = ROUNDING * EPS * size
+    pairs = np.empty((most, 2), dtype=np.int64)
+    count = 0
+    for k in range(close_pairs(A, B, p, n, size, tolerance, radius, pairs)):
+        i, j = pairs[k, 0], pairs[k, 1]
+        found = leaf_gap(A, i, B, j, p, n, size, tolerance, radius + noise)
+        m, s = push_out(A, i, B, j, p, radius, found)
+        if s > 0.0 and dot(m, m) > 0.5:
+            count = add_slot(slots, count, m, s)
+    return count
+
+
+@compiled
+def add_slot(slots, count, m, s):
+    """Put a push into the slot of its direction, or into a new one while there is room."""
+    for k in range(count):
+        if dot(vector_at(slots[k], 0), m) >= SAME_DIRECTION:
+            slots[k, 3] = max(slots[k, 3], s)
+            return count
+    if count < slots.shape[0]:
+        for c in range(3):
+            slots[count, c] = m[c]
+        slots[count, 3] = s
+        count += 1
+    return count

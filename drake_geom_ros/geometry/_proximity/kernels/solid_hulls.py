@@ -1,0 +1,70 @@
+"""Hulls of what meets a solid: they hold the bodies, so what separates them separates the bodies.
+
+Bodies are given as in ``solid_distance``.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import PLANE, SOLID, vector_at
+from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX, local_support, support
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    column,
+    dot,
+    rotate,
+    scale,
+    sub,
+    unrotate,
+)
+
+
+@compiled
+def middle_of(A, p):
+    """Return a point of A's core, inside where that has a volume, from Bo."""
+    if A[0] != CONVEX:
+        return p
+    middle, count = (0.0, 0.0, 0.0), int(A[1][0])
+    for k in range(count):
+        middle = add_scaled(middle, 1.0 / count, vector_at(A[1], 1 + 3 * k))
+    return add(p, rotate(A[2], middle))
+
+
+@compiled
+def hull_support(A, n):
+    """Return the point of A's core, or of its hull, that is extreme along n, from Ao in B."""
+    if A[0] == SOLID:
+        return rotate(A[2], local_support(CONVEX, A[1], unrotate(A[2], n), 0.0))
+    return support(A[0], A[1], A[2], n, 0.0)
+
+
+@compiled
+def width_of_hulls(A, B, p, m, radius):
+    """Return how far A must move along m to be beyond B's hull [m]."""
+    b = local_support(CONVEX, B[0], m, 0.0)
+    return dot(sub(b, add(p, hull_support(A, scale(-1.0, m)))), m) + radius
+
+
+@compiled
+def way_out_of_hull(A, B, p, radius):
+    """Return (m, s) of the shortest of some moves by s along m that separate the hulls.
+
+    Tried are the normals of their faces and A's axes; no direction is wrong.
+    """
+    best, best_m = math.inf, (1.0, 0.0, 0.0)
+    for side in range(2):
+        body_shape, tree = (B[0], B[1]) if side == 0 else (A[1], A[3])
+        for k in range(tree[7]):
+            m = vector_at(body_shape, tree[6] + PLANE * k)
+            if side == 1:
+                m = scale(-1.0, rotate(A[2], m))
+            s = width_of_hulls(A, B, p, m, radius)
+            if s < best:
+                best, best_m = s, m
+    for k in range(6):
+        m = scale(1.0 - 2.0 * (k % 2), column(A[2], k // 2))
+        s = width_of_hulls(A, B, p, m, radius)
+        if s < best:
+            best, best_m = s, m
+    return best_m, best

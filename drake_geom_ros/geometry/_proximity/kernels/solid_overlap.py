@@ -1,0 +1,273 @@
+"""How deep a core or a solid is in a solid, between certified bounds.
+
+No formula tells the least translation that separates a body from a solid with dents, so it is
+caught between two bounds, and the same steps serve every kind of A:
+
+- *Above*: a translation t after which the two are apart, which is verified by their distance
+  there. The first ones come from the triangles in contact, one from the hulls, which always
+  separates. From where it got, A then slides back: along its gap until it touches, and along the
+  plane of contact to where t is shortest, t' = (m . t) m for the normal m there, as long as that
+  is verified to be apart too. Between convex surfaces this walks to the nearest minimum.
+- *Below*: a ball of A around a point that lies at depth d in B moves at least its radius plus d.
+  The deepest points of A in the contacts found above are tried, and its middle.
+
+Bodies are given as in ``solid_distance``. A is its core grown by a ball of ``radius``.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
+from drake_geom_ros.geometry._proximity.kernels.gjk import OVERLAP, distance_of_cores
+from drake_geom_ros.geometry._proximity.kernels.solid_distance import (
+    close_pairs,
+    contacts,
+    nearest,
+)
+from drake_geom_ros.geometry._proximity.kernels.solid_hulls import (
+    hull_support,
+    middle_of,
+    way_out_of_hull,
+)
+from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside, winding
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+    NO_TREE,
+    SOLID,
+    middle_of_triangle,
+    tree_of,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    CONVEX,
+    SPHERE,
+    bounding_radius,
+    local_support,
+    support,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    column,
+    cross,
+    dot,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unit,
+    unrotate,
+)
+from drake_geom_ros.geometry._proximity.tolerances import EPS, RIGHT_ANGLE, ROUNDING
+
+MOST_HALVINGS = 40  # of a distance, until nothing else of the surface is as near
+MOST_PUSHES = 6  # directions that are tried
+MOST_CONTACTS = 200  # pairs of leaves that they are taken from
+MOST_ROUNDS = 6  # pushes one after the other
+MOST_SLIDES = 16
+MOST_MIDDLES = 16  # of touching triangles that are tried
+BACK_OFF = 4.0  # roundings that A is moved on beyond touching
+
+
+@compiled
+def is_contained(A, B, p, touches):
+    """Tell whether a piece of A lies in B or the reverse, where their surfaces do not cross.
+
+    ``touches`` tells that their surfaces have a point in common, to rounding: then a point of a
+    core that is but one is on B's surface, and neither inside nor outside.
+    """
+    kind, shape, R, tree, _ = A
+    has_side = kind != SOLID and not (touches and kind == SPHERE)
+    if has_side and is_inside(B[0], B[1], middle_of(A, p)):
+        return True
+    for k in range(tree[5]):
+        if is_inside(B[0], B[1], add(p, rotate(R, vector_at(shape, tree[4] + 3 * k)))):
+            return True
+    point = np.zeros(1)
+    for k in range(B[1][5]):
+        v = sub(vector_at(B[0], B[1][4] + 3 * k), p)
+        if kind == SOLID:
+            if is_inside(shape, tree, unrotate(R, v)):
+                return True
+            continue
+        pair = (kind, shape, R, SPHERE, point, B[2], v)
+        size = norm(v) + bounding_radius(kind, shape)
+        n = unit(add_scaled(v, 1.0, column(R, 0)))
+        if distance_of_cores(pair, n, size, 0.0, 0.0)[0] == OVERLAP:
+            return True
+    return False
+
+
+@compiled
+def look(A, B, p, n, size, tolerance, radius):
+    """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found."""
+    noise = ROUNDING * EPS * size
+    found = nearest(A, B, p, n, size, tolerance, math.inf)
+    end, upper, lower = found[0], found[1], found[2]
+    clear = end != OVERLAP and lower >= radius - 2.0 * noise
+    return clear and not is_contained(A, B, p, upper <= noise), found
+
+
+@compiled
+def depth_of_point(B, q, size):
+    """Return how deep q lies in B [m], negative outside."""
+    point = (SPHERE, np.zeros(1), B[2], NO_TREE, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    n = (1.0, 0.0, 0.0)
+    distance = nearest(point, B, q, n, size, 0.0, math.inf)[1]
+    return distance if is_inside(B[0], B[1], q) else -distance
+
+
+@compiled
+def points_beneath(shape, triangles, windings):
+    """Write, for each piece of a solid's surface, a point inside that is nearest to that piece.
+
+    ``triangles`` (c, 3, 3) holds a triangle of each. From its middle the point is sought inwards,
+    nearer and nearer to it. ``windings`` (c, 2) gets the winding numbers there and as far above.
+    """
+    tree = tree_of(SOLID, shape)
+    B = (shape, tree, np.eye(3))
+    for k in range(triangles.shape[0]):
+        a = vector_at(triangles[k, 0], 0)
+        ab, ac = sub(vector_at(triangles[k, 1], 0), a), sub(vector_at(triangles[k, 2], 0), a)
+        normal = cross(ab, ac)
+        middle = add_scaled(add_scaled(a, 1.0 / 3.0, ab), 1.0 / 3.0, ac)
+        below = 0.25 * math.sqrt(norm(normal))
+        for _ in range(MOST_HALVINGS):
+            q = add_scaled(middle, -below, unit(normal))
+            if depth_of_point(B, q, 0.0) >= 0.5 * below:
+                break
+            below *= 0.5
+        for c in range(3):
+            shape[tree[4] + 3 * k + c] = q[c]
+        windings[k, 0] = winding(shape, tree, q, math.inf)[0]
+        above = add_scaled(middle, below, unit(normal))
+        windings[k, 1] = winding(shape, tree, above, math.inf)[0]
+
+
+@compiled
+def push_of(A, B, p, found, size, tolerance, radius, pushes):
+    """Fill ``pushes`` (k, 4) with ways out, the shortest first; return how many."""
+    n, a, b = found[3], found[4], found[5]
+    count = contacts(A, B, p, n, size, tolerance, radius, pushes, MOST_CONTACTS)
+    if count == 0 and found[0] != OVERLAP and is_inside(B[0], B[1], a):
+        # Wholly inside: out through the nearest surface.
+        m = unit(sub(b, a))
+        lowest = add(p, hull_support(A, scale(-1.0, m)))
+        pushes[0, 0], pushes[0, 1], pushes[0, 2] = m
+        pushes[0, 3] = dot(sub(b, lowest), m) + radius
+        count = 1
+    for i in range(1, count):
+        for j in range(i, 0, -1):
+            if pushes[j, 3] < pushes[j - 1, 3]:
+                for c in range(4):
+                    pushes[j, c], pushes[j - 1, c] = pushes[j - 1, c], pushes[j, c]
+    return count
+
+
+@compiled
+def escape(A, B, p, t, size, tolerance, radius, most):
+    """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
+    pushes = np.empty((MOST_PUSHES, 4))
+    back_off = BACK_OFF * ROUNDING * EPS * size
+    n = scale(-1.0, unit(t))
+    for turn in range(MOST_ROUNDS):
+        clear, found = look(A, B, add(p, t), n, size, tolerance, radius)
+        if clear or turn == MOST_ROUNDS - 1:
+            break
+        count = push_of(A, B, add(p, t), found, size, tolerance, radius, pushes)
+        if count == 0:
+            break
+        t = add_scaled(t, pushes[0, 3] + back_off, vector_at(pushes[0], 0))
+        if norm(t) >= most:
+            break
+    return clear and norm(t) < most, t, found
+
+
+@compiled
+def slide(A, B, p, t, found, size, tolerance, radius):
+    """Return (t, a, b) for a t that is no longer, where A is apart too and touches, if it can."""
+    back_off = BACK_OFF * ROUNDING * EPS * size
+    for _ in range(MOST_SLIDES):
+        m, gap = scale(-1.0, found[3]), found[2] - radius
+        s = dot(t, m) - gap + back_off
+        if s > 0.0 and norm(t) - s > max(0.25 * tolerance, back_off):
+            clear, ahead = look(A, B, add_scaled(p, s, m), found[3], size, tolerance, radius)
+            if clear:
+                t, found = scale(s, m), ahead
+                continue
+        # Within the gap A goes anywhere.
+        nearer = add_scaled(t, -max(gap - back_off, 0.0), m)
+        if 0.0 < norm(nearer) < norm(t):
+            t = nearer
+            found = look(A, B, add(p, t), found[3], size, tolerance, radius)[1]
+        break
+    return t, found[4], found[5]
+
+
+@compiled
+def deepest_touching(A, B, p, t, found, size, tolerance, radius):
+    """Return a lower bound of the depth [m] by the middles of what touches after the move by t.
+
+    Of a core that is the middle of its lowest face; of solids the triangles that touch, each in
+    the other body. A corner that touches may be no deeper than a wall beside it.
+    """
+    m = scale(-1.0, found[3])
+    if A[0] != SOLID:
+        return radius + depth_of_point(B, add(p, lowest_middle(A, m)), size)
+    noise = 4.0 * BACK_OFF * ROUNDING * EPS * size
+    pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
+    count = close_pairs(A, B, add(p, t), found[3], size, tolerance, noise, pairs)
+    least, A_too = 0.0, (A[1], A[3], B[2])
+    for k in range(count):
+        a = add(p, rotate(A[2], middle_of_triangle(A[1], A[3], pairs[k, 0])))
+        b = unrotate(A[2], sub(middle_of_triangle(B[0], B[1], pairs[k, 1]), p))
+        least = max(least, depth_of_point(B, a, size), depth_of_point(A_too, b, size))
+    return least
+
+
+@inlined
+def lowest_middle(A, m):
+    """Return the point of A's core, from Ao, extreme along -m; of a face or edge the middle."""
+    return support(A[0], A[1], A[2], scale(-1.0, m), RIGHT_ANGLE)
+
+
+@compiled
+def bounds_of_depth(A, B, p, found, size, tolerance, radius):
+    """Return (depth, least, t, b) of A at p, which overlaps with B.
+
+    ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
+    """
+    pushes = np.empty((MOST_PUSHES, 4))
+    back_off = BACK_OFF * ROUNDING * EPS * size
+    enough = max(0.5 * tolerance, 4.0 * back_off)
+    least = 0.0
+    if found[0] != OVERLAP and found[1] < radius:
+        least = radius - found[1]
+    if A[0] != SOLID:
+        ball = max(radius, inner_radius(A[0], A[1]))
+        least = max(least, ball + depth_of_point(B, middle_of(A, p), size))
+    depth, t_best, b_best = math.inf, p, p
+    count = push_of(A, B, p, found, size, tolerance, radius, pushes)
+    for k in range(count + 1):
+        if depth - least <= enough:
+            break
+        if k < count:
+            m, s = vector_at(pushes[k], 0), pushes[k, 3] + back_off
+            if s >= depth:
+                continue
+            clear, t, ahead = escape(A, B, p, scale(s, m), size, tolerance, radius, depth)
+        else:
+            m, s = way_out_of_hull(A, B, p, radius)
+            t = scale(s + back_off, m)
+            clear, ahead = look(A, B, add(p, t), scale(-1.0, m), size, tolerance, radius)
+            if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
+                depth, t_best, b_best = norm(t), t, local_support(CONVEX, B[0], m, 0.0)
+        if clear:
+            t, a, b = slide(A, B, p, t, ahead, size, tolerance, radius)
+            least = max(least, radius + depth_of_point(B, sub(a, t), size))
+            if depth - least > enough:
+                least = max(least, deepest_touching(A, B, p, t, ahead, size, tolerance, radius))
+            if norm(t) < depth:
+                depth, t_best, b_best = norm(t), t, b
+    return depth, min(least, depth), t_best, b_best

@@ -1,0 +1,96 @@
+"""Which points lie in a solid: the generalized winding number.
+
+The sum of the solid angles of all triangles over 4 pi is 1 inside a closed surface and 0 outside
+(Van Oosterom & Strackee 1983; Jacobson, Kavan, Sorkine-Hornung, ACM Transactions on Graphics 32
+(4), 2013). Triangles far away are seen as one dipole a node (Barill, Dickson, Schmidt, Levin,
+Jacobson, ACM Transactions on Graphics 37 (4), 2018), and how far that may be off is added up
+beside the sum: where the sum is no farther from 1/2 than that, it is made again with fewer
+dipoles, at last without.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+    AREA,
+    AREA_VECTOR,
+    CENTRE,
+    CORNERS,
+    DEEPEST,
+    NODE_WIDTH,
+    RADIUS,
+    box_of_node,
+    first_of_leaf,
+    is_leaf,
+    outside,
+    solid_angle,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
+
+# A node is a dipole when it is this many of its radii away.
+FIRST_RATIO = 6.0
+NEXT_RATIO = 4.0  # times the one before
+LAST_RATIO = 100.0  # beyond it none is
+
+
+@compiled
+def dipole(shape, at, q):
+    """Return (half solid angle, error, radii away) of a node seen from q as a dipole [sr].
+
+    The field r / |r|^3 of a point changes by at most 2 / s^3 a metre at distances s and more.
+    """
+    r = sub(vector_at(shape, at + CENTRE), q)
+    distance, radius = norm(r), shape[at + RADIUS]
+    if distance <= radius:
+        return 0.0, math.inf, 0.0
+    cube = distance * distance * distance
+    nearest = distance - radius
+    half = 0.5 * dot(vector_at(shape, at + AREA_VECTOR), r) / cube
+    error = shape[at + AREA] * radius / (nearest * nearest * nearest)
+    return half, error, distance / radius
+
+
+@compiled
+def winding(shape, tree, q, ratio):
+    """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are looked into."""
+    stack = np.empty(DEEPEST, dtype=np.int64)
+    stack[0], top = 0, 1
+    total, error = 0.0, 0.0
+    while top > 0:
+        top -= 1
+        k = stack[top]
+        half, off, radii = dipole(shape, tree[0] + NODE_WIDTH * k, q)
+        if radii > ratio:
+            total += half
+            error += off
+        elif is_leaf(tree, k):
+            leaf = k - (tree[1] - 1)
+            for j in range(first_of_leaf(tree, leaf), first_of_leaf(tree, leaf + 1)):
+                at = tree[2] + CORNERS * j
+                total += solid_angle(
+                    sub(vector_at(shape, at), q),
+                    sub(vector_at(shape, at + 3), q),
+                    sub(vector_at(shape, at + 6), q),
+                )
+        else:
+            stack[top], stack[top + 1] = 2 * k + 1, 2 * k + 2
+            top += 2
+    return total / (2.0 * math.pi), error / (2.0 * math.pi)
+
+
+@compiled
+def is_inside(shape, tree, q):
+    """Tell whether q, in the solid's frame, lies inside; on the surface either may be told."""
+    middle, half = box_of_node(shape, tree, 0)
+    for c in range(3):
+        if outside(q[c] - middle[c], half[c]) > 0.0:
+            return False
+    ratio = FIRST_RATIO
+    while True:
+        number, error = winding(shape, tree, q, ratio)
+        if abs(number - 0.5) > error or ratio == math.inf:
+            return number > 0.5
+        ratio = math.inf if ratio > LAST_RATIO else NEXT_RATIO * ratio

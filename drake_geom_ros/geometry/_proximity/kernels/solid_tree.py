@@ -1,0 +1,214 @@
+"""A solid's triangles under a tree of boxes: where things stand, and how trees are walked.
+
+Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
+children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; a point inside, beside
+each connected piece of the surface; the planes of the hull's faces; last the place of the header.
+Everything is in the solid's frame, and here B's frame is where all is computed: A, its origin at
+p, is turned into it. A may be a core of ``supports`` or a solid: a core is a tree of one leaf.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.supports import local_support
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    cross,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unit,
+)
+
+SOLID = 8
+MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
+
+HEADER = 4  # numbers: triangles, leaves, pieces, planes
+NODE_WIDTH = 14
+LOWER = 0  # 3: corner of the box
+UPPER = 3  # 3
+AREA_VECTOR = 6  # 3: sum of the triangles' normals times areas [m^2]
+AREA = 9  # sum of the areas [m^2]
+CENTRE = 10  # 3
+RADIUS = 13  # of a ball around the centre that holds the triangles [m]
+CORNERS = 9  # numbers a triangle
+PLANE = 4  # numbers a plane: outward normal, offset
+
+NO_TREE = (0, 0, 0, 0, 0, 0, 0, 0)  # of a core
+
+# Of a walk: each step takes one pair of nodes away and puts two back, and trees of 2^40 leaves do
+# not fit into memory.
+DEEPEST = 96
+
+
+@compiled
+def tree_of(kind, shape):
+    """Return (nodes, leaves, corners, triangles, pieces at, pieces, planes at, planes).
+
+    The first, third and so on are where these stand in the parameters; of a core all are 0.
+    """
+    if kind != SOLID:
+        return NO_TREE
+    header = int(shape[shape.size - 1])
+    triangles, leaves = int(shape[header]), int(shape[header + 1])
+    pieces, planes = int(shape[header + 2]), int(shape[header + 3])
+    nodes = header + HEADER
+    corners = nodes + NODE_WIDTH * (2 * leaves - 1)
+    pieces_at = corners + CORNERS * triangles
+    return nodes, leaves, corners, triangles, pieces_at, pieces, pieces_at + 3 * pieces, planes
+
+
+@inlined
+def vector_at(shape, k):
+    """Return three numbers of the parameters."""
+    return shape[k], shape[k + 1], shape[k + 2]
+
+
+@inlined
+def first_of_leaf(tree, i):
+    """Return the first triangle of leaf i; that of the next one ends it. A core is one leaf."""
+    if tree[1] == 0:
+        return i
+    return i * tree[3] // tree[1]
+
+
+@compiled
+def normal_of(shape, tree, j):
+    """Return the outward unit normal of triangle j, or the zero vector if it has no area."""
+    at = tree[2] + CORNERS * j
+    a = vector_at(shape, at)
+    return unit(cross(sub(vector_at(shape, at + 3), a), sub(vector_at(shape, at + 6), a)))
+
+
+@inlined
+def middle_of_triangle(shape, tree, j):
+    """Return the mean of the corners of triangle j."""
+    at = tree[2] + CORNERS * j
+    ab = add(vector_at(shape, at), vector_at(shape, at + 3))
+    return scale(1.0 / 3.0, add(ab, vector_at(shape, at + 6)))
+
+
+@compiled
+def box_of_core(kind, shape):
+    """Return (middle, half) of the box of a core, in its frame; of a solid nothing is asked."""
+    if kind == SOLID:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    above = (
+        local_support(kind, shape, (1.0, 0.0, 0.0), 0.0)[0],
+        local_support(kind, shape, (0.0, 1.0, 0.0), 0.0)[1],
+        local_support(kind, shape, (0.0, 0.0, 1.0), 0.0)[2],
+    )
+    below = (
+        local_support(kind, shape, (-1.0, 0.0, 0.0), 0.0)[0],
+        local_support(kind, shape, (0.0, -1.0, 0.0), 0.0)[1],
+        local_support(kind, shape, (0.0, 0.0, -1.0), 0.0)[2],
+    )
+    return middle_and_half(below, above)
+
+
+@inlined
+def middle_and_half(below, above):
+    """Return the middle and half the size of a box."""
+    return (
+        (0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), 0.5 * (below[2] + above[2])),
+        (0.5 * (above[0] - below[0]), 0.5 * (above[1] - below[1]), 0.5 * (above[2] - below[2])),
+    )
+
+
+@inlined
+def box_of_node(shape, tree, k):
+    """Return (middle, half) of the box of node k."""
+    at = tree[0] + NODE_WIDTH * k
+    return middle_and_half(vector_at(shape, at + LOWER), vector_at(shape, at + UPPER))
+
+
+@inlined
+def outside(distance, reach):
+    """Return how far a coordinate is beyond a reach; 0 within."""
+    return max(abs(distance) - reach, 0.0)
+
+
+@compiled
+def gap_of_boxes(box_A, R, p, box_B):
+    """Return a lower bound [m] of the distance of two boxes, the first turned by R and moved by p.
+
+    Each is put into a box along the axes of the other: the larger of both distances.
+    """
+    h, k = box_A[1], box_B[1]
+    d = sub(add(rotate(R, box_A[0]), p), box_B[0])
+    in_B = (
+        outside(d[0], k[0] + abs(R[0, 0]) * h[0] + abs(R[0, 1]) * h[1] + abs(R[0, 2]) * h[2]),
+        outside(d[1], k[1] + abs(R[1, 0]) * h[0] + abs(R[1, 1]) * h[1] + abs(R[1, 2]) * h[2]),
+        outside(d[2], k[2] + abs(R[2, 0]) * h[0] + abs(R[2, 1]) * h[1] + abs(R[2, 2]) * h[2]),
+    )
+    x = R[0, 0] * d[0] + R[1, 0] * d[1] + R[2, 0] * d[2]
+    y = R[0, 1] * d[0] + R[1, 1] * d[1] + R[2, 1] * d[2]
+    z = R[0, 2] * d[0] + R[1, 2] * d[1] + R[2, 2] * d[2]
+    in_A = (
+        outside(x, h[0] + abs(R[0, 0]) * k[0] + abs(R[1, 0]) * k[1] + abs(R[2, 0]) * k[2]),
+        outside(y, h[1] + abs(R[0, 1]) * k[0] + abs(R[1, 1]) * k[1] + abs(R[2, 1]) * k[2]),
+        outside(z, h[2] + abs(R[0, 2]) * k[0] + abs(R[1, 2]) * k[1] + abs(R[2, 2]) * k[2]),
+    )
+    return max(norm(in_A), norm(in_B))
+
+
+@inlined
+def box_at(A, i):
+    """Return the box of node i of A = (kind, shape, R, tree, box of the core), in A's frame."""
+    return box_of_node(A[1], A[3], i) if A[0] == SOLID else A[4]
+
+
+@compiled
+def walk():
+    """Return what a walk needs: a stack of pairs of nodes, and the gap of each pair."""
+    return np.empty((DEEPEST, 2), dtype=np.int64), np.empty(DEEPEST)
+
+
+@inlined
+def is_leaf(tree, k):
+    """Tell whether node k is a leaf; leaf number k - (leaves - 1)."""
+    return k >= tree[1] - 1
+
+
+@compiled
+def push_children(A, B, p, i, j, path, top):
+    """Push the two pairs that a pair of nodes, not both leaves, is cut into, the nearer last."""
+    stack, gaps = path
+    cut_B = is_leaf(A[3], i)
+    if not cut_B and not is_leaf(B[1], j):
+        cut_B = norm(box_of_node(B[0], B[1], j)[1]) >= norm(box_at(A, i)[1])
+    if cut_B:
+        box = box_at(A, i)
+        first = gap_of_boxes(box, A[2], p, box_of_node(B[0], B[1], 2 * j + 1))
+        second = gap_of_boxes(box, A[2], p, box_of_node(B[0], B[1], 2 * j + 2))
+    else:
+        box = box_of_node(B[0], B[1], j)
+        first = gap_of_boxes(box_at(A, 2 * i + 1), A[2], p, box)
+        second = gap_of_boxes(box_at(A, 2 * i + 2), A[2], p, box)
+    for turn in range(2):
+        # The second first, if it is the farther one.
+        k = 1 - turn if second >= first else turn
+        stack[top, 0] = i if cut_B else 2 * i + 1 + k
+        stack[top, 1] = 2 * j + 1 + k if cut_B else j
+        gaps[top] = second if k == 1 else first
+        top += 1
+    return top
+
+
+@compiled
+def solid_angle(a, b, c):
+    """Return half the solid angle [sr] of a triangle seen from the origin, signed.
+
+    Van Oosterom & Strackee, IEEE Transactions on Biomedical Engineering 30 (2), 1983. Negative
+    where the corners turn counter-clockwise as seen from the origin, that is from outside.
+    """
+    la, lb, lc = norm(a), norm(b), norm(c)
+    x = cross(b, c)
+    volume = a[0] * x[0] + a[1] * x[1] + a[2] * x[2]
+    ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    bc = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
+    ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2]
+    return math.atan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)

@@ -1,0 +1,85 @@
+"""What the pairs of now cost at each accuracy level: measured on a sample of them."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.narrow_phase import (
+    ADDRESSES,
+    COUNTS,
+    POSTPONED,
+    answer_pairs,
+    compile_rows,
+    table_rows,
+)
+from drake_geom_ros.geometry._proximity.near_list import NearList
+from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.world import World
+
+Indices = NDArray[np.int64]
+
+LOOKED_AT = 4096  # pairs, of which the sample is then taken: a list of all pairs may have millions
+LAPS = 2  # times a sample is computed in one call: for closed forms the call itself counts
+TRIALS = 3  # the fastest counts: what else the machine does only ever adds
+
+
+def seconds_a_pair(
+    world: World, filters: FilterState, cutoff: float, most: int, seed: int
+) -> tuple[dict[str, float], int]:
+    """Return the seconds a pair by level, and how many pairs were sampled.
+
+    Sampled are at most ``most`` of the unfiltered pairs whose boxes are within ``cutoff`` [m], by
+    ``seed``; without any the dictionary is empty. Each is computed as if never seen before.
+    """
+    world.update()
+    near = NearList(world)
+    near.bring_up_to_date(world, filters, cutoff)
+    rng = np.random.default_rng(seed)
+    pairs = _some(rng, near.pairs, LOOKED_AT)
+    queue = np.empty(len(pairs), dtype=np.int64), np.empty(len(pairs))
+    counts = _answer(world, pairs, math.inf, cutoff, queue)[1]
+    chosen = _some(rng, pairs[queue[0][: counts[POSTPONED]]], most)
+    if not len(chosen):
+        return {}, 0
+    pairs = np.tile(chosen, (LAPS, 1))
+    types = world.geometries.types[pairs]
+    compile_rows(table_rows(types[:, 0], types[:, 1]))
+    no_queue = queue[0][:0], queue[1][:0]
+    costs = {}
+    for level, gap in {'bound': math.inf, **LEVEL_GAPS}.items():
+        trials = [_answer(world, pairs, gap, cutoff, no_queue)[0] for _ in range(TRIALS)]
+        costs[level] = min(trials) / len(pairs)
+    return costs, len(chosen)
+
+
+def _some(rng: np.random.Generator, pairs: Indices, most: int) -> Indices:
+    """Return at most so many of the pairs (k, 2), in their order."""
+    if len(pairs) <= most:
+        return pairs
+    return pairs[np.sort(rng.choice(len(pairs), most, replace=False))]
+
+
+def _answer(
+    world: World,
+    pairs: Indices,
+    gap: float,
+    cutoff: float,
+    queue: tuple[Indices, NDArray[np.float64]],
+) -> tuple[float, Indices]:
+    """Answer pairs (n, 2) of which nothing is known; return the seconds and what was counted."""
+    n = len(pairs)
+    slots, hits = np.arange(n), np.empty(n, dtype=np.int64)
+    memory = np.zeros((n, PAIR_WIDTH)), np.full(n, -math.inf), np.full(n, -1), np.zeros(n)
+    counts = np.zeros(COUNTS, dtype=np.int64)
+    start = time.perf_counter()
+    answer_pairs(
+        *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
+        *((gap, cutoff, False), -1, queue, hits, counts),
+    )
+    return time.perf_counter() - start, counts

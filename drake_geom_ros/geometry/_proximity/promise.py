@@ -1,0 +1,49 @@
+"""What an answer promises: how wide its certified bounds may be at an accuracy level.
+
+THE rule, for kernels and for those who check them: the gap of the level
+(``tolerances.LEVEL_GAPS``) times the radius of the smaller body, or 1 m where both are larger, and
+what rounding adds. Bounds alone (BOUND_ONLY) promise nothing but that they hold.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
+
+
+@inlined
+def size_of_pair(a, b, types, outer):  # type: ignore[no-untyped-def]
+    """Return the size of a pair [m]; a half space has none of its own."""
+    size = 0.0 if types[a] == HALF_SPACE else outer[a]
+    return size if types[b] == HALF_SPACE else size + outer[b]
+
+
+@inlined
+def tolerance_of_pair(gap, a, b, outer):  # type: ignore[no-untyped-def]
+    """Return the gap [m] that a pair's bounds may have, by the gap of the level.
+
+    It is absolute for bodies of a metre and more, relative to the smaller one below.
+    """
+    return gap * min(1.0, outer[a], outer[b])
+
+
+@inlined
+def pose_rounding(p_WGs, a, b):  # type: ignore[no-untyped-def]
+    """Return what composing world poses may have cost the pair [m]: far away, digits."""
+    reach = 0.0
+    for k in range(3):
+        reach = max(reach, abs(p_WGs[a, k]), abs(p_WGs[b, k]))
+    return 8.0 * EPS * reach
+
+
+@inlined
+def promised_bound(gap, a, b, types, outer, p_WGs):  # type: ignore[no-untyped-def]
+    """Return the largest error bound [m] that keeps the promise of a level with this gap."""
+    squared = 0.0
+    for k in range(3):
+        apart = p_WGs[b, k] - p_WGs[a, k]
+        squared += apart * apart
+    extent = size_of_pair(a, b, types, outer) + math.sqrt(squared)
+    rounding = PROMISED_ROUNDING * EPS * extent + pose_rounding(p_WGs, a, b)
+    return tolerance_of_pair(gap, a, b, outer) + rounding

@@ -1,0 +1,113 @@
+"""Parameters of SOLID: a hull, then the triangles under a tree of boxes.
+
+The tree is a heap: node k has the children 2 k + 1 and 2 k + 2, and there are a power of two of
+leaves, so links need no room. Leaf i of L holds triangles ``i n // L`` up to ``(i + 1) n // L``,
+one to four of them. It is made level by level, every box cut at the median of the triangles'
+middles along its longest side, all boxes of a level in one sort.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.solid_overlap import points_beneath
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+    AREA,
+    AREA_VECTOR,
+    CENTRE,
+    LOWER,
+    MOST_IN_LEAF,
+    NODE_WIDTH,
+    RADIUS,
+    UPPER,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def solid_parameters(
+    hull: Floats, corners: Floats, pieces: list[Indices], planes: Floats
+) -> tuple[Floats, Floats]:
+    """Return the kernel parameters of a solid and the windings (c, 2) of its pieces.
+
+    Parameters are laid out as ``kernels.solid_tree`` says; windings are of ``points_beneath``.
+    ``hull`` are the parameters of CONVEX; ``corners`` (n, 3, 3) [m] of the triangles,
+    counter-clockwise from outside; ``pieces`` the triangles of each connected surface;
+    ``planes`` (f, 4) of the hull's faces: outward unit normal and offset [m].
+    """
+    largest = _largest(corners, pieces)
+    leaves = 1
+    while leaves * MOST_IN_LEAF < len(corners):
+        leaves *= 2
+    order = _order(corners.mean(axis=1), leaves)
+    corners = corners[order]
+    nodes = _nodes(corners, leaves)
+    header = np.array([len(corners), leaves, len(pieces), len(planes)], dtype=np.float64)
+    beside = np.zeros((len(pieces), 3))
+    parts = hull, header, nodes, corners, beside, planes, np.array([float(len(hull))])
+    parameters = np.concatenate([part.ravel() for part in parts])
+    windings = np.empty((len(pieces), 2))
+    points_beneath(parameters, largest, windings)
+    return parameters, windings
+
+
+def _largest(corners: Floats, pieces: list[Indices]) -> Floats:
+    """Return the corners (c, 3, 3) of each piece's triangle of largest area."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    return corners[[piece[np.argmax(areas[piece])] for piece in pieces]]
+
+
+def leaf_bounds(count: int, leaves: int) -> Indices:
+    """Return where each leaf's triangles begin (L + 1,), the end last."""
+    return np.arange(leaves + 1, dtype=np.int64) * count // leaves
+
+
+def _order(middles: Floats, leaves: int) -> Indices:
+    """Return the order of triangles in the leaves, by their middles (n, 3)."""
+    count = len(middles)
+    order = np.arange(count)
+    lower, extent = middles.min(axis=0), float(np.ptp(middles, axis=0).max())
+    ends = np.array([0, count])
+    while len(ends) - 1 < leaves:
+        sizes = np.diff(ends)
+        points = middles[order]
+        spans = np.maximum.reduceat(points, ends[:-1]) - np.minimum.reduceat(points, ends[:-1])
+        segment = np.repeat(np.arange(len(sizes)), sizes)
+        along = np.argmax(spans, axis=1)[segment]
+        # One number says segment and place in it: a sort by two keys takes three times as long.
+        places = points[np.arange(count), along] - lower[along]
+        keys = segment + 0.5 * places / extent
+        order = order[np.argsort(keys, kind='stable')]
+        ends = leaf_bounds(count, 2 * len(sizes))
+    return order
+
+
+def _nodes(corners: Floats, leaves: int) -> Floats:
+    """Return the nodes (2 L - 1, NODE_WIDTH) over triangles in the order of the leaves."""
+    starts = leaf_bounds(len(corners), leaves)[:-1]
+    nodes = np.empty((2 * leaves - 1, NODE_WIDTH))
+    last = nodes[leaves - 1 :]
+    last[:, LOWER : LOWER + 3] = np.minimum.reduceat(corners.min(axis=1), starts)
+    last[:, UPPER : UPPER + 3] = np.maximum.reduceat(corners.max(axis=1), starts)
+    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(vectors, axis=1)
+    last[:, AREA_VECTOR : AREA_VECTOR + 3] = np.add.reduceat(vectors, starts)
+    last[:, AREA] = np.add.reduceat(areas, starts)
+    first = leaves - 1
+    while first > 0:
+        first //= 2
+        level = nodes[first : 2 * first + 1]
+        children = nodes[2 * first + 1 : 4 * first + 3]
+        left, right = children[::2], children[1::2]
+        np.minimum(left[:, :3], right[:, :3], out=level[:, LOWER : LOWER + 3])
+        np.maximum(left[:, 3:6], right[:, 3:6], out=level[:, UPPER : UPPER + 3])
+        level[:, AREA_VECTOR : AREA_VECTOR + 3] = left[:, 6:9] + right[:, 6:9]
+        level[:, AREA] = left[:, AREA] + right[:, AREA]
+    # Any point serves as the centre, if the radius is measured from it.
+    lower, upper = nodes[:, LOWER : LOWER + 3], nodes[:, UPPER : UPPER + 3]
+    nodes[:, CENTRE : CENTRE + 3] = 0.5 * (lower + upper)
+    nodes[:, RADIUS] = 0.5 * np.linalg.norm(upper - lower, axis=1)
+    return nodes

@@ -1,0 +1,203 @@
+"""Meshes as solids: what a mesh must be for that, and the kernel parameters of those that are.
+
+A surface is taken for the boundary of a solid if every edge of a triangle is matched by one that
+runs the other way, no two triangles cross, and its pieces bound a body together: one within
+another is a cavity and turned the other way. Vertices in the same place are one; triangles that
+have two corners in one place are left out, and so are two that lie back to back; a mesh that is
+turned inside out as a whole is turned back.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
+from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
+from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.solid_packing import solid_parameters
+from drake_geom_ros.geometry._proximity.tolerances import (
+    COPLANAR,
+    EPS,
+    NO_VOLUME,
+    SAME_VOLUME,
+)
+from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.mesh_source import (
+    MeshData,
+    MeshSource,
+    hull_of,
+    mesh_source,
+    triangles_of,
+    turned,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+SAME_PLANE_DIGITS = 12  # of the normals of a hull's faces: which are tried is no matter of right
+_ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
+
+
+def solid_of(mesh: str | MeshData, scale: tuple[float, ...]) -> tuple[int, Floats]:
+    """Return the type number and the kernel parameters of a mesh as a solid.
+
+    One that is convex counts as its hull. Raises MeshFileError for a mesh that bounds no solid.
+    """
+    return _solid(mesh_source(mesh), scale)
+
+
+@functools.lru_cache(maxsize=32)
+def _solid(source: MeshSource, scale: tuple[float, ...]) -> tuple[int, Floats]:
+    name = 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
+    factors = np.array(scale)
+    hull_vertices, hull_triangles = hull_of(source)
+    hull_vertices, hull_triangles = hull_vertices * factors, turned(hull_triangles, factors)
+    vertices, triangles = triangles_of(source)
+    vertices, triangles = merged(vertices * factors, turned(triangles, factors))
+    check_closed(triangles, name)
+    corners = vertices[triangles]
+    if volume(corners) < 0.0:
+        triangles = triangles[:, ::-1]
+        corners = vertices[triangles]
+    size = float(np.ptp(vertices, axis=0).max())
+    if volume(corners) <= NO_VOLUME * size**3:
+        raise MeshFileError(f'{name}: its surface encloses no volume; {_ADVICE}')
+    pieces = pieces_of(triangles, len(vertices))
+    full = volume(hull_vertices[hull_triangles])
+    same = len(pieces) == 1 and abs(volume(corners) - full) <= SAME_VOLUME * full
+    if same and is_convex(vertices, triangles, size):
+        return CONVEX, hull_parameters(hull_vertices, hull_triangles)
+    # Without edges to climb: what is certified by this hull is certified by every vertex.
+    hull = np.concatenate(([len(hull_vertices)], hull_vertices.ravel(), [0.0]))
+    planes = planes_of(hull_vertices, hull_triangles)
+    parameters, windings = solid_parameters(hull, corners, pieces, planes)
+    check_simple(parameters, windings, name)
+    parameters.flags.writeable = False
+    return SOLID, parameters
+
+
+def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
+    """Return a mesh with one vertex a place, without triangles that have two corners in one."""
+    rows = np.ascontiguousarray(vertices + 0.0)  # -0.0 is 0.0
+    _, first, names = np.unique(
+        rows.view(f'V{rows.dtype.itemsize * 3}').ravel(), return_index=True, return_inverse=True
+    )
+    triangles = names.ravel()[triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    return rows[first], without_walls(triangles)
+
+
+def without_walls(triangles: Indices) -> Indices:
+    """Return the triangles but those that lie back to back: the wall between two bodies."""
+    names, of, counts = np.unique(
+        np.sort(triangles, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    if len(names) == len(triangles):
+        return triangles
+    a, b, c = triangles.T
+    turn = np.where((a < b) ^ (b < c) ^ (c < a), 1.0, -1.0)
+    alone = (counts != 2) | (np.bincount(of.ravel(), turn) != 0.0)
+    kept: Indices = triangles[alone[of.ravel()]]
+    return kept
+
+
+def check_closed(triangles: Indices, name: str) -> None:
+    """Raise MeshFileError unless every edge is matched by one that runs the other way."""
+    if len(triangles) == 0:
+        raise MeshFileError(f'{name}: no triangles, so it bounds no solid')
+    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    codes = edges.min(axis=1) * (int(triangles.max()) + 1) + edges.max(axis=1)
+    _, at, counts = np.unique(codes, return_inverse=True, return_counts=True)
+    balance = np.bincount(at.ravel(), np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))
+    unmatched = balance != 0.0
+    if not unmatched.any():
+        return
+    opened = int((unmatched & (counts == 1)).sum())
+    along = int((unmatched & (counts == 2)).sum())
+    crowded = int((unmatched & (counts > 2)).sum())
+    raise MeshFileError(
+        f'{name} bounds no solid: of its edges {opened} are open (one triangle only: close the '
+        f'holes), {along} have two triangles that run the same way (turn one side of them '
+        f'around), {crowded} have three or more that do not pair up. {_ADVICE}'
+    )
+
+
+def volume(corners: Floats) -> float:
+    """Return the volume [m^3] within a closed surface of triangles (n, 3, 3)."""
+    a, b, c = (corners - corners[0, 0]).transpose(1, 0, 2)
+    return float((a * np.cross(b, c)).sum()) / 6.0
+
+
+def pieces_of(triangles: Indices, count: int) -> list[Indices]:
+    """Return the triangles of each piece of a surface, pieces being joined by vertices."""
+    labels = np.arange(count)
+    while True:
+        least = labels[triangles].min(axis=1)
+        new = labels.copy()
+        np.minimum.at(new, triangles.ravel(), np.repeat(least, 3))
+        new = new[new]
+        if (new == labels).all():
+            break
+        labels = new
+    names, of = np.unique(labels[triangles[:, 0]], return_inverse=True)
+    order = np.argsort(of.ravel(), kind='stable')
+    return np.split(order, np.searchsorted(of.ravel()[order], np.arange(1, len(names))))
+
+
+def is_convex(vertices: Floats, triangles: Indices, size: float) -> bool:
+    """Return whether a closed surface of one piece is convex: at every edge, to rounding.
+
+    A closed surface that is convex everywhere about its points bounds a convex body (van
+    Heijenoort, Communications on Pure and Applied Mathematics 5 (3), 1952).
+    """
+    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    codes = np.sort(edges, axis=1) @ np.array([len(vertices), 1])
+    order = np.argsort(codes, kind='stable')
+    if (np.unique(codes, return_counts=True)[1] != 2).any():
+        return False
+    first, second = order[::2], order[1::2]
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    apex = vertices[triangles[second // 3, (second % 3 + 2) % 3]]
+    rises = ((apex - vertices[edges[first, 0]]) * normals[first // 3]).sum(axis=1)
+    # Two flat sides back to back are level at their edges too: their normals differ.
+    folded = (normals[first // 3] * normals[second // 3]).sum(axis=1) <= -0.5
+    level = np.abs(rises) <= COPLANAR * EPS * size
+    return bool((rises <= COPLANAR * EPS * size).all() and not (folded & level).any())
+
+
+def planes_of(vertices: Floats, triangles: Indices) -> Floats:
+    """Return outward unit normal and offset [m] of each face of a hull, (f, 4)."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    _, first = np.unique(np.round(normals, SAME_PLANE_DIGITS), axis=0, return_index=True)
+    offsets = (normals * a).sum(axis=1, keepdims=True)
+    return np.hstack((normals, offsets))[np.sort(first)]
+
+
+def check_simple(parameters: Floats, windings: Floats, name: str) -> None:
+    """Raise MeshFileError where triangles cross or pieces do not bound a body together.
+
+    ``windings`` (c, 2) are the winding numbers beneath and above each piece: 1 and 0.
+    """
+    crossing = np.empty((2, 3, 3))
+    if first_crossing(parameters, crossing):
+        where = crossing.mean(axis=(0, 1)).tolist()
+        raise MeshFileError(
+            f'{name} bounds no solid: its surface crosses itself, at about {where}; unite the '
+            f'bodies or mend the surface (a boolean union does both). {_ADVICE}'
+        )
+    wrong = (np.round(windings) != [1.0, 0.0]).any(axis=1)
+    if wrong.any():
+        raise MeshFileError(
+            f'{name} bounds no solid: {int(wrong.sum())} of its {len(windings)} closed surfaces '
+            'lie in another and are turned like a body, or in none and are turned like a cavity; '
+            f'leave out bodies within bodies, and turn cavities inside out. {_ADVICE}'
+        )

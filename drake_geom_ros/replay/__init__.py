@@ -1,0 +1,11 @@
+"""Replay files without ROS: an answer that broke a promise, and all it takes to ask again.
+
+``recorded`` makes a Replay of a result, ``write`` and ``read`` keep it in a file, and
+``reproduce`` rebuilds the scene and asks for the pair once more.
+"""
+
+from drake_geom_ros.replay.file import read, write
+from drake_geom_ros.replay.record import Answer, Question, Replay, recorded
+from drake_geom_ros.replay.reproduction import reproduce
+
+__all__ = ['Answer', 'Question', 'Replay', 'read', 'recorded', 'reproduce', 'write']

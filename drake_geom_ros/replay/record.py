@@ -1,0 +1,125 @@
+"""What a replay file holds: the scene, the question, the answer, and the software that gave it."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import metadata
+
+from drake_geom_ros.geometry import (
+    METHODS,
+    GeometryId,
+    QueryObject,
+    SceneGraphInspector,
+    SignedDistanceResults,
+)
+from drake_geom_ros.scene_files import describe_moment, to_yaml
+
+_METHOD_NAMES = {number: name for name, number in METHODS.items()}
+_PACKAGES = ('drake_geom_ros', 'numpy', 'numba', 'llvmlite')
+
+Name = tuple[str, str, str]  # source, frame, geometry
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was asked when the promise was broken.
+
+    ``hint`` is the normal that the iteration started from, None where it began anew.
+    """
+
+    geometry_a: Name
+    geometry_b: Name
+    accuracy: str
+    max_distance: float  # [m]
+    hint: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A signed distance, its witnesses, and what its level promises of the error bound."""
+
+    distance: float  # [m]
+    nhat_BA_W: tuple[float, ...]
+    p_ACa: tuple[float, ...]  # [m]
+    p_BCb: tuple[float, ...]  # [m]
+    error_bound: float  # [m]
+    promised_error_bound: float  # [m]
+    method: str
+    breaks_promise: bool
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A question, the scene (YAML, every frame where it was), what was answered, and by what.
+
+    ``ids`` are those of the two geometries in the node's scene.
+    """
+
+    scene: str
+    question: Question
+    ids: tuple[int, int]
+    answer: Answer
+    versions: Mapping[str, str]
+
+
+def answer_of(results: SignedDistanceResults, index: int) -> Answer:
+    """Return one of the results."""
+    pair = results[index]
+    return Answer(
+        pair.distance,
+        tuple(pair.nhat_BA_W.tolist()),
+        tuple(pair.p_ACa.tolist()),
+        tuple(pair.p_BCb.tolist()),
+        pair.error_bound,
+        float(results.promised_error_bound[index]),
+        _METHOD_NAMES[pair.method],
+        bool(results.breaks_promise()[index]),
+    )
+
+
+def recorded(
+    query: QueryObject,
+    results: SignedDistanceResults,
+    index: int,
+    accuracy: str,
+    max_distance: float,
+    hint: tuple[float, ...] | None = None,
+) -> Replay:
+    """Return the replay of one of the ``results``, which ``query`` gave as it is posed now.
+
+    A ``hint`` is kept only where it matters: where the pair, asked without, has another answer.
+    Raises SceneFileError for a scene that the format cannot say.
+    """
+    pair, answer = results[index], answer_of(results, index)
+    inspector = query.inspector()
+    names = [_name(inspector, id) for id in (pair.id_A, pair.id_B)]
+    if hint is not None:
+        anew = query.signed_distance_of_pair(pair.id_A, pair.id_B, accuracy=accuracy)
+        hint = None if answer_of(anew, 0) == answer else hint
+    return Replay(
+        to_yaml(describe_moment(query)),
+        Question(names[0], names[1], accuracy, max_distance, hint),
+        (pair.id_A.get_value(), pair.id_B.get_value()),
+        answer,
+        _versions(),
+    )
+
+
+def _name(inspector: SceneGraphInspector, geometry: GeometryId) -> Name:
+    return (
+        inspector.GetOwningSourceName(geometry),
+        inspector.GetName(inspector.GetFrameId(geometry)),
+        inspector.GetName(geometry),
+    )
+
+
+def _versions() -> dict[str, str]:
+    versions = {'python': platform.python_version(), 'machine': platform.machine()}
+    for package in _PACKAGES:
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = 'not installed as a package'
+    return versions

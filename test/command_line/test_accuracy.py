@@ -1,0 +1,72 @@
+"""``accuracy``: its options, what it needs, and where it writes."""
+
+import argparse
+from pathlib import Path
+
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros import peers
+from drake_geom_ros.command_line import accuracy, program
+from drake_geom_ros.geometry import ArgumentError
+
+
+def options(*arguments):
+    parser = argparse.ArgumentParser()
+    accuracy.add_to(parser.add_subparsers())
+    return parser.parse_args(['accuracy', *arguments])
+
+
+def test_it_runs(tmp_path, capsys):
+    code = program.main(
+        ['accuracy', '--quick', '--cases', 'Sphere-Sphere', '--peers', 'none', '--minutes', '0.01',
+         '--output', str(tmp_path)]
+    )  # fmt: skip
+    assert code == 0, capsys.readouterr().err
+    assert '[1/1] Sphere-Sphere: signed distance worst' in capsys.readouterr().out
+    assert (tmp_path / 'README.md').exists()
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'folder'),
+    [
+        ([], ROOT / 'docs/accuracy'),
+        (['--quick'], Path('out/accuracy')),
+        (['--cases', 'Box-*'], Path('out/accuracy')),
+        (['--output', 'elsewhere'], Path('elsewhere')),
+    ],
+)
+def test_where_it_writes(arguments, folder):
+    assert accuracy.output_of(options(*arguments)) == folder
+
+
+def test_peers_are_those_installed_or_named(monkeypatch):
+    monkeypatch.setattr(peers, 'installed', lambda: ('python-fcl', 'Coal'))
+    assert accuracy.peers_of(None) == ('python-fcl', 'Coal')
+    assert accuracy.peers_of(['Coal']) == ('Coal',)
+    assert accuracy.peers_of(['none']) == ()
+    with pytest.raises(ArgumentError, match=r'--peers MuJoCo.*installed here: python-fcl, Coal'):
+        accuracy.peers_of(['MuJoCo'])
+
+
+def test_what_is_missing_is_named_with_what_to_install(monkeypatch, capsys):
+    monkeypatch.setattr(accuracy, 'find_spec', lambda name: None if name == 'mpmath' else True)
+    assert program.main(['accuracy']) == program.BAD_INPUT
+    assert 'needs mpmath, which is not installed here: pip install mpmath' in (
+        capsys.readouterr().err
+    )
+
+
+def test_an_unknown_case_is_refused_before_anything_is_written(tmp_path, capsys):
+    folder = tmp_path / 'new'
+    arguments = ['accuracy', '--cases', 'Cone-*', '--peers', 'none', '--output', str(folder)]
+    assert program.main(arguments) == program.BAD_INPUT
+    assert 'no case is called so' in capsys.readouterr().err
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize('minutes', ['0', '-1', 'inf', 'soon'])
+def test_bad_minutes_are_refused(minutes, capsys):
+    with pytest.raises(SystemExit) as ended:
+        options('--minutes', minutes)
+    assert ended.value.code == program.BAD_INPUT

@@ -1,0 +1,53 @@
+"""docs/inputs.md without ROS: its commands of TF put things where it says."""
+
+import itertools
+import re
+import shlex
+import time
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.tf_input import TfInput
+from drake_geom_ros.scene_files import read_scene
+
+TEXT = (ROOT / 'docs/inputs.md').read_text()
+
+
+def options(command):
+    """Return the --name value pairs of a command."""
+    words = shlex.split(command)
+    pairs = itertools.pairwise(words)
+    return {name.removeprefix('--'): value for name, value in pairs if name.startswith('--')}
+
+
+def transform(told):
+    """Return the TransformStamped that static_transform_publisher makes of its options."""
+    numbers = {
+        name: float(told.get(name, 0.0)) for name in ('x', 'y', 'z', 'roll', 'pitch', 'yaw')
+    }
+    rpy = [numbers[name] for name in ('roll', 'pitch', 'yaw')]
+    X = RigidTransform(RollPitchYaw(rpy).ToRotationMatrix(), [numbers[a] for a in 'xyz'])
+    x, y, z, qx, qy, qz, qw = X.ToArray().tolist()
+    return Plain(
+        header=Plain(frame_id=told['frame-id'], stamp=Plain(sec=1, nanosec=0)),
+        child_frame_id=told['child-frame-id'],
+        transform=Plain(translation=Plain(x=x, y=y, z=z), rotation=Plain(x=qx, y=qy, z=qz, w=qw)),
+    )
+
+
+@pytest.mark.parametrize('order', [1, -1])
+def test_the_transforms_put_the_ball_where_the_text_says(order):
+    commands = re.findall(r'static_transform_publisher (.*)$', TEXT, re.M)
+    live = LiveScene('exact', time.monotonic)
+    live.add(read_scene(ROOT / 'scenes/minimal.yaml'))
+    tf = TfInput(live, time.monotonic)
+    for command in commands[::order]:
+        tf.take(Plain(transforms=[transform(options(command))]), static=True)
+    told = re.search(r'The ball is at x = (\S+), y = (\S+), z = (\S+) now', TEXT)
+    position = live.query.X_WF(live.names.frame('ball')).translation()
+    np.testing.assert_allclose(position, [float(number) for number in told.groups()], atol=1e-15)

@@ -1,0 +1,75 @@
+"""What a scene imports: meshes bring trimesh, nothing else does."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from conventions.source_tree import ROOT
+
+# Uncompiled: what is imported does not hang on it.
+ASK = """
+import sys
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.scene_files import load_scene
+scene = SceneGraph()
+load_scene(sys.argv[1], scene)
+query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+query.ComputeSignedDistancePairwiseClosestPoints(0.1)
+query.ComputePointPairPenetration()
+query.ComputeSignedDistanceToPoint([0, 0, 0], 0.5)
+print(*sys.modules)
+"""
+NODE = """
+import sys
+import drake_geom_ros.ros.scene_graph_node
+print(*sys.modules)
+"""
+BALL = '- {name: ball, frame: a, shape: {type: sphere, radius: 1}}'
+HULL = '- {name: hull, shape: {type: convex, vertices: [[0,0,0], [1,0,0], [0,1,0], [0,0,1]]}}'
+KERNELS = 'drake_geom_ros.geometry._proximity.kernels.'
+
+
+def modules(code, *arguments):
+    """Return what a process has imported that runs the code."""
+    done = subprocess.run(
+        [sys.executable, '-c', code, *arguments],
+        cwd=ROOT,
+        env={**os.environ, 'NUMBA_DISABLE_JIT': '1'},
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.split())
+
+
+def scene(*geometries):
+    return '\n'.join(['frames: [{name: a}, {name: b}]', 'geometries:', *geometries])
+
+
+def test_a_scene_without_meshes_imports_no_mesh_library():
+    """Two arms and a table: URDF, every primitive shape, every kind of query."""
+    found = modules(ASK, str(ROOT / 'scenes/two_pandas.yaml'))
+    assert not found & {'trimesh', 'fcl', 'yourdfpy', 'rclpy', 'matplotlib'}
+    assert {'lxml', KERNELS + 'gjk'} <= found
+
+
+def test_a_scene_with_a_hull_does_import_it():
+    assert 'trimesh' in modules(ASK, scene(BALL, HULL))
+
+
+def test_a_scene_of_spheres_imports_no_other_kernels():
+    found = modules(ASK, scene(BALL, BALL.replace('frame: a', 'frame: b')))
+    kernels = {name.removeprefix(KERNELS) for name in found if name.startswith(KERNELS)}
+    # Bounds are computed by one function for all shapes, which needs points and supports.
+    assert kernels == {
+        *('spheres', 'points', 'ellipsoid_point'),
+        *('bounds', 'calling', 'supports', 'vectors'),
+    }
+
+
+def test_the_node_imports_no_mesh_library():
+    pytest.importorskip('rclpy')
+    assert not modules(NODE) & {'trimesh', 'fcl', 'yourdfpy', 'tf2_msgs'}

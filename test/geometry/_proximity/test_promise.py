@@ -1,0 +1,73 @@
+"""The promise of a level: what kernels aim for, and what a check of answers allows."""
+
+import math
+
+import numpy as np
+import pytest
+from oracles.filters import filters_of
+from oracles.worlds import geometry_table, random_world
+
+from drake_geom_ros.geometry._proximity.batches import PROMISED
+from drake_geom_ros.geometry._proximity.engine import Engine
+from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, ERROR_BOUND
+from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.promise import promised_bound, tolerance_of_pair
+from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.world import FrameTable, World
+
+
+@pytest.mark.parametrize(
+    ('radii', 'expected'), [((2.0, 3.0), 1e-3), ((0.5, 3.0), 0.5e-3), ((2.0, 0.01), 1e-5)]
+)
+def test_the_gap_is_relative_below_a_metre(radii, expected):
+    assert tolerance_of_pair(1e-3, 0, 1, np.array(radii)) == pytest.approx(expected)
+
+
+def test_far_from_the_origin_and_far_apart_rounding_is_allowed_for():
+    types, outer = np.array([SPHERE, HALF_SPACE, SPHERE]), np.array([1.0, math.inf, 1.0])
+    p_WGs = np.array([[0.0, 0, 0], [0, 0, -1], [1e6, 0, 0]])
+    near = promised_bound(1e-9, 0, 1, types, outer, p_WGs)
+    assert 1e-9 < near < 1.001e-9
+    far = promised_bound(1e-9, 0, 2, types, outer, p_WGs)
+    assert 2e-8 < far < 5e-8
+
+
+@pytest.mark.parametrize('level', LEVEL_GAPS)
+@pytest.mark.parametrize('scale', [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize('offset', [0.0, 1e5])
+def test_random_pairs_keep_it(level, scale, offset):
+    world = random_world(np.random.default_rng(0), 30, types=(1, 2, 3, 4, 5), spread=0.5)
+    table = world.geometries
+    parameters = [scale * part for part in np.split(table.pool, table.starts[1:-1])]
+    scaled = World(
+        world.frames,
+        geometry_table(table.frames, table.types, parameters, table.R_FGs, scale * table.p_FGs),
+    )
+    rows = np.arange(1, 31)
+    scaled.set_poses(rows, world.R_PFs[rows], scale * world.p_PFs[rows] + offset)
+    scaled.update()
+    batch = Engine().signed_distances(scaled, filters_of(scaled), level, math.inf)
+    assert len(batch.rows) == 435
+    assert not batch.broken().any()
+    # The check is not idle: bounding volumes would not do.
+    loose = Engine().signed_distances(scaled, filters_of(scaled), 'bound', math.inf)
+    assert np.mean(loose.rows[:, ERROR_BOUND] > batch.rows[:, PROMISED]) > 0.7
+
+
+def test_a_broken_promise_is_seen():
+    world = random_world(np.random.default_rng(1), 4)
+    batch = Engine().signed_distances(world, filters_of(world), 'exact', math.inf)
+    rows = batch.rows.copy()
+    rows[0, ERROR_BOUND] = 2e-9
+    rows[1, DISTANCE] = math.nan
+    rows[2, ERROR_BOUND] = math.nan
+    rows[3, DISTANCE] = math.inf
+    assert batch._replace(rows=rows).broken().tolist() == [True] * 4 + [False] * 2
+
+
+def test_bounds_alone_promise_nothing():
+    frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
+    world = World(frames, geometry_table([1, 2], [4, 4], [[0.1, 0.2], [0.1, 0.2]]))
+    batch = Engine().signed_distances(world, filters_of(world), 'bound', math.inf)
+    assert batch.rows[0, PROMISED] == math.inf
+    assert not batch.broken().any()

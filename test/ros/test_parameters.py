@@ -1,0 +1,94 @@
+"""Parameters: what may be given, in which form, and what is said of the rest."""
+
+import math
+
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+from ros.harness import environment
+
+from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
+
+
+@pytest.fixture
+def start(monkeypatch):
+    """Return a function that declares the parameters with overrides on a node of its own."""
+    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=int(environment()['ROS_DOMAIN_ID']))
+    nodes = []
+
+    def declare(on_change=lambda old, new: None, **overrides):
+        given = [
+            value if isinstance(value, Parameter) else Parameter(name, value=value)
+            for name, value in overrides.items()
+        ]
+        node = rclpy.create_node('p', context=context, parameter_overrides=given)
+        nodes.append(node)
+        return node, ParameterStore(node, on_change)
+
+    yield declare
+    for node in nodes:
+        node.destroy_node()
+    context.try_shutdown()
+
+
+def put(node, name, value):
+    return node.set_parameters([Parameter(name, value=value)])[0]
+
+
+def test_the_defaults(start):
+    assert start()[1].values == NodeParameters()
+
+
+def test_a_whole_number_stands_for_a_float(start):
+    node, store = start(max_distance=1, rate=100)
+    values = store.values
+    assert (values.max_distance, values.rate) == (1.0, 100.0)
+    assert {type(values.max_distance), type(values.rate)} == {float}
+    assert put(node, 'max_distance', 2).successful
+    assert store.values.max_distance == 2.0
+    assert type(store.values.max_distance) is float
+
+
+def test_no_roots_at_all(start):
+    """``-p mesh_roots:=[]`` has no type, for nothing in it has one."""
+    nothing = Parameter('mesh_roots', Parameter.Type.NOT_SET, None)
+    node, store = start(mesh_roots=nothing)
+    assert store.values.mesh_roots == ()
+    assert put(node, 'mesh_roots', ['here']).successful
+    assert store.values.mesh_roots == ('here',)
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'words'),
+    [
+        ('max_distance', 'far', "max_distance is 'far'; it must be a float"),
+        ('max_distance', True, 'max_distance is True; it must be a float'),
+        ('max_distance', -1, 'max_distance is -1.0; it must lie in [0.0, inf]'),
+        ('max_distance', -1.0, 'max_distance'),
+        ('max_distance', math.nan, 'max_distance'),
+        ('mesh_roots', 'here', 'mesh_roots'),
+        ('publish_markers', 1, 'publish_markers'),
+        ('accuracy', 'best', "accuracy is 'best'; it must be one of bound, fast"),
+        ('world_frame', '/map', "world_frame is '/map'"),
+    ],
+)
+def test_what_cannot_be_is_refused_at_the_start(start, name, value, words):
+    with pytest.raises(ParameterRefusedError) as caught:
+        start(**{name: value})
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ('name', 'value'),
+    [('rate', 'fast'), ('rate', -1), ('rate', 10**6), ('max_distance', None), ('accuracy', 'x')],
+)
+def test_what_cannot_be_is_refused_while_it_runs(start, name, value):
+    node, store = start()
+    changes = []
+    store._on_change = lambda *both: changes.append(both)
+    result = put(node, name, value)
+    assert not result.successful
+    assert result.reason
+    assert (store.values, changes) == (NodeParameters(), [])
