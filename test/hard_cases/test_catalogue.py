@@ -1,5 +1,6 @@
 """Every hard case, by every query, in both orders, moved and scaled: all must be right."""
 
+import json
 import math
 
 import numpy as np
@@ -10,6 +11,7 @@ from oracles.pairs import random_rotation
 
 from bench.hard_cases import cases
 from bench.hard_cases.pair_scene import PairScene
+from drake_geom_ros import peers
 
 ALL = cases.load()
 # Uncompiled kernels are slow: some cases of every family will do.
@@ -46,6 +48,13 @@ def test_the_catalogue_is_large_and_its_names_are_unique():
     assert {case.a.kind for case in ALL} | {case.b.kind for case in ALL} == {
         'Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace', 'Convex',
     }  # fmt: skip
+
+
+def test_what_peers_return_is_of_cases_that_there_are():
+    today = json.loads(cases.PEERS_TODAY.read_text())
+    assert len(today) >= 100
+    assert set(today) <= {case.id for case in ALL}
+    assert {name for entry in today.values() for name in entry} == set(peers.names())
 
 
 @every_case

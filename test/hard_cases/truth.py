@@ -7,7 +7,9 @@ import itertools
 
 import numpy as np
 from mpmath import mp, mpf
-from oracles import closed_forms, support_function
+from oracles import support_function
+
+from drake_geom_ros.accuracy import closed_forms
 
 KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace', 'Convex')
 EPS = np.finfo(float).eps

@@ -32,9 +32,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 from drake_geom_ros.geometry._proximity.kernels.extremes import call_at_one_metre, is_extreme
 from drake_geom_ros.geometry._proximity.pair_table import (
     ALL_ROWS,
+    CONVEX,
     HALF_SPACE,
     ROW_OF_TYPES,
-    SOLID,
     TYPE_COUNT,
 )
 from drake_geom_ros.geometry._proximity.promise import (
@@ -123,9 +123,8 @@ def _call_in_order(  # type: ignore[no-untyped-def]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     shape_a, shape_b = pool[starts[a] : starts[a + 1]], pool[starts[b] : starts[b + 1]]
-    # A solid holds areas and counts too: its kernels take it as it is.
-    solid = types[a] == SOLID or types[b] == SOLID
-    if is_extreme(size, p_AB_W) and not solid:
+    # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
+    if types[b] <= CONVEX and is_extreme(size, p_AB_W):
         call_at_one_metre(
             *(address, size, types[a], shape_a, R_WGs[a], types[b], shape_b, R_WGs[b]),
             *(p_AB_W, tolerance, cutoff, out),

@@ -182,6 +182,13 @@ def is_strict(difference, n, noise):
 
 
 @compiled
+def gap_along(pair, n):
+    """Return the gap between the supporting planes along n: at most the signed distance."""
+    a, b = support_points(pair, n, 0.0)
+    return dot(sub(b, a), n)
+
+
+@compiled
 def drawn_to(distance, n, a, b):
     """Return a and b moved as little as makes ``b - a = distance n``."""
     centre = scale(0.5, add(a, b))
@@ -252,6 +259,10 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         # where they are apart or EPA saw a flat from one end.
         if aside <= norm(sub(sub(a, b), scale(depth, n))):
             a, b = a_in, b_in
+        a, b = drawn_to(distance, n, a, b)
+    elif gap_along(pair, n) < -depth:
+        # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
+        n, unique = n_in, unique_in or distance > noise
         a, b = drawn_to(distance, n, a, b)
     return CLOSED, distance, upper, lower, n, a, b, unique
 
