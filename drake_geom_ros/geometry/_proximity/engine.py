@@ -309,8 +309,8 @@ class Engine:
             hits.append(some[self._answer(world, *asked)])
             total[:] += self._counts
 
-        # What is left is bounded once more, as all pairs were just now.
-        reserve = (time.perf_counter() - start) / max(1, room)
+        # What is left is bounded once more, as all that wait were just now.
+        reserve = (time.perf_counter() - start) / max(1, count)
         left = self._pace.spend(distances[:count], compute, start + seconds, reserve)
         if len(left):
             compute(left, math.inf)
