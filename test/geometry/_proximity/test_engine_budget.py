@@ -179,14 +179,17 @@ def test_what_moves_a_little_keeps_narrow_bounds():
         np.testing.assert_allclose(spans, answer.rows[:, [DISTANCE]] * normals, atol=1e-12)
 
 
-def test_who_was_far_in_between_is_not_taken_for_near():
+def test_who_was_far_in_between_is_not_taken_for_near(monkeypatch):
     world = random_world(np.random.default_rng(10), 2, types=(4,))
     engine, filters = Engine(), filters_of(world)
     rows, home = np.arange(1, 3), world.p_PFs[1:3].copy()
     query = (world, filters)
-    for away, level, cutoff in ((0.0, 'exact', 10.0), (2.0, 'exact', 0.5), (0.3, 'bound', 10.0)):
+    # The budget that leaves all pairs.
+    monkeypatch.setattr(engine._pace, 'spend', lambda distances, *rest: np.arange(len(distances)))
+    for away, cutoff, seconds in ((0.0, 10.0, 0.0), (2.0, 0.5, 0.0), (0.3, 10.0, NOTHING)):
         world.set_poses(rows, world.R_PFs[rows], np.add(home, [[0, 0, 0], [away, 0, 0]]))
-        answer = engine.signed_distances(*query, level, cutoff)
+        answer = engine.signed_distances(*query, 'exact', cutoff, time_budget=seconds)
+    assert engine.effects.unrefined_pairs == 1
     truth = Engine().signed_distances(*query, 'exact', 10.0)
     (row,), (true,) = answer.rows, truth.rows
     assert abs(row[DISTANCE] - true[DISTANCE]) <= row[ERROR_BOUND] + 1e-9
