@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     FAR,
     POSTPONED,
     answer_pairs,
+    bound_pairs,
     compile_rows,
     near_pairs,
     table_rows,
@@ -308,17 +309,23 @@ class Engine:
         count = int(total[POSTPONED])
         total[POSTPONED] = 0
 
-        def compute(block: Indices, gap: float = query[0]) -> None:
+        def compute(block: Indices) -> None:
             some = waiting[block]
-            asked = near.pairs[some], near.slots[some], near.memory, (gap, *query[1:])
+            asked = near.pairs[some], near.slots[some], near.memory, query
             hits.append(some[self._answer(world, *asked)])
             total[:] += self._counts
 
-        # What is left is bounded once more, as all pairs were just now.
-        reserve = (time.perf_counter() - start) / max(1, room)
+        # What is left is bounded once more, as all that wait were just now.
+        reserve = (time.perf_counter() - start) / max(1, count)
         left = self._pace.spend(distances[:count], compute, start + seconds, reserve)
         if len(left):
-            compute(left, math.inf)
-            self._unrefined = len(hits[-1])
+            some = waiting[left]
+            found = bound_pairs(
+                *(near.pairs[some], near.slots[some], near.memory, world.scene, world.revision),
+                *(query, self._hits, self._counts),
+            )
+            hits.append(some[self._hits[:found]])
+            total += self._counts
+            self._unrefined = found
         self._counts[:] = total
         return np.sort(np.concatenate(hits))

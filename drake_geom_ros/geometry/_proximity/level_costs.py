@@ -26,7 +26,7 @@ Indices = NDArray[np.int64]
 
 LOOKED_AT = 4096  # pairs, of which the sample is then taken: a list of all pairs may have millions
 LAPS = 2  # times a sample is computed in one call: for closed forms the call itself counts
-TRIALS = 3  # the fastest counts: what else the machine does only ever adds
+TRIALS = 2  # the fastest counts: what else the machine does only ever adds
 
 
 def seconds_a_pair(

@@ -23,6 +23,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     METHOD,
     NORMAL,
     PAIR_WIDTH,
+    UNIQUE,
     WITNESS_A,
     WITNESS_B,
     address_table,
@@ -111,6 +112,14 @@ def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _gap_of_bounds(i, j, types, R_WGs, p_WGs, half_extents, outer):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] by boxes and balls."""
+    # The ball of a half space has no bound, and its gap is minus infinity.
+    boxes = _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents)
+    return max(boxes, _gap_of_balls(i, j, p_WGs, outer))
+
+
+@inlined
 def _call_in_order(  # type: ignore[no-untyped-def]
     a, b, address, types, starts, pool, R_WGs, p_WGs, p_AB_W, size, tolerance, cutoff, out
 ):
@@ -157,6 +166,27 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
 
 
 @inlined
+def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
+    """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
+
+    A support value changes by no more than the points do, so the distance by no more than both
+    bodies have moved. The normal and the witness points are those of the last answer then.
+    """
+    if out[ERROR_BOUND] + moved <= bounds[ERROR_BOUND]:
+        out[ERROR_BOUND] += moved
+        out[UNIQUE], out[METHOD] = 0.0, BOUND_ONLY
+        return
+    for c in range(PAIR_WIDTH):
+        out[c] = bounds[c]
+
+
+@inlined
+def _slack(least, travelled):  # type: ignore[no-untyped-def]
+    """Return a least distance plus the travels of the same time [m], rounded down."""
+    return least + travelled - 4.0 * EPS * (abs(least) + travelled)
+
+
+@inlined
 def _least(out, gap, size):  # type: ignore[no-untyped-def]
     """Return what the distance is at least [m], by an answer that was computed for ``gap``."""
     if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
@@ -166,10 +196,10 @@ def _least(out, gap, size):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _postpone(k, bounds, waiting, distances, counts):  # type: ignore[no-untyped-def]
-    """Put pair k into the queue, with its least distance by its bounds."""
+def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-def]
+    """Put pair k into the queue, with its least distance."""
     waiting[counts[POSTPONED]] = k
-    distances[counts[POSTPONED]] = bounds[DISTANCE] - bounds[ERROR_BOUND]
+    distances[counts[POSTPONED]] = least
     counts[POSTPONED] += 1
 
 
@@ -221,23 +251,21 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         else:
             least = -math.inf
             if cutoff < math.inf:
-                # The ball of a half space has no bound, and its gap is minus infinity.
-                boxes = _gap_of_boxes(a, b, types, R_WGs, p_WGs, half_extents)
-                least = max(boxes, _gap_of_balls(a, b, p_WGs, outer))
+                least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, half_extents, outer)
             near = least <= cutoff
             if near and waiting.size > 0:
                 _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
-                _postpone(k, bounds, waiting, distances, counts)
+                least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
+                _postpone(k, least, waiting, distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
                     _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
                 else:
                     address = addresses[_ROWS[_code(types[a], types[b])]]
-                    tolerance = tolerance_of_pair(gap, a, b, outer)
                     _call_in_order(
                         *(a, b, address, types, starts, pool, R_WGs, p_WGs, scratch),
-                        *(size, tolerance, cutoff, out),
+                        *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
                 out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
                 seen[s], gaps[s] = revision, gap
@@ -245,10 +273,10 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 least = _least(out, gap, size)
             else:
                 counts[FAR] += 1
+                seen[s] = -1  # from now on the slack is not the answer's
             # What the turn of a half space moves has no bound.
             flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
-            rounding = 4.0 * EPS * (abs(least) + travelled)
-            slacks[s] = -math.inf if flat else least + travelled - rounding
+            slacks[s] = -math.inf if flat else _slack(least, travelled)
             if not near:
                 continue
         if _is_hit(out, gaps[s], size, cutoff, penetrating):
@@ -256,6 +284,41 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             found += 1
             if first >= 0:
                 break
+    return found
+
+
+@compiled
+def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # type: ignore[no-untyped-def]
+    """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
+
+    No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
+    widened by what both bodies can have moved since. (Not in ``answer_pairs``, whose kernels of
+    spheres took 10 % longer beside this, measured.)
+    """
+    answers, slacks, seen, gaps = memory
+    types, starts, pool, R_WGs, p_WGs, _, outer, inner, travels, stamps = scene
+    _, cutoff, penetrating = query
+    scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
+    counts[:] = 0
+    found = 0
+    for k in range(slots.size):
+        a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
+        out, size = answers[s], size_of_pair(a, b, types, outer)
+        travelled = travels[a] + travels[b]
+        if stamps[a] <= seen[s] and stamps[b] <= seen[s] and math.isinf(gaps[s]):
+            counts[CACHED] += 1
+        else:
+            _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+            since = slacks[s] - _least(out, gaps[s], size)
+            _take_narrower(out, bounds, travelled - since if seen[s] >= 0 else math.inf)
+            out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
+            seen[s], gaps[s] = revision, math.inf
+            counts[BY_METHOD + BOUND_ONLY] += 1
+            flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
+            slacks[s] = -math.inf if flat else _slack(_least(out, gaps[s], size), travelled)
+        if _is_hit(out, gaps[s], size, cutoff, penetrating):
+            hits[found] = k
+            found += 1
     return found
 
 

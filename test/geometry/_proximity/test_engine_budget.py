@@ -153,6 +153,48 @@ def test_whoever_may_penetrate_is_reported_with_a_certified_depth(level, seconds
     assert Engine().has_overlap(world, filters, 'bound')
 
 
+def test_what_moves_a_little_keeps_narrow_bounds():
+    rng = np.random.default_rng(9)
+    world = random_world(rng, 20, types=(1, 2, 3, 4, 5))
+    engine, filters = Engine(), filters_of(world)
+    query = (world, filters, 'exact', math.inf)
+    engine.signed_distances(*query)
+    rows, moved = np.arange(1, 21), 0.0
+    for _ in range(10):
+        steps = rng.uniform(-1e-4, 1e-4, (20, 3))
+        moved += np.linalg.norm(steps, axis=1).max()
+        world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows] + steps)
+        answer = engine.signed_distances(*query, time_budget=NOTHING)
+        truth = Engine().signed_distances(*query)
+        left = answer.rows[:, METHOD] == BOUND_ONLY
+        assert np.count_nonzero(~left) == SHORTEST_BLOCK
+        # As far as both bodies came, though most were never refined in between.
+        assert answer.rows[:, ERROR_BOUND].max() <= 2.0 * moved + 1e-9
+        off = abs(answer.rows[:, DISTANCE] - truth.rows[:, DISTANCE])
+        assert (off <= answer.rows[:, ERROR_BOUND] + 1e-9).all()
+        spans = (
+            answer.rows[:, WITNESS_A : WITNESS_A + 3] - answer.rows[:, WITNESS_B : WITNESS_B + 3]
+        )
+        normals = answer.rows[:, NORMAL : NORMAL + 3]
+        np.testing.assert_allclose(spans, answer.rows[:, [DISTANCE]] * normals, atol=1e-12)
+
+
+def test_who_was_far_in_between_is_not_taken_for_near(monkeypatch):
+    world = random_world(np.random.default_rng(10), 2, types=(4,))
+    engine, filters = Engine(), filters_of(world)
+    rows, home = np.arange(1, 3), world.p_PFs[1:3].copy()
+    query = (world, filters)
+    # The budget that leaves all pairs.
+    monkeypatch.setattr(engine._pace, 'spend', lambda distances, *rest: np.arange(len(distances)))
+    for away, cutoff, seconds in ((0.0, 10.0, 0.0), (2.0, 0.5, 0.0), (0.3, 10.0, NOTHING)):
+        world.set_poses(rows, world.R_PFs[rows], np.add(home, [[0, 0, 0], [away, 0, 0]]))
+        answer = engine.signed_distances(*query, 'exact', cutoff, time_budget=seconds)
+    assert engine.effects.unrefined_pairs == 1
+    truth = Engine().signed_distances(*query, 'exact', 10.0)
+    (row,), (true,) = answer.rows, truth.rows
+    assert abs(row[DISTANCE] - true[DISTANCE]) <= row[ERROR_BOUND] + 1e-9
+
+
 def test_a_budget_that_is_ample_costs_nothing(monkeypatch):
     rng = np.random.default_rng(8)
     world = random_world(rng, 30)
