@@ -58,16 +58,21 @@ def processor() -> str:
 
 
 def climb(folders: dict[str, Path], cache: Path, runs: int, cold: bool) -> tuple[Any, Any]:
-    """Return the cold result and the warm results of each rung."""
-    colds, warm = {}, {}
+    """Return the cold result and the warm results of each rung.
+
+    The warm ones take turns, so that whatever else the machine does slows all rungs alike.
+    """
+    colds, warm = {}, {name: [] for name in folders}
     for name, folder in folders.items():
         start = time.perf_counter()
+        first = in_process(folder, cache)
         if cold:
-            colds[name] = in_process(folder, cache)
-        else:
-            in_process(folder, cache)
-        warm[name] = [in_process(folder, cache) for _ in range(runs)]
+            colds[name] = first
         print(f'{name}: {time.perf_counter() - start:.0f} s', flush=True)
+    for turn in range(runs):
+        for name, folder in folders.items():
+            warm[name].append(in_process(folder, cache))
+        print(f'turn {turn + 1} of {runs} with a full cache: done', flush=True)
     return colds, warm
 
 
