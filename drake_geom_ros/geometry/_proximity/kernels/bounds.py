@@ -71,13 +71,25 @@ def outer_radius(shape_type, shape):
 
 @compiled
 def _inner_radius(shape_type, shape):
-    """Return the radius of a ball about Go that lies in the shape."""
+    """Return the radius of a ball about Go that lies in the shape.
+
+    A hull may lie beside Go: there it is minus the distance of one of its points, the mean of its
+    vertices, from Go. What holds for the ball holds for that point too (``bounding_interval``).
+    """
     if shape_type == SPHERE or shape_type == CAPSULE:
         return shape[0]
     if shape_type == BOX or shape_type == ELLIPSOID:
         return min(shape[0], shape[1], shape[2])
     if shape_type == CYLINDER:
         return min(shape[0], shape[1])
+    if shape_type == CONVEX:
+        count = int(shape[0])
+        x, y, z = 0.0, 0.0, 0.0
+        for k in range(count):
+            x += shape[1 + 3 * k]
+            y += shape[2 + 3 * k]
+            z += shape[3 + 3 * k]
+        return -norm((x / count, y / count, z / count))
     return 0.0
 
 
@@ -99,7 +111,7 @@ def bounding_interval(A, B, p_AB_W, out):
     ``A`` and ``B`` are (type, shape, R_WG, inner radius). For every unit n,
     ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or along the normal of
     a half space, for which this is the exact value. Above, phi is at most the distance of the
-    balls inside. The witness points lie on the two supporting planes, above Ao.
+    balls (or points) inside. The witness points lie on the two supporting planes, above Ao.
     """
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
     flat = A[0] == HALF_SPACE or B[0] == HALF_SPACE
@@ -123,6 +135,6 @@ def bounding_interval(A, B, p_AB_W, out):
     distance = lower + 0.5 * (upper - lower)
     p_ACa_W = scale(h_A, n_AB_W)
     p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)
-    rounding = 8.0 * EPS * (norm(p) + h_A + h_B)
+    rounding = 8.0 * EPS * (norm(p) + abs(h_A) + abs(h_B) + abs(A[3]) + abs(B[3]))
     bound = 0.5 * (upper - lower) + rounding
     write(out, distance, scale(-1.0, n_AB_W), p_ACa_W, p_ACb_W, bound, False, BOUND_ONLY)
