@@ -62,7 +62,7 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
     handles = {
         label: handle
         for panel in axes.flat
-        for handle, label in zip(*panel.get_legend_handleslevel_names(), strict=True)
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
     figure.suptitle(
         f'{QUERY_TITLES[query]}: worst error over time\n'
