@@ -13,6 +13,9 @@ TIE = 1e-13
 # faces of hulls of a thousand edges differ by more.
 GAP = 1e-9
 NEARBY = 1e-3  # [rad]
+# Relative to the pair's size: where more faces than one round refines are this near to the best,
+# they are equal by symmetry, and polishing any of them gives the answer.
+TIED = 1e-5
 # [rad] about the direction that shrinking caps found, which is the maximum's where bodies are
 # apart: caps are coarser than faces of the hull.
 CLIMBED = 0.012

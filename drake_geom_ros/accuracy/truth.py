@@ -26,7 +26,7 @@ from scipy.spatial import ConvexHull, QhullError
 from drake_geom_ros.accuracy.pair import Pair, offset_between
 from drake_geom_ros.accuracy.polish import polished
 from drake_geom_ros.accuracy.supports import DIGITS, HALF_SPACE, Floats, Pose, Shape, posed
-from drake_geom_ros.accuracy.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION
+from drake_geom_ros.accuracy.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
 
 DENSE = 400  # directions that a search begins with
 ROUNDS = 25  # of a search, each of which takes a new hull
@@ -94,7 +94,8 @@ def search(pair: Pair) -> list[tuple[Floats, float]]:
         # The plane's distance from the origin is at least f there, and f of what lies on it.
         normals, ahead = -planes[:, :3], planes[:, 3]
         open_ = np.flatnonzero(ahead > best + gap)
-        if not len(open_):
+        tied = len(open_) > MOST_OPEN and ahead.max() < best + TIED * pair.size
+        if tied or not len(open_):
             break
         open_ = open_[np.argsort(-ahead[open_])][:MOST_OPEN]
         new = pair.gaps(normals[open_])

@@ -1,4 +1,4 @@
-"""Certified intervals from bounds alone contain the truth, wherever a hull lies about its origin."""
+"""Intervals from bounds alone contain the truth, wherever a hull lies about its origin."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def inner_radius(kind, shape):
 def test_a_hull_beside_its_origin(beside):
     rng = np.random.default_rng(1)
     for _ in range(6):
-        vertices = rng.uniform(-0.1, 0.1, (8, 3)) + [beside, 0.0, 0.0]
+        vertices = rng.uniform(-0.1, 0.1, (8, 3)) + np.array([beside, 0.0, 0.0])
         hull, ball = np.append(8.0, vertices.ravel()), np.array([0.1])
         R, p = random_rotation(rng), rng.uniform(-0.02, 0.02, 3)
         out = np.zeros(PAIR_WIDTH)
