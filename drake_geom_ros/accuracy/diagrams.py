@@ -20,6 +20,7 @@ BLUE = '#1f5fb4'
 COLOURS = {'pydrake': '#d1495b', 'python-fcl': '#8a6d3b', 'Coal': '#2e8b57', 'MuJoCo': '#8e44ad'}
 MARKS = ('o', 's', '^', 'D', 'v', 'P')
 SPARE = '#444444'  # of a peer without a colour of its own
+MOST_DRAWN = 10.0  # [m] larger than any body and any gap
 ROOM_BELOW = 0.02  # of the least error that is drawn: for the names of the levels
 LEAST_PART = 0.1  # of a peer's time that is drawn for the computation, at least
 COLUMNS = 4
@@ -62,7 +63,7 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
     handles = {
         label: handle
         for panel in axes.flat
-        for handle, label in zip(*panel.get_legend_handleslevel_names(), strict=True)
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
     figure.suptitle(
         f'{QUERY_TITLES[query]}: worst error over time\n'
@@ -121,10 +122,16 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
         _spread(panel, r, BLUE)
     labels = [r.setting.label for r in mine]
     for x, y, words in level_names(list(zip(times, worst, labels, strict=True))):
+        several = ',' in words
         panel.annotate(
-            words, (x, y), xytext=(0, -13), textcoords='offset points',
-            ha='center', fontsize=7.5, color=BLUE,
-        )  # fmt: skip
+            *(words, (x, y)),
+            xytext=(0 if several else -5, -13 if several else -11),
+            textcoords='offset points',
+            ha='center' if several else 'right',
+            fontsize=7.5,
+            color=BLUE,
+            bbox={'facecolor': 'white', 'edgecolor': 'none', 'alpha': 0.7, 'pad': 0.5},
+        )
 
 
 def level_names(points: list[tuple[float, float, str]]) -> list[tuple[float, float, str]]:
@@ -152,8 +159,11 @@ def _spread(panel: Any, r: Measured, colour: str) -> None:
 
 
 def drawn(value: float, r: Measured) -> float:
-    """Return an error [m] as it is drawn: 0 and rounding as the spacing of floats at that size."""
-    return max(value, r.rounding())
+    """Return an error [m] as it is drawn.
+
+    0 and rounding become the spacing of floats at that size; a peer's 1.8e308 becomes MOST_DRAWN.
+    """
+    return min(max(value, r.rounding()), MOST_DRAWN)
 
 
 def _words(label: str) -> str:

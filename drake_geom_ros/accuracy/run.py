@@ -106,10 +106,10 @@ def measure(
     left_out = []
     for number, subject in enumerate(subjects):
         left = end - time.monotonic()
-        if left < 0.0:
+        if left < 0.0 and number:  # the first one always is
             left_out.append(subject.name)
             continue
-        share = left / (len(subjects) - number)
+        share = max(left, 0.0) / (len(subjects) - number)
         start = time.monotonic()
         records = measurement.measure(subject, BATCHES_PART * share)
         say(

@@ -120,7 +120,7 @@ def _beginning(told: Circumstances) -> str:
         'from the maximum over all directions (`drake_geom_ros/accuracy/truth.py`). Bodies of '
         'about 0.2 m, as often 20 cm apart, 2 mm apart, touching, 2 mm deep, 2 cm deep and one '
         'inside the other, at vertices, along edges and on faces. What is less than the spacing '
-        'of floats at that size (shown as `<`) is drawn there.',
+        'of floats at that size (shown as `<`) is drawn there, what is more than 10 m at 10 m.',
         '- **Time** [us a pair]: medians of turns that everybody takes one after another, on '
         'pairs turned anew each time, so that nobody gains from the last answer; processor time '
         'of the one thread that all of them use. Ours: 120 pairs posed, asked and read in one '

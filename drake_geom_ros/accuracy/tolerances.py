@@ -9,9 +9,16 @@ EPS = 2.0**-52
 # asked in full digits which one is the farthest: a hundred times the rounding of their heights.
 TIE = 1e-13
 # Relative to the pair's size: how much better a direction the search may overlook until polishing
-# finds it. The angle to a smooth maximum is its square root, which NEARBY must contain.
-GAP = 1e-5
-NEARBY = 0.012  # [rad]
+# finds it. The angle to a smooth maximum is about its square root, which NEARBY must contain;
+# faces of hulls of a thousand edges differ by more.
+GAP = 1e-9
+NEARBY = 1e-3  # [rad]
+# Relative to the pair's size: where more faces than one round refines are this near to the best,
+# they are equal by symmetry, and polishing any of them gives the answer.
+TIED = 1e-5
+# [rad] about the direction that shrinking caps found, which is the maximum's where bodies are
+# apart: caps are coarser than faces of the hull.
+CLIMBED = 0.012
 # [rad] about a direction that is the best by construction, but for rounding.
 KNOWN = 1e-6
 # Step [rad] of Newton's method after which the next would be its square, below rounding.

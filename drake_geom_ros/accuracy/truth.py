@@ -26,7 +26,7 @@ from scipy.spatial import ConvexHull, QhullError
 from drake_geom_ros.accuracy.pair import Pair, offset_between
 from drake_geom_ros.accuracy.polish import polished
 from drake_geom_ros.accuracy.supports import DIGITS, HALF_SPACE, Floats, Pose, Shape, posed
-from drake_geom_ros.accuracy.tolerances import GAP, KNOWN, NEARBY, NO_DIRECTION
+from drake_geom_ros.accuracy.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
 
 DENSE = 400  # directions that a search begins with
 ROUNDS = 25  # of a search, each of which takes a new hull
@@ -49,7 +49,7 @@ def signed_distance(
         if HALF_SPACE in (shape_a[0], shape_b[0]):
             return _half_space(shape_a, X_WA, shape_b, X_WB)
         pair = Pair(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
-        found = [polished(pair, n, NEARBY) for n in search(pair)]
+        found = [polished(pair, n, angle) for n, angle in search(pair)]
         phi, n = max(found, key=lambda each: each[0])
         return float(phi), n
 
@@ -79,8 +79,8 @@ def _half_space(shape_a: Shape, X_a: Pose, shape_b: Shape, X_b: Pose) -> tuple[f
     return float(height - below), n
 
 
-def search(pair: Pair) -> Floats:
-    """Return directions (m, 3), one of them next to the best of all."""
+def search(pair: Pair) -> list[tuple[Floats, float]]:
+    """Return directions (3,), one of them the best of all within the angle [rad] beside it."""
     n = np.vstack([_sphere(DENSE), *(_unit(x.flat @ x.R.T) for x in (pair.a, pair.b))])
     points = pair.gaps(n)
     values = np.einsum('ij,ij->i', points, n)
@@ -94,7 +94,8 @@ def search(pair: Pair) -> Floats:
         # The plane's distance from the origin is at least f there, and f of what lies on it.
         normals, ahead = -planes[:, :3], planes[:, 3]
         open_ = np.flatnonzero(ahead > best + gap)
-        if not len(open_):
+        tied = len(open_) > MOST_OPEN and ahead.max() < best + TIED * pair.size
+        if tied or not len(open_):
             break
         open_ = open_[np.argsort(-ahead[open_])][:MOST_OPEN]
         new = pair.gaps(normals[open_])
@@ -106,13 +107,14 @@ def search(pair: Pair) -> Floats:
     values = pair.values(candidates)
     order = np.argsort(-values)
     close = candidates[order[values[order] >= best - 2 * gap]]
-    return np.vstack([_climb(pair, candidates[order[0]])[None], _apart(close, NEARBY)])
+    climbed = _climb(pair, candidates[order[0]])
+    return [(climbed, CLIMBED), *((n, NEARBY) for n in _apart(close, NEARBY))]
 
 
 def _climb(pair: Pair, n: Floats) -> Floats:
     """Return the best direction that caps around n find as they shrink."""
     angle = 4 / DENSE**0.5
-    while angle > 0.2 * NEARBY:
+    while angle > 0.2 * CLIMBED:
         around = _unit(n + angle * _sphere(120))
         around = np.vstack([n[None], around])
         best = around[np.argmax(pair.values(around))]

@@ -23,6 +23,7 @@ def test_no_error_is_drawn_as_the_spacing_of_floats():
     record = ours('exact', (0.1, 1e-15))
     assert drawn(0.0, record) == record.rounding() > 0.0
     assert drawn(1e-3, record) == 1e-3
+    assert drawn(1.8e308, record) == 10.0
 
 
 def test_names_of_points_that_lie_close_are_one():

@@ -71,7 +71,7 @@ def test_the_readme_can_be_read():
 
 def test_numbers_in_words():
     assert length(0.0, 2e-16) == '< 2e-16'
-    assert length(1.25e-6, 2e-16) == '1.2e-06'
+    assert length(1.24e-6, 2e-16) == '1.2e-06'
     assert length(peer('Coal').error(1.0), 1.0) == ''
     assert microseconds(None) == ''
     assert (microseconds(1.2345e-6), microseconds(1.2345e-3)) == ('1.23', '1234')

@@ -150,5 +150,8 @@ def bounding_interval(A, B, p_AB_W, out):
     p_ACa_W = scale(h_A, n_AB_W)
     p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)
     rounding = 8.0 * EPS * (norm(p) + h_A + h_B)
+    for kind, shape in ((A[0], A[1]), (B[0], B[1])):
+        if has_hull(kind):  # its support value is rounded up by as much
+            rounding += hull_defect(shape)
     bound = 0.5 * (upper - lower) + rounding
     write(out, distance, scale(-1.0, n_AB_W), p_ACa_W, p_ACb_W, bound, False, BOUND_ONLY)
