@@ -124,7 +124,7 @@ def packed_shape(record: GeometryRecord) -> tuple[int, Floats]:
 
 
 def is_solid(record: GeometryRecord) -> bool:
-    """Return the property ('mesh', 'solid') of a geometry; raises RuntimeError if it is no bool."""
+    """Return the property ('mesh', 'solid'); raises RuntimeError if it is no bool."""
     if record.proximity is None:
         return False
     return bool(record.proximity.GetPropertyOrDefault('mesh', 'solid', False))

@@ -41,8 +41,8 @@ def bad_meshes():
         'one triangle turned': (MeshData(L.vertices, flipped), '3 have two triangles that run'),
         'one triangle too many': (MeshData(L.vertices, many), '3 have three or more'),
         'everything twice': (MeshData(L.vertices, twice), 'crosses itself'),
-        'two that cross': (two(CORNERS + [0.5, 0.3, 0.2], CUBE), 'crosses itself'),
-        'flush, but not face on face': (two(0.5 * CORNERS + [1, 0, 0], CUBE), 'crosses itself'),
+        'two that cross': (two(np.add(CORNERS, [0.5, 0.3, 0.2]), CUBE), 'crosses itself'),
+        'flush, but not face on face': (two(np.add(0.5 * CORNERS, [1, 0, 0]), CUBE), 'crosses itself'),
         'a body within a body': (two(0.5 * CORNERS + 0.25, CUBE), 'closed surfaces'),
         'a cavity in nothing': (two(0.5 * CORNERS + 3, CUBE, turned=True), 'closed surfaces'),
         'no triangles': (MeshData(CORNERS), 'no triangles'),
@@ -88,7 +88,7 @@ def test_the_property_is_a_bool_and_matters_to_meshes_only(shape):
     properties = ProximityProperties()
     properties.AddProperty('mesh', 'solid', 'yes')
     if isinstance(shape, Mesh):
-        with pytest.raises(RuntimeError, match="'solid'.*bool"):
+        with pytest.raises(RuntimeError, match=r"'solid'.*bool"):
             scene_graph.AssignRole(source, geometry, properties)
     else:
         scene_graph.AssignRole(source, geometry, properties)
@@ -101,7 +101,7 @@ def test_what_is_convex_counts_as_its_hull():
         MeshData(CORNERS, CUBE),
         MeshData(CORNERS, CUBE[:, ::-1]),
         MeshData(ball.vertices, ball.faces),
-        two(CORNERS + [1, 0, 0], CUBE),  # face on face: one body
+        two(np.add(CORNERS, [1, 0, 0]), CUBE),  # face on face: one body
     ):
         kind, parameters = solid_of(mesh, ONES)
         assert kind == CONVEX
@@ -132,9 +132,9 @@ def test_the_smallest_dent_makes_a_solid(depth):
     [
         MeshData(L.vertices, L.triangles[:, ::-1]),
         MeshData(np.vstack((L.vertices, [[9, 9, 9]])), np.vstack((L.triangles, [[0, 0, 1]]))),
-        two(CORNERS + [5, 0, 0], CUBE),
-        two(CORNERS + [1, 1, 0], CUBE),  # they share an edge
-        two(CORNERS + [1, 1, 1], CUBE),  # they share a corner
+        two(np.add(CORNERS, [5, 0, 0]), CUBE),
+        two(np.add(CORNERS, [1, 1, 0]), CUBE),  # they share an edge
+        two(np.add(CORNERS, [1, 1, 1]), CUBE),  # they share a corner
         two(0.5 * CORNERS + 0.25, CUBE, turned=True),  # a cavity
     ],
     ids=['inverted', 'idle parts', 'two bodies', 'an edge', 'a corner', 'a cavity'],

@@ -1,4 +1,4 @@
-"""Solids through the public queries: signs, levels, caches, points, scene files, what is loaded."""
+"""Solids through the public queries: signs, levels, caches, points, files, what is loaded."""
 
 import os
 import subprocess
@@ -115,7 +115,7 @@ def test_levels_contain_the_answer():
 
 def test_a_hull_far_from_its_origin_is_bounded_rightly():
     """Go lies outside: it is no point of the body, and says nothing about the distance."""
-    far = Convex.FromMeshData(MeshData(CORNERS + [5, 0, 0], CUBE))
+    far = Convex.FromMeshData(MeshData(np.add(CORNERS, [5, 0, 0]), CUBE))
     scene = Scene(far, Sphere(0.1))
     for x in (0.0, 1.0, -3.0):
         rough = scene.pair(at(0, 0, 0), at(x, 0, 0), accuracy='bound')
@@ -158,7 +158,7 @@ def test_a_half_space_sees_the_hull_and_is_exact():
 
 def test_the_property_can_be_changed():
     scene = Scene(L, Sphere(0.1))
-    graph, (mesh, ball) = scene.graph, scene.geometries
+    graph, mesh = scene.graph, scene.geometries[0]
     poses = at(0, 0, 0), at(1.2, 1.2, 0.5)
     assert scene.pair(*poses).distance == pytest.approx(0.1)
     graph.AssignRole(scene.source, mesh, as_solid(False), RoleAssign.kReplace)

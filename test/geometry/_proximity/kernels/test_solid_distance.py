@@ -1,6 +1,6 @@
 """Distances of surfaces: every triangle with fifty digits, and python-fcl as another opinion."""
 
-import fcl
+import fcl  # noqa: TID251 (another opinion, not used by the project)
 import mpmath
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ CUBE = np.array([t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))])
 
 @pytest.mark.parametrize('other', ['box', 'solid'])
 def test_fcl_is_of_the_same_opinion(other):
-    """Its distance of triangles is exact to rounding, and knows no inside: pairs that are apart."""
+    """Its distance of triangles is exact to rounding, and knows no inside: apart only."""
     rng = np.random.default_rng(6)
     apart = 0
     for _ in range(80):
