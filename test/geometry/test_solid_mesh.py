@@ -42,7 +42,7 @@ def bad_meshes():
         'one triangle too many': (MeshData(L.vertices, many), '3 have three or more'),
         'everything twice': (MeshData(L.vertices, twice), 'crosses itself'),
         'two that cross': (two(np.add(CORNERS, [0.5, 0.3, 0.2]), CUBE), 'crosses itself'),
-        'flush, but not face on face': (two(np.add(0.5 * CORNERS, [1, 0, 0]), CUBE), 'crosses itself'),
+        'flush, not face on face': (two(np.add(0.5 * CORNERS, [1, 0, 0]), CUBE), 'crosses itself'),
         'a body within a body': (two(0.5 * CORNERS + 0.25, CUBE), 'closed surfaces'),
         'a cavity in nothing': (two(0.5 * CORNERS + 3, CUBE, turned=True), 'closed surfaces'),
         'no triangles': (MeshData(CORNERS), 'no triangles'),

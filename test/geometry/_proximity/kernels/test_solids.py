@@ -72,7 +72,7 @@ def test_unions_of_boxes(kind):
             # They have to move at least as far as the deepest part asks for, and need not more
             # than what is reported, for that separates them.
             assert distance - bound <= gap + slack
-            moved, off = parts_gap(A.moved((1e-12 - distance) * out[1:4]), B)
+            moved, off = parts_gap(A.moved(-distance * out[1:4]), B)
             assert moved >= -off - ROUNDING
         assert out[calling.METHOD] == calling.MESH
     assert apart
