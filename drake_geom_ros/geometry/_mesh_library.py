@@ -1,4 +1,4 @@
-"""What trimesh does for us: it reads mesh files and makes convex hulls. Nobody else imports it.
+"""What trimesh does for us: mesh files, convex hulls, connected pieces. Nobody else imports it.
 
 It takes 2 s to import, and most scenes have no mesh.
 """
@@ -67,6 +67,17 @@ def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:
         vertices, triangles = _hull(vertices[corners])
     vertices.flags.writeable = triangles.flags.writeable = False
     return vertices, triangles
+
+
+def connected_pieces(triangles: Indices, count: int) -> list[Indices]:
+    """Return the triangles of each piece, joined by vertices, of a surface of ``count`` ones."""
+    from trimesh.graph import connected_component_labels as labelled
+
+    edges = triangles[:, [[0, 1], [1, 2]]].reshape(-1, 2)
+    labels = labelled(edges, node_count=count)  # type: ignore[no-untyped-call]
+    _, of = np.unique(labels[triangles[:, 0]], return_inverse=True)
+    order = np.argsort(of, kind='stable')
+    return np.split(order, np.searchsorted(of[order], np.arange(1, int(of.max()) + 1)))
 
 
 def _hull(points: Floats) -> tuple[Floats, Indices]:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX
-from drake_geom_ros.geometry.errors import ArgumentTypeError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
@@ -125,15 +124,10 @@ def packed_shape(record: GeometryRecord) -> tuple[int, Floats]:
 
 
 def is_solid(record: GeometryRecord) -> bool:
-    """Return the property ('mesh', 'solid'); raises ArgumentTypeError if it is no bool."""
+    """Return the property ('mesh', 'solid'); raises RuntimeError if it is no bool."""
     if record.proximity is None:
         return False
-    solid = record.proximity.GetPropertyOrDefault('mesh', 'solid', False)
-    if not isinstance(solid, (bool, np.bool_)):
-        raise ArgumentTypeError(
-            f"{named(record)}: the property ('mesh', 'solid') = {solid!r} must be True or False"
-        )
-    return bool(solid)
+    return bool(record.proximity.GetPropertyOrDefault('mesh', 'solid', False))
 
 
 def check_for_queries(record: GeometryRecord) -> None:

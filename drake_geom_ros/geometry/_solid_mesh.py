@@ -14,6 +14,7 @@ import functools
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._mesh_library import connected_pieces
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
@@ -65,7 +66,7 @@ def _solid(source: MeshSource, scale: tuple[float, ...]) -> tuple[int, Floats]:
     size = float(np.ptp(vertices, axis=0).max())
     if volume(corners) <= NO_VOLUME * size**3:
         raise MeshFileError(f'{name}: its surface encloses no volume; {_ADVICE}')
-    pieces = pieces_of(triangles, len(vertices))
+    pieces = connected_pieces(triangles, len(vertices))
     full = volume(hull_vertices[hull_triangles])
     same = len(pieces) == 1 and abs(volume(corners) - full) <= SAME_VOLUME * full
     if same and is_convex(vertices, triangles, size):
@@ -81,27 +82,30 @@ def _solid(source: MeshSource, scale: tuple[float, ...]) -> tuple[int, Floats]:
 
 def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
     """Return a mesh with one vertex a place, without triangles that have two corners in one."""
-    rows = np.ascontiguousarray(vertices + 0.0)  # -0.0 is 0.0
-    _, first, names = np.unique(
-        rows.view(f'V{rows.dtype.itemsize * 3}').ravel(), return_index=True, return_inverse=True
-    )
-    triangles = names.ravel()[triangles]
+    rows = vertices + 0.0  # -0.0 is 0.0
+    order = np.lexsort(rows.T)
+    fresh = np.ones(len(rows), dtype=np.bool_)
+    fresh[1:] = (np.diff(rows[order], axis=0) != 0.0).any(axis=1)
+    names = np.empty(len(rows), dtype=np.int64)
+    names[order] = np.cumsum(fresh) - 1
+    triangles = names[triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
-    return rows[first], without_walls(triangles)
+    return rows[order[fresh]], without_walls(triangles)
 
 
 def without_walls(triangles: Indices) -> Indices:
     """Return the triangles but those that lie back to back: the wall between two bodies."""
-    names, of, counts = np.unique(
-        np.sort(triangles, axis=1), axis=0, return_inverse=True, return_counts=True
-    )
-    if len(names) == len(triangles):
-        return triangles
+    corners = np.sort(triangles, axis=1)
+    order = np.lexsort(corners.T)
+    fresh = np.ones(len(triangles), dtype=np.bool_)
+    fresh[1:] = (np.diff(corners[order], axis=0) != 0).any(axis=1)
+    of = np.empty(len(triangles), dtype=np.int64)
+    of[order] = np.cumsum(fresh) - 1
     a, b, c = triangles.T
     turn = np.where((a < b) ^ (b < c) ^ (c < a), 1.0, -1.0)
-    alone = (counts != 2) | (np.bincount(of.ravel(), turn) != 0.0)
-    kept: Indices = triangles[alone[of.ravel()]]
+    alone = (np.bincount(of) != 2) | (np.bincount(of, turn) != 0.0)
+    kept: Indices = triangles[alone[of]]
     return kept
 
 
@@ -130,22 +134,6 @@ def volume(corners: Floats) -> float:
     """Return the volume [m^3] within a closed surface of triangles (n, 3, 3)."""
     a, b, c = (corners - corners[0, 0]).transpose(1, 0, 2)
     return float((a * np.cross(b, c)).sum()) / 6.0
-
-
-def pieces_of(triangles: Indices, count: int) -> list[Indices]:
-    """Return the triangles of each piece of a surface, pieces being joined by vertices."""
-    labels = np.arange(count)
-    while True:
-        least = labels[triangles].min(axis=1)
-        new = labels.copy()
-        np.minimum.at(new, triangles.ravel(), np.repeat(least, 3))
-        new = new[new]
-        if (new == labels).all():
-            break
-        labels = new
-    names, of = np.unique(labels[triangles[:, 0]], return_inverse=True)
-    order = np.argsort(of.ravel(), kind='stable')
-    return np.split(order, np.searchsorted(of.ravel()[order], np.arange(1, len(names))))
 
 
 def is_convex(vertices: Floats, triangles: Indices, size: float) -> bool:

@@ -16,6 +16,7 @@ from drake_geom_ros.ros.markers import (
     MarkerWriter,
     Part,
     colour_of,
+    is_solid,
     parts_of,
 )
 from drake_geom_ros.ros.scene_view import SceneView
@@ -93,7 +94,7 @@ class MarkerPublisher:
         inspector = view.query.inspector()
         self._looks = {
             (namespace, geometry): (
-                parts_of(inspector.GetShape(geometry)),
+                parts_of(inspector.GetShape(geometry), is_solid(inspector, geometry, role)),
                 colour_of(inspector, geometry, role),
             )
             for role, namespace in NAMESPACES.items()

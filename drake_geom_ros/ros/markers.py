@@ -4,7 +4,8 @@ Namespaces: ``proximity`` (translucent) and ``illustration`` for geometry by its
 ``contacts`` (witness points), ``normals`` (out of B into A) and ``distances`` (from witness to
 witness) for the pairs. A geometry keeps its marker ids while it lives: three are set aside for
 each, because RViz has no capsule and a cylinder with two balls stands for one. Hulls and meshes
-are drawn as the triangles of the hull that queries see. A half space is a plate.
+are drawn as the triangles of the hull that queries see, solids as their own. A half space is a
+plate.
 """
 
 from __future__ import annotations
@@ -51,6 +52,7 @@ _PAIR_COLOURS: dict[str, Colour] = {
 _PLATE = 20.0  # [m] side of the plate that stands for a half space
 _PLATE_THICKNESS = 0.01  # [m]
 _POINT_SIZE, _LINE_WIDTH, _NORMAL_LENGTH = 0.02, 0.004, 0.1  # [m]
+MOST_DRAWN = 50_000  # triangles of a solid; rclpy takes about 0.3 s for a marker of so many
 _IDS_A_GEOMETRY = 3
 _ID_RANGE = 2**31  # marker ids are int32
 
@@ -65,8 +67,11 @@ class Part:
     triangles: NDArray[np.float64] | None = None  # corners (3 m, 3) [m]
 
 
-def parts_of(shape: Shape) -> list[Part]:
-    """Return the markers that draw a shape in its geometry's frame."""
+def parts_of(shape: Shape, solid: bool = False) -> list[Part]:
+    """Return the markers that draw a shape in its geometry's frame, a mesh as a solid if it is.
+
+    A solid of more than MOST_DRAWN triangles is drawn as its hull.
+    """
     here = RigidTransform()
     if isinstance(shape, Sphere):
         return [Part(SPHERE, here, (2 * shape.radius(),) * 3)]
@@ -88,7 +93,21 @@ def parts_of(shape: Shape) -> list[Part]:
         return [Part(CUBE, X_GP, (_PLATE, _PLATE, _PLATE_THICKNESS))]
     assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
     vertices, triangles = shape.hull_surface()
+    if solid and isinstance(shape, Mesh):
+        vertices_of_solid, triangles_of_solid = shape.surface()
+        if len(triangles_of_solid) <= MOST_DRAWN:
+            vertices, triangles = vertices_of_solid, triangles_of_solid
     return [Part(TRIANGLE_LIST, here, (1.0, 1.0, 1.0), vertices[triangles.ravel()])]
+
+
+def is_solid(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> bool:
+    """Return whether queries see a mesh as a solid; in other roles it is drawn as its hull."""
+    properties = inspector.GetProperties(geometry, role)
+    return (
+        role is Role.kProximity
+        and properties is not None
+        and bool(properties.GetPropertyOrDefault('mesh', 'solid', False))
+    )
 
 
 def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> Colour:

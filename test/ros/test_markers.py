@@ -6,6 +6,7 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (
     Box,
@@ -15,10 +16,14 @@ from drake_geom_ros.geometry import (
     Ellipsoid,
     FramePoseVector,
     GeometryId,
+    GeometryInstance,
     HalfSpace,
+    IllustrationProperties,
     Mesh,
+    ProximityProperties,
     Rgba,
     Role,
+    SceneGraph,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
@@ -152,6 +157,37 @@ def test_a_mesh_is_drawn_as_its_hull_seen_from_outside(tmp_path, kind, scale):
     normals = np.cross(b - a, c - a)
     # Outward triangles of a closed surface: the divergence theorem gives the volume.
     assert (a * normals).sum() / 6 == pytest.approx(np.prod(np.abs(np.broadcast_to(scale, 3))))
+
+
+def test_a_solid_is_drawn_as_itself(monkeypatch):
+    mesh = Mesh.FromMeshData(surface_of('L'), 0.5)
+    hull, solid = (markers.parts_of(mesh, solid)[0].triangles for solid in (False, True))
+
+    def volume(triangles):
+        a, b, c = np.moveaxis(triangles.reshape(-1, 3, 3), 1, 0)
+        return (a * np.cross(b, c)).sum() / 6
+
+    assert volume(hull) == pytest.approx(3.5 / 8)
+    assert volume(solid) == pytest.approx(3.0 / 8)
+    monkeypatch.setattr(markers, 'MOST_DRAWN', 5)
+    assert volume(markers.parts_of(mesh, True)[0].triangles) == pytest.approx(3.5 / 8)
+
+
+@pytest.mark.parametrize('role', [Role.kProximity, Role.kIllustration])
+def test_which_meshes_are_solid_is_a_matter_of_proximity(role):
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    shape = Mesh.FromMeshData(surface_of('L'))
+    found = []
+    for solid in (True, False):
+        geometry = scene_graph.RegisterAnchoredGeometry(
+            source, GeometryInstance(RigidTransform(), shape, f'solid {solid}')
+        )
+        for properties in (ProximityProperties(), IllustrationProperties()):
+            properties.AddProperty('mesh', 'solid', solid)
+            scene_graph.AssignRole(source, geometry, properties)
+        found.append(markers.is_solid(scene_graph.model_inspector(), geometry, role))
+    assert found == [role is Role.kProximity, False]
 
 
 def test_a_moving_scene_is_sent_once_and_then_what_moved(live, publisher, drawing):

@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     AREA_VECTOR,
     CENTRE,
     LOWER,
+    MOMENT,
     MOST_IN_LEAF,
     NODE_WIDTH,
     RADIUS,
@@ -25,6 +26,8 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+SUMS = 16  # numbers that a node is made of
 
 
 def solid_parameters(
@@ -89,25 +92,32 @@ def _nodes(corners: Floats, leaves: int) -> Floats:
     """Return the nodes (2 L - 1, NODE_WIDTH) over triangles in the order of the leaves."""
     starts = leaf_bounds(len(corners), leaves)[:-1]
     nodes = np.empty((2 * leaves - 1, NODE_WIDTH))
-    last = nodes[leaves - 1 :]
-    last[:, LOWER : LOWER + 3] = np.minimum.reduceat(corners.min(axis=1), starts)
-    last[:, UPPER : UPPER + 3] = np.maximum.reduceat(corners.max(axis=1), starts)
+    # Sums over the triangles below: area, area vector (3), area times middle (3), and area vector
+    # times middle (3 x 3), from the middle of it all so that no digits are lost.
+    sums = np.empty((2 * leaves - 1, SUMS))
+    origin = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
+    middles = corners.mean(axis=1) - origin
     vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(vectors, axis=1)
-    last[:, AREA_VECTOR : AREA_VECTOR + 3] = np.add.reduceat(vectors, starts)
-    last[:, AREA] = np.add.reduceat(areas, starts)
+    areas = np.linalg.norm(vectors, axis=1)[:, None]
+    moments = (vectors[:, :, None] * middles[:, None, :]).reshape(-1, 9)
+    each = np.hstack((areas, vectors, areas * middles, moments))
     first = leaves - 1
+    sums[first:] = np.add.reduceat(each, starts)
+    nodes[first:, LOWER : LOWER + 3] = np.minimum.reduceat(corners.min(axis=1), starts)
+    nodes[first:, UPPER : UPPER + 3] = np.maximum.reduceat(corners.max(axis=1), starts)
     while first > 0:
-        first //= 2
-        level = nodes[first : 2 * first + 1]
-        children = nodes[2 * first + 1 : 4 * first + 3]
-        left, right = children[::2], children[1::2]
-        np.minimum(left[:, :3], right[:, :3], out=level[:, LOWER : LOWER + 3])
-        np.maximum(left[:, 3:6], right[:, 3:6], out=level[:, UPPER : UPPER + 3])
-        level[:, AREA_VECTOR : AREA_VECTOR + 3] = left[:, 6:9] + right[:, 6:9]
-        level[:, AREA] = left[:, AREA] + right[:, AREA]
-    # Any point serves as the centre, if the radius is measured from it.
-    lower, upper = nodes[:, LOWER : LOWER + 3], nodes[:, UPPER : UPPER + 3]
-    nodes[:, CENTRE : CENTRE + 3] = 0.5 * (lower + upper)
-    nodes[:, RADIUS] = 0.5 * np.linalg.norm(upper - lower, axis=1)
+        below, first = slice(first, 2 * first + 1), first // 2
+        level = slice(first, 2 * first + 1)
+        left, right = nodes[below][::2], nodes[below][1::2]
+        nodes[level, LOWER : LOWER + 3] = np.minimum(left[:, :3], right[:, :3])
+        nodes[level, UPPER : UPPER + 3] = np.maximum(left[:, 3:6], right[:, 3:6])
+        sums[level] = sums[below][::2] + sums[below][1::2]
+    areas, vectors, total, moments = np.split(sums, (1, 4, 7), axis=1)
+    centres = np.divide(total, areas, out=np.zeros_like(total), where=areas > 0.0)
+    about = moments - (vectors[:, :, None] * centres[:, None, :]).reshape(-1, 9)
+    nodes[:, AREA_VECTOR : AREA_VECTOR + 3], nodes[:, AREA] = vectors, areas[:, 0]
+    nodes[:, CENTRE : CENTRE + 3] = centres = centres + origin
+    far = np.maximum(centres - nodes[:, :3], nodes[:, 3:6] - centres)
+    nodes[:, RADIUS] = np.linalg.norm(far, axis=1)
+    nodes[:, MOMENT] = np.linalg.norm(about, axis=1)
     return nodes

@@ -129,3 +129,7 @@ SAME_VOLUME = 1e-9
 # Triangles of one surface cross if an edge of one goes this far [-] through the other, relative
 # to their size, and past its border: a vertex in single precision that touches does not.
 CROSSING = 1e-6
+
+# A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
+# triangle bounds, and its winding number keeps seven digits there.
+BENEATH = 1e-9

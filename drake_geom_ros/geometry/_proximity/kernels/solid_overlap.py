@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.gjk import OVERLAP, distance_of_cores
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import (
@@ -36,11 +36,16 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     NO_TREE,
     SOLID,
     middle_of_triangle,
+    normal_of,
     tree_of,
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
     CONVEX,
+    CYLINDER,
+    ELLIPSOID,
     SPHERE,
     bounding_radius,
     local_support,
@@ -59,25 +64,49 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     unrotate,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, RIGHT_ANGLE, ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import BENEATH, EPS, RIGHT_ANGLE, ROUNDING
 
 MOST_HALVINGS = 40  # of a distance, until nothing else of the surface is as near
 MOST_PUSHES = 6  # directions that are tried
-MOST_CONTACTS = 200  # pairs of leaves that they are taken from
-MOST_ROUNDS = 6  # pushes one after the other
+MOST_CONTACTS = 64  # pairs of leaves that they are taken from
+MOST_ROUNDS = 4  # pushes one after the other
 MOST_SLIDES = 16
+MOST_FLUSH = 1000  # pairs of leaves that touch, when bodies may be in each other all the same
 MOST_MIDDLES = 16  # of touching triangles that are tried
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 
 
 @compiled
-def is_contained(A, B, p, touches):
+def are_flush(A, B, p, size):
+    """Tell whether a triangle of solids that touch, none of which cross, lies in the other body.
+
+    Walls in line may hide that: what lies just beneath the middle of a triangle tells.
+    """
+    pairs = np.empty((MOST_FLUSH, 2), dtype=np.int64)
+    n = (1.0, 0.0, 0.0)
+    noise = 4.0 * BACK_OFF * ROUNDING * EPS * size
+    beneath = BENEATH * size
+    for k in range(close_pairs(A, B, p, n, size, 0.0, noise, pairs)):
+        i, j = pairs[k, 0], pairs[k, 1]
+        x = add_scaled(middle_of_triangle(A[1], A[3], i), -beneath, normal_of(A[1], A[3], i))
+        y = add_scaled(middle_of_triangle(B[0], B[1], j), -beneath, normal_of(B[0], B[1], j))
+        if is_inside(B[0], B[1], add(p, rotate(A[2], x))):
+            return True
+        if is_inside(A[1], A[3], unrotate(A[2], sub(y, p))):
+            return True
+    return False
+
+
+@compiled
+def is_contained(A, B, p, touches, size):
     """Tell whether a piece of A lies in B or the reverse, where their surfaces do not cross.
 
     ``touches`` tells that their surfaces have a point in common, to rounding: then a point of a
     core that is but one is on B's surface, and neither inside nor outside.
     """
     kind, shape, R, tree, _ = A
+    if touches and kind == SOLID and are_flush(A, B, p, size):
+        return True
     has_side = kind != SOLID and not (touches and kind == SPHERE)
     if has_side and is_inside(B[0], B[1], middle_of(A, p)):
         return True
@@ -106,7 +135,7 @@ def look(A, B, p, n, size, tolerance, radius):
     found = nearest(A, B, p, n, size, tolerance, math.inf)
     end, upper, lower = found[0], found[1], found[2]
     clear = end != OVERLAP and lower >= radius - 2.0 * noise
-    return clear and not is_contained(A, B, p, upper <= noise), found
+    return clear and not is_contained(A, B, p, upper <= noise, size), found
 
 
 @compiled
@@ -186,7 +215,10 @@ def escape(A, B, p, t, size, tolerance, radius, most):
 
 @compiled
 def slide(A, B, p, t, found, size, tolerance, radius):
-    """Return (t, a, b) for a t that is no longer, where A is apart too and touches, if it can."""
+    """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
+
+    There it touches with the point a of its core, at b, and m is the normal out of B.
+    """
     back_off = BACK_OFF * ROUNDING * EPS * size
     for _ in range(MOST_SLIDES):
         m, gap = scale(-1.0, found[3]), found[2] - radius
@@ -202,34 +234,59 @@ def slide(A, B, p, t, found, size, tolerance, radius):
             t = nearer
             found = look(A, B, add(p, t), found[3], size, tolerance, radius)[1]
         break
-    return t, found[4], found[5]
+    return t, scale(-1.0, found[3]), found[4], found[5]
 
 
 @compiled
-def deepest_touching(A, B, p, t, found, size, tolerance, radius):
-    """Return a lower bound of the depth [m] by the middles of what touches after the move by t.
+def depth_in(A, B, p, x, size, radius):
+    """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
+    q = unrotate(A[2], sub(x, p))
+    kind, shape = A[0], A[1]
+    if kind == SOLID:
+        return depth_of_point((shape, A[3], B[2]), q, size)
+    if kind == CAPSULE:
+        return radius - norm((q[0], q[1], max(abs(q[2]) - shape[1], 0.0)))
+    if kind == SPHERE:
+        return radius - norm(q)
+    depth = -math.inf
+    if kind == BOX:
+        depth = min(shape[0] - abs(q[0]), shape[1] - abs(q[1]), shape[2] - abs(q[2]))
+    if kind == CYLINDER:
+        depth = min(shape[0] - math.hypot(q[0], q[1]), shape[1] - abs(q[2]))
+    if kind == ELLIPSOID:  # a smaller one around x, of the same proportions, fits
+        level = norm((q[0] / shape[0], q[1] / shape[1], q[2] / shape[2]))
+        depth = (1.0 - level) * min(shape[0], shape[1], shape[2])
+    return depth if depth >= 0.0 else -math.inf
 
-    Of a core that is the middle of its lowest face; of solids the triangles that touch, each in
-    the other body. A corner that touches may be no deeper than a wall beside it.
+
+@compiled
+def deepest_at(A, B, p, x, size, radius):
+    """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it."""
+    return depth_in(A, B, p, x, size, radius) + depth_of_point(B, x, size)
+
+
+@compiled
+def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
+    """Return a lower bound of the depth [m] by points near where A touches after the move by t.
+
+    They are the point a of A's core and b of B's surface that touch then, what is half-way between
+    them before the move, and the middles of what touches: of a core the lowest face, of solids the
+    triangles. A corner that touches may be no deeper than a wall beside it.
     """
-    m = scale(-1.0, found[3])
+    before = sub(a, t)
+    least = radius + depth_of_point(B, before, size)
+    least = max(least, deepest_at(A, B, p, b, size, radius))
+    least = max(least, deepest_at(A, B, p, add_scaled(b, -0.5, t), size, radius))
     if A[0] != SOLID:
-        return radius + depth_of_point(B, add(p, lowest_middle(A, m)), size)
+        lowest = add(p, support(A[0], A[1], A[2], scale(-1.0, m), RIGHT_ANGLE))
+        return max(least, radius + depth_of_point(B, lowest, size))
     noise = 4.0 * BACK_OFF * ROUNDING * EPS * size
     pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
-    count = close_pairs(A, B, add(p, t), found[3], size, tolerance, noise, pairs)
-    least, A_too = 0.0, (A[1], A[3], B[2])
-    for k in range(count):
-        a = add(p, rotate(A[2], middle_of_triangle(A[1], A[3], pairs[k, 0])))
-        b = unrotate(A[2], sub(middle_of_triangle(B[0], B[1], pairs[k, 1]), p))
-        least = max(least, depth_of_point(B, a, size), depth_of_point(A_too, b, size))
+    for k in range(close_pairs(A, B, add(p, t), scale(-1.0, m), size, tolerance, noise, pairs)):
+        x = add(p, rotate(A[2], middle_of_triangle(A[1], A[3], pairs[k, 0])))
+        y = middle_of_triangle(B[0], B[1], pairs[k, 1])
+        least = max(least, depth_of_point(B, x, size), depth_in(A, B, p, y, size, radius))
     return least
-
-
-@inlined
-def lowest_middle(A, m):
-    """Return the point of A's core, from Ao, extreme along -m; of a face or edge the middle."""
-    return support(A[0], A[1], A[2], scale(-1.0, m), RIGHT_ANGLE)
 
 
 @compiled
@@ -264,10 +321,9 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
             if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
                 depth, t_best, b_best = norm(t), t, local_support(CONVEX, B[0], m, 0.0)
         if clear:
-            t, a, b = slide(A, B, p, t, ahead, size, tolerance, radius)
-            least = max(least, radius + depth_of_point(B, sub(a, t), size))
-            if depth - least > enough:
-                least = max(least, deepest_touching(A, B, p, t, ahead, size, tolerance, radius))
+            t, m, a, b = slide(A, B, p, t, ahead, size, tolerance, radius)
             if norm(t) < depth:
                 depth, t_best, b_best = norm(t), t, b
+            deep = deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius)
+            least = max(least, deep)
     return depth, min(least, depth), t_best, b_best

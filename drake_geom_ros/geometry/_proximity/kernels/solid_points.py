@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     CENTRE,
     CORNERS,
     DEEPEST,
+    MOMENT,
     NODE_WIDTH,
     RADIUS,
     box_of_node,
@@ -40,7 +41,8 @@ LAST_RATIO = 100.0  # beyond it none is
 def dipole(shape, at, q):
     """Return (half solid angle, error, radii away) of a node seen from q as a dipole [sr].
 
-    The field r / |r|^3 of a point changes by at most 2 / s^3 a metre at distances s and more.
+    Taylor's theorem about the centre: the derivative of the field r / |r|^3 is at most 2 / |r|^3,
+    the second one at most 6 / s^4 at distances s and more. Flat patches have a moment of zero.
     """
     r = sub(vector_at(shape, at + CENTRE), q)
     distance, radius = norm(r), shape[at + RADIUS]
@@ -49,7 +51,8 @@ def dipole(shape, at, q):
     cube = distance * distance * distance
     nearest = distance - radius
     half = 0.5 * dot(vector_at(shape, at + AREA_VECTOR), r) / cube
-    error = shape[at + AREA] * radius / (nearest * nearest * nearest)
+    spread = shape[at + AREA] * (radius / nearest) * (radius / nearest)
+    error = shape[at + MOMENT] / cube + 1.5 * spread / (nearest * nearest)
     return half, error, distance / radius
 
 

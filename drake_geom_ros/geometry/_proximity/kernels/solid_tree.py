@@ -27,13 +27,14 @@ SOLID = 8
 MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
 
 HEADER = 4  # numbers: triangles, leaves, pieces, planes
-NODE_WIDTH = 14
+NODE_WIDTH = 15
 LOWER = 0  # 3: corner of the box
 UPPER = 3  # 3
 AREA_VECTOR = 6  # 3: sum of the triangles' normals times areas [m^2]
 AREA = 9  # sum of the areas [m^2]
-CENTRE = 10  # 3
+CENTRE = 10  # 3: mean of the triangles' points
 RADIUS = 13  # of a ball around the centre that holds the triangles [m]
+MOMENT = 14  # norm of the sum of normals times areas times middles, from the centre [m^3]
 CORNERS = 9  # numbers a triangle
 PLANE = 4  # numbers a plane: outward normal, offset
 

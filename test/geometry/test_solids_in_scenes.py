@@ -1,0 +1,217 @@
+"""Solids through the public queries: signs, levels, caches, points, files, what is loaded."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from oracles.solids import surface_of
+
+from drake_geom_ros.geometry import (
+    Box,
+    Convex,
+    FramePoseVector,
+    GeometryFrame,
+    GeometryInstance,
+    HalfSpace,
+    Mesh,
+    MeshData,
+    ProximityProperties,
+    RoleAssign,
+    SceneGraph,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.scene_files import load_scene, save_scene
+
+ROOT = Path(__file__).parents[2]
+L, RING = Mesh.FromMeshData(surface_of('L')), Mesh.FromMeshData(surface_of('ring'))
+CORNERS = np.array(list(np.ndindex(2, 2, 2)), dtype=float) - 0.5
+QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+CUBE = [t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))]
+
+
+def as_solid(solid=True):
+    properties = ProximityProperties()
+    properties.AddProperty('mesh', 'solid', solid)
+    return properties
+
+
+class Scene:
+    """Shapes on a frame each, meshes as solids."""
+
+    def __init__(self, *shapes):
+        self.graph = SceneGraph()
+        self.source = self.graph.RegisterSource('s')
+        self.frames, self.geometries = [], []
+        for k, shape in enumerate(shapes):
+            self.frames.append(self.graph.RegisterFrame(self.source, GeometryFrame(f'f{k}')))
+            instance = GeometryInstance(RigidTransform(), shape, 'g')
+            instance.set_proximity_properties(as_solid())
+            self.geometries.append(
+                self.graph.RegisterGeometry(self.source, self.frames[-1], instance)
+            )
+        self.context = self.graph.CreateDefaultContext()
+
+    def at(self, *poses):
+        poses = FramePoseVector(dict(zip(self.frames, poses, strict=True)))
+        self.context.UpdateFramePoses(poses)
+        return self.graph.get_query_output_port().Eval(self.context)
+
+    def pair(self, *poses, accuracy='exact'):
+        query = self.at(*poses)
+        return query.ComputeSignedDistancePairClosestPoints(*self.geometries, accuracy=accuracy)
+
+
+def at(*p):
+    return RigidTransform(np.array(p, dtype=float))
+
+
+def test_a_sphere_within_a_cube_mesh_is_as_deep_as_it_is():
+    cube = Mesh.FromMeshData(MeshData(CORNERS, CUBE))
+    pair = Scene(cube, Sphere(0.1)).pair(at(0, 0, 0), at(0, 0, 0))
+    assert pair.distance == pytest.approx(-0.6, abs=1e-13)
+    # The same of a cube with a cavity in a corner far from the ball: no hull tells.
+    hollow = np.vstack((CORNERS, 0.05 * CORNERS + 0.4))
+    cavity = [[c + 8, b + 8, a + 8] for a, b, c in CUBE]
+    cube = Mesh.FromMeshData(MeshData(hollow, CUBE + cavity))
+    pair = Scene(cube, Sphere(0.1)).pair(at(0, 0, 0), at(0, 0, 0))
+    assert pair.distance == pytest.approx(-0.6, abs=1e-13)
+    assert pair.error_bound <= 1e-12
+    inside = Scene(cube, Sphere(0.01)).pair(at(0, 0, 0), at(0.4, 0.4, 0.4))
+    assert inside.distance == pytest.approx(0.015, abs=1e-13)
+
+
+@pytest.mark.parametrize('other', [Sphere(0.1), Box(0.2, 0.2, 0.2), Mesh.FromMeshData(
+    surface_of('U'), 0.1)])  # fmt: skip
+@pytest.mark.parametrize('p', [(1.5, 1.5, 0.5), (0.5, 0.5, 1.05), (0.4, 0.4, 0.4), (3, 3, 3)])
+def test_all_queries_agree(other, p):
+    scene = Scene(L, other)
+    query = scene.at(at(0, 0, 0), at(*p))
+    (pair,) = query.ComputeSignedDistancePairwiseClosestPoints()
+    contacts = query.ComputePointPairPenetration()
+    assert query.HasCollisions() == (pair.distance < 0.0) == bool(len(contacts))
+    for contact in contacts:
+        assert contact.depth == -pair.distance
+        assert contact.nhat_BA_W == pytest.approx(pair.nhat_BA_W)
+    near = query.ComputeSignedDistancePairwiseClosestPoints(0.01)
+    assert len(near) == (pair.distance <= 0.01)
+
+
+def test_levels_contain_the_answer():
+    rng = np.random.default_rng(4)
+    for other in (Sphere(0.2), Box(0.2, 0.5, 0.3), RING):
+        scene = Scene(L, other)
+        for _ in range(6):
+            pose = RigidTransform(RollPitchYaw(*rng.normal(size=3)), rng.uniform(-1, 4, 3))
+            exact = scene.pair(at(0, 0, 0), pose)
+            for level in ('bound', 'fast', 'balanced'):
+                rough = scene.pair(at(0, 0, 0), pose, accuracy=level)
+                off = abs(rough.distance - exact.distance)
+                assert off <= rough.error_bound + exact.error_bound
+
+
+def test_a_hull_far_from_its_origin_is_bounded_rightly():
+    """Go lies outside: it is no point of the body, and says nothing about the distance."""
+    far = Convex.FromMeshData(MeshData(np.add(CORNERS, [5, 0, 0]), CUBE))
+    scene = Scene(far, Sphere(0.1))
+    for x in (0.0, 1.0, -3.0):
+        rough = scene.pair(at(0, 0, 0), at(x, 0, 0), accuracy='bound')
+        exact = scene.pair(at(0, 0, 0), at(x, 0, 0))
+        assert abs(rough.distance - exact.distance) <= rough.error_bound + exact.error_bound
+
+
+def test_a_walk_in_small_steps_answers_as_a_fresh_scene():
+    scene = Scene(L, Box(0.2, 0.3, 0.4))
+    for k in range(40):
+        pose = RigidTransform(RollPitchYaw(0.1 * k, 0.2, 0.3), [2.5 - 0.05 * k, 1.4, 0.5])
+        query = scene.at(at(0, 0, 0), pose)
+        walked = query.ComputeSignedDistancePairwiseClosestPoints(0.5)
+        fresh = Scene(L, Box(0.2, 0.3, 0.4)).at(at(0, 0, 0), pose)
+        fresh = fresh.ComputeSignedDistancePairwiseClosestPoints(0.5)
+        assert len(walked) == len(fresh)
+        for one, other in zip(walked, fresh, strict=True):
+            slack = 2.0 * max(one.error_bound, other.error_bound)
+            assert abs(one.distance - other.distance) <= slack
+    again = scene.at(at(0, 0, 0), pose)
+    again.ComputeSignedDistancePairwiseClosestPoints(0.5)
+    assert again.effects().narrowphase_pairs == 0
+
+
+def test_points_know_inside_from_outside():
+    query = Scene(RING).at(at(1, 0, 0))
+    points = np.array([[2.5, 1.5, 0.5], [1.5, 1.5, 0.5], [1.2, 1.5, 0.5], [2.5, 1.5, 4.0]])
+    found = query.ComputeSignedDistanceToPoint(points)
+    assert found.distance == pytest.approx([0.5, -0.5, -0.2, np.hypot(0.5, 3.0)], abs=1e-13)
+    assert found.grad_W[2] == pytest.approx([-1, 0, 0])
+    assert (found.error_bound <= 1e-12).all()
+    assert query.effects().pairs_by_method == {'mesh': 4}
+
+
+def test_a_half_space_sees_the_hull_and_is_exact():
+    scene = Scene(L, HalfSpace())
+    pair = scene.pair(at(0, 0, -0.25), at(0, 0, 0))
+    assert pair.distance == pytest.approx(-0.25, abs=1e-14)
+
+
+def test_the_property_can_be_changed():
+    scene = Scene(L, Sphere(0.1))
+    graph, mesh = scene.graph, scene.geometries[0]
+    poses = at(0, 0, 0), at(1.2, 1.2, 0.5)
+    assert scene.pair(*poses).distance == pytest.approx(0.1)
+    graph.AssignRole(scene.source, mesh, as_solid(False), RoleAssign.kReplace)
+    scene.context = graph.CreateDefaultContext()
+    assert scene.pair(*poses).distance < 0.0  # the hull closes the notch
+    assert graph.model_inspector().GetShape(mesh) == L
+
+
+def test_a_scene_file_says_what_is_solid():
+    data = surface_of('L')
+    text = f"""
+    frames: [{{name: ball}}]
+    geometries:
+      - name: l
+        shape:
+          type: mesh
+          vertices: {data.vertices.tolist()}
+          triangles: {data.triangles.tolist()}
+        roles: {{proximity: {{mesh: {{solid: true}}}}}}
+      - {{name: ball, frame: ball, pose: {{position: [1.2, 1.2, 0.5]}},
+          shape: {{type: sphere, radius: 0.1}}}}
+    """
+    for _ in range(2):
+        graph = SceneGraph()
+        load_scene(text, graph)
+        query = graph.get_query_output_port().Eval(graph.CreateDefaultContext())
+        (pair,) = query.ComputeSignedDistancePairwiseClosestPoints()
+        assert pair.distance == pytest.approx(0.1)
+        text = save_scene(graph)
+        assert 'solid: true' in text
+
+
+LOADED = """
+import sys
+import numpy as np
+from drake_geom_ros.geometry import *
+from drake_geom_ros.math import RigidTransform
+graph = SceneGraph()
+source = graph.RegisterSource('s')
+data = MeshData(np.array(list(np.ndindex(2, 2, 2)), float), [])
+for shape in (Sphere(0.1), Mesh.FromMeshData(data)):
+    instance = GeometryInstance(RigidTransform(), shape, str(shape._TYPE))
+    instance.set_proximity_properties(ProximityProperties())
+    graph.RegisterGeometry(source, graph.RegisterFrame(source, GeometryFrame(instance.name())),
+                           instance)
+graph.get_query_output_port().Eval(graph.CreateDefaultContext()).FindCollisionCandidates()
+print([name for name in sys.modules if 'drake_geom_ros' in name and 'solid' in name])
+"""
+
+
+def test_a_scene_without_solids_loads_nothing_of_theirs():
+    found = subprocess.run(
+        [sys.executable, '-c', LOADED], cwd=ROOT, capture_output=True, text=True, timeout=120,
+        env={**os.environ, 'PYTHONPATH': str(ROOT)},
+    )  # fmt: skip
+    assert found.stdout == '[]\n', found.stderr
