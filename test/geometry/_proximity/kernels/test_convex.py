@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numba import config
-from oracles.hard_poses import hard_poses
 from oracles.pairs import Pair, height, random_pairs, random_rotation, width_along_normal
 
 from drake_geom_ros.accuracy.truth import signed_distance
@@ -117,29 +116,6 @@ def _support(kind, size, R, n):
     if kind == CYLINDER:
         return R @ np.append(size[0] * d[:2] / np.hypot(*d[:2]), size[1] * np.sign(d[2]))
     return R @ (size**2 * d / np.linalg.norm(size * d))
-
-
-POSES = {
-    name: pose
-    for name, pose in hard_poses().items()
-    if (pose[0].kind_A, pose[0].kind_B) in ROWS.values()
-}
-
-
-def test_the_catalogue_has_poses_for_these_kernels():
-    assert {'H05', 'H06', 'H07', 'H18', 'H19', 'H26', 'H28'} <= set(POSES)
-
-
-@pytest.mark.parametrize('name', POSES)
-@pytest.mark.parametrize('scale', [1e-6, 1.0, 1e4])
-def test_catalogued_pose(name, scale):
-    pair, distance, tolerance = POSES[name]
-    row = _check(pair.scaled(scale), 1e-9 * scale)
-    bound = row[calling.ERROR_BOUND]
-    assert bound <= 2e-9 * scale
-    assert abs(row[0] - scale * _truth(pair)) <= bound + 1e-12 * scale
-    # Six to twelve digits are printed; H18 is printed as touching, and is 3.3e-11 apart.
-    assert abs(row[0] - scale * distance) <= scale * (tolerance + 1e-10) + bound
 
 
 CUBE, TALL, COIN = (0.5, 0.5, 0.5), (0.25, 0.5), (0.08, 0.001)
