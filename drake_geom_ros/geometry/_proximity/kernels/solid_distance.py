@@ -5,7 +5,7 @@ orientation R in B. ``B = (shape, tree, identity)``. A's origin is at p in B. Po
 from Bo and expressed in B's axes; n points from A towards B.
 
 A pair of leaves is answered by GJK, with a certificate; a sphere's centre by the closed form. What
-touches to rounding is told from what crosses by the planes of the triangles: a face that lies
+touches to rounding is told from what crosses by the slabs between the leaves: a face that lies
 flush on another crosses nothing.
 """
 
@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     SOLID,
     box_at,
     box_of_node,
+    edge_of,
     first_of_leaf,
     gap_of_boxes,
     is_leaf,
@@ -39,6 +40,8 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
 from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE, TRIANGLE
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
+    column,
+    cross,
     dot,
     norm,
     rotate,
@@ -70,21 +73,35 @@ def leaf_pair(A, i, B, j, p):
 
 
 @compiled
+def slab_axis(A, i, B, j, turn):
+    """Return one of the 11 axes that may separate two leaves, or the zero vector.
+
+    They are the normals of both triangles and the products of their edges; of a core, which has no
+    normal, its axes stand for edges. Of a box and of a triangle these are all there are.
+    """
+    if turn == 0:
+        return normal_of(B[0], B[1], j)
+    if turn == 1:
+        return rotate(A[2], normal_of(A[1], A[3], i)) if A[0] == SOLID else (0.0, 0.0, 0.0)
+    k, m = (turn - 2) // 3, (turn - 2) % 3
+    other = column(A[2], m)
+    if A[0] == SOLID:
+        other = rotate(A[2], edge_of(A[1], A[3], i, m))
+    return unit(cross(edge_of(B[0], B[1], j, k), other))
+
+
+@compiled
 def widest_slab(A, i, B, j, pair):
-    """Return (width, n) of the widest slab between two leaves along the planes of triangles."""
+    """Return (width, n) of the widest slab between two leaves along ``slab_axis``."""
     best, best_n = -math.inf, (0.0, 0.0, 0.0)
-    for turn in range(4):
-        if turn < 2:
-            n = normal_of(B[0], B[1], j)
-        elif A[0] == SOLID:
-            n = rotate(A[2], normal_of(A[1], A[3], i))
-        else:
-            break
-        n = scale(-1.0 if turn % 2 == 0 else 1.0, n)
-        a, b = support_points(pair, n, 0.0)
-        width = dot(sub(b, a), n)
-        if dot(n, n) > 0.5 and width > best:
-            best, best_n = width, n
+    for turn in range(11):
+        axis = slab_axis(A, i, B, j, turn)
+        for side in range(2):
+            n = scale(2.0 * side - 1.0, axis)
+            a, b = support_points(pair, n, 0.0)
+            width = dot(sub(b, a), n)
+            if dot(n, n) > 0.5 and width > best:
+                best, best_n = width, n
     return best, best_n
 
 

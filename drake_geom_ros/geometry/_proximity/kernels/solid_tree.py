@@ -85,6 +85,13 @@ def normal_of(shape, tree, j):
 
 
 @inlined
+def edge_of(shape, tree, j, k):
+    """Return edge k, 0 to 2, of triangle j."""
+    at = tree[2] + CORNERS * j
+    return sub(vector_at(shape, at + 3 * ((k + 1) % 3)), vector_at(shape, at + 3 * k))
+
+
+@inlined
 def middle_of_triangle(shape, tree, j):
     """Return the mean of the corners of triangle j."""
     at = tree[2] + CORNERS * j

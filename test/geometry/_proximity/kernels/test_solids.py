@@ -198,3 +198,30 @@ def test_a_ball_in_the_hole_of_a_ring_is_free():
     assert out[0] == pytest.approx(0.1, abs=1e-14)
     assert not out[calling.UNIQUE]
     assert row_of(at(SPHERE, [0.6], 1.5, 1.5, 0.5), ring)[0] < -0.1
+
+
+@pytest.mark.parametrize('gap', [1e-3, 1e-9, 1e-13, 0.0, -1e-13])
+@pytest.mark.parametrize('kind', [BOX, SOLID])
+def test_edges_that_touch_crosswise(kind, gap):
+    """An edge of a body turned by 45 degrees lies across an edge of the L, seen along both."""
+    s = np.sqrt(0.5)
+    up = np.array([0.0, -s, s])  # between the L's top and its wall y = 0
+    across = np.column_stack(([s, s * up[1], s * up[2]], [0.0, s, s], [-s, s * up[1], s * up[2]]))
+    across = across if np.linalg.det(across) > 0 else across[:, [1, 0, 2]]
+    if kind == BOX:
+        A = Body(BOX, np.full(3, 0.1), across, np.zeros(3))
+    else:
+        A = solid('U', across, np.zeros(3), 0.1)
+    corners = [a.p + a.R @ (a.parameters * np.sign(c)) for a in A.parts()
+               for c in np.array(list(np.ndindex(2, 2, 2))) - 0.5]  # fmt: skip
+    heights = np.array(corners) @ up
+    lowest = np.array(corners)[heights <= heights.min() + 1e-12]
+    at = lowest.mean(axis=0)
+    A = A.moved(np.array([0.5, 0.0, 1.0]) - at + gap * up)
+    out = row_of(A, L)
+    truth, error = parts_gap(A, L)
+    check_laws(out)
+    assert truth == pytest.approx(gap, abs=1e-12)
+    assert abs(out[0] - truth) <= out[calling.ERROR_BOUND] + error
+    assert out[calling.ERROR_BOUND] <= 1e-8
+    assert out[1:4] == pytest.approx(up, abs=1e-4)
