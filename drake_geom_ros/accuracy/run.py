@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +41,7 @@ class Request:
     quick: bool = False
     minutes: float | None = None
     seed: int = 0
+    samples: int | None = None  # of each configuration, at most
 
 
 def run(request: Request, say: Callable[[str], None]) -> int:
@@ -48,6 +49,8 @@ def run(request: Request, say: Callable[[str], None]) -> int:
     plan = Plan(seed=request.seed)
     if request.quick:
         plan = Plan(least_batches=1, turns=5, seed=request.seed, tolerances=False)
+    if request.samples is not None:
+        plan = replace(plan, least_batches=1, most_batches=request.samples)
     cases = all_cases(QUICK_RESOLUTIONS if request.quick else RESOLUTIONS)
     chosen_cases = chosen(cases, request.patterns)
     measurement = Measurement(plan, request.peers)

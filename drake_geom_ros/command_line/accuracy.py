@@ -40,6 +40,9 @@ def add_to(commands: Any) -> None:
         help=f'of {", ".join(peers.names())}, or {NONE}; default: all that are installed',
     )
     parser.add_argument('--minutes', type=_minutes, help='to measure in (default: 9; quick: 0.8)')
+    parser.add_argument(
+        '--samples', type=_count, metavar='N', help='of each configuration of a case, at most'
+    )
     parser.add_argument('--seed', type=int, default=0)
     parser.set_defaults(run=run)
 
@@ -63,6 +66,7 @@ def run(options: argparse.Namespace) -> int:
         quick=options.quick,
         minutes=options.minutes,
         seed=options.seed,
+        samples=options.samples,
     )
     return measure(request, partial(print, flush=True))
 
@@ -89,6 +93,13 @@ def peers_of(names: list[str] | None) -> tuple[str, ...]:
             here = ', '.join(installed) or 'no peer'
             raise ArgumentError(f'--peers {name}: it is not installed; installed here: {here}')
     return asked
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f'{text} must be a number >= 1')
+    return value
 
 
 def _minutes(text: str) -> float:

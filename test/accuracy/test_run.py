@@ -12,7 +12,7 @@ from drake_geom_ros.accuracy.subjects import CaseSubject
 
 
 def tiny(folder, *patterns, peers=()):
-    return Request(folder, peers, patterns or ('Sphere-Box',), quick=True, minutes=0.02)
+    return Request(folder, peers, patterns or ('Sphere-Box',), quick=True, samples=1)
 
 
 @pytest.fixture

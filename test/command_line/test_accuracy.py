@@ -19,7 +19,7 @@ def options(*arguments):
 
 def test_it_runs(tmp_path, capsys):
     code = program.main(
-        ['accuracy', '--quick', '--cases', 'Sphere-Sphere', '--peers', 'none', '--minutes', '0.01',
+        ['accuracy', '--quick', '--cases', 'Sphere-Sphere', '--peers', 'none', '--samples', '1',
          '--output', str(tmp_path)]
     )  # fmt: skip
     assert code == 0, capsys.readouterr().err
@@ -63,6 +63,12 @@ def test_an_unknown_case_is_refused_before_anything_is_written(tmp_path, capsys)
     assert program.main(arguments) == program.BAD_INPUT
     assert 'no case is called so' in capsys.readouterr().err
     assert not folder.exists()
+
+
+def test_bad_counts_are_refused(capsys):
+    with pytest.raises(SystemExit):
+        options('--samples', '0')
+    assert '0 must be a number >= 1' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('minutes', ['0', '-1', 'inf', 'soon'])
