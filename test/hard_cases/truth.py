@@ -7,9 +7,9 @@ import itertools
 
 import numpy as np
 from mpmath import mp, mpf
-from oracles import support_function
 
-from drake_geom_ros.accuracy import closed_forms
+from drake_geom_ros.accuracy import closed_forms, supports
+from drake_geom_ros.accuracy.truth import signed_distance as searched_distance
 
 KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace', 'Convex')
 EPS = np.finfo(float).eps
@@ -31,9 +31,11 @@ def support(body, n):
     if body.kind == 'HalfSpace':
         return body.p
     kind, size = kernel_form(body)
-    # The oracle squares the axes of an ellipsoid: at 1 m, where nothing of that underflows.
-    s = size.max() if body.kind == 'Ellipsoid' else 1.0
-    return body.p + s * support_function.support_point((kind, size / s), (body.R, np.zeros(3)), n)
+    # The oracle squares lengths: at 1 m, where nothing of that leaves float64.
+    s = np.ldexp(1.0, np.frexp(np.abs(body.size).max())[1])
+    size = np.concatenate((size[:1], size[1:] / s)) if body.kind == 'Convex' else size / s
+    at_one_metre = supports.posed((kind, size), body.R, np.zeros(3))
+    return body.p + s * at_one_metre.points(np.asarray(n, dtype=float)[None])[0]
 
 
 def width(a, b, nhat_BA_W):
@@ -57,9 +59,7 @@ def signed_distance(a, b):
     if is_closed(a, b):
         distance = _closed(a, b)
         return distance, tilt + EPS * abs(distance)
-    distance, _ = support_function.signed_distance(
-        kernel_form(a), (a.R, a.p), kernel_form(b), (b.R, b.p)
-    )
+    distance, _ = searched_distance(kernel_form(a), (a.R, a.p), kernel_form(b), (b.R, b.p))
     extent = a.radius + b.radius + np.linalg.norm(b.p - a.p)
     return float(distance), tilt + SEARCH * extent
 
