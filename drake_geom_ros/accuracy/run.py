@@ -53,8 +53,8 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         plan = replace(plan, least_batches=1, most_batches=request.samples)
     cases = all_cases(QUICK_RESOLUTIONS if request.quick else RESOLUTIONS)
     chosen_cases = chosen(cases, request.patterns)
-    measurement = Measurement(plan, request.peers)
-    begun = time.monotonic()
+    measurement, left_out = Measurement(plan, request.peers), []
+    begun, compiling = time.monotonic(), 0.0
     minutes = request.minutes or (QUICK_MINUTES if request.quick else MINUTES)
     try:
         compiling = compile_kernels(chosen_cases)
@@ -63,23 +63,33 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         scenes = [] if request.patterns else [make() for make in SCENES.values()]
         subjects: list[Subject] = [SceneSubject(scene) for scene in scenes]
         subjects += [CaseSubject(case) for case in in_turns(chosen_cases)]
-        measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
+        left_out = measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
     except KeyboardInterrupt:
         say('interrupted: what was measured until now is written')
     finally:
         measurement.close()
     told = Circumstances(
-        command='python -m drake_geom_ros accuracy' + (' --quick' if request.quick else ''),
+        command=_command(request),
         machine=machine.description(),
         versions=machine.versions(request.peers),
         minutes=(time.monotonic() - begun - compiling) / 60.0,
         compiling=compiling,
+        left_out=left_out,
         overheads=measurement.overheads,
     )
     order = {case.name: k for k, case in enumerate(cases)}
     records = sorted(measurement.records, key=lambda r: order.get(r.case, len(order)))
     write(records, told, request.output, say)
     return verdict(records, say)
+
+
+def _command(request: Request) -> str:
+    words = ['python -m drake_geom_ros accuracy']
+    words += ['--quick'] if request.quick else []
+    words += [f'--minutes {request.minutes:g}'] if request.minutes else []
+    words += [f'--samples {request.samples}'] if request.samples else []
+    words += ['--cases', *request.patterns] if request.patterns else []
+    return ' '.join(words)
 
 
 def compile_kernels(cases: Sequence[Case]) -> float:
@@ -104,9 +114,12 @@ def measure(
     subjects: Sequence[Subject],
     end: float,
     say: Callable[[str], None],
-) -> None:
-    """Measure the subjects, each in its share of what is left until ``end`` (monotonic) [s]."""
-    left_out = []
+) -> list[str]:
+    """Measure the subjects, each in its share of what is left until ``end`` (monotonic) [s].
+
+    Returns the names of those for which no time was left.
+    """
+    left_out: list[str] = []
     for number, subject in enumerate(subjects):
         left = end - time.monotonic()
         if left < 0.0 and number:  # the first one always is
@@ -121,6 +134,7 @@ def measure(
         )
     if left_out:
         say(f'no time was left for {", ".join(left_out)}: give more with --minutes')
+    return left_out
 
 
 def _summary(subject: Subject, records: Sequence[Measured]) -> str:

@@ -35,6 +35,7 @@ class Circumstances:
     versions: dict[str, str]
     minutes: float
     compiling: float
+    left_out: Sequence[str]
     overheads: dict[tuple[Setting, str], float]
 
 
@@ -116,6 +117,7 @@ def _beginning(told: Circumstances) -> str:
         '',
         f'Machine: {told.machine}. Versions: {versions}.',
         '',
+        *_left_out(told.left_out),
         '- **Error** [m]: against a truth with 40 digits, known by how the pair was placed or '
         'from the maximum over all directions (`drake_geom_ros/accuracy/truth.py`). Bodies of '
         'about 0.2 m, as often 20 cm apart, 2 mm apart, touching, 2 mm deep, 2 cm deep and one '
@@ -140,6 +142,10 @@ def _beginning(told: Circumstances) -> str:
         '',
     ]
     return '\n'.join(lines)
+
+
+def _left_out(names: Sequence[str]) -> list[str]:
+    return [f'No time was left for {", ".join(names)}.', ''] if names else []
 
 
 def _overheads(overheads: dict[tuple[Setting, str], float]) -> list[str]:
