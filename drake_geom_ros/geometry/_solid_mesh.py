@@ -38,7 +38,8 @@ from drake_geom_ros.geometry.mesh_source import (
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SAME_PLANE_DIGITS = 12  # of the normals of a hull's faces: which are tried is no matter of right
+# Faces of the hull that are tried as ways out: each costs a look at all vertices of the hull.
+MOST_PLANES = 64
 _ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
 
 
@@ -161,13 +162,13 @@ def is_convex(vertices: Floats, triangles: Indices, size: float) -> bool:
 
 
 def planes_of(vertices: Floats, triangles: Indices) -> Floats:
-    """Return outward unit normal and offset [m] of each face of a hull, (f, 4)."""
+    """Return outward unit normal and offset [m] of the largest faces of a hull, (f, 4)."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    _, first = np.unique(np.round(normals, SAME_PLANE_DIGITS), axis=0, return_index=True)
-    offsets = (normals * a).sum(axis=1, keepdims=True)
-    return np.hstack((normals, offsets))[np.sort(first)]
+    areas = np.linalg.norm(normals, axis=1, keepdims=True)
+    largest = np.argsort(-areas[:, 0], kind='stable')[:MOST_PLANES]
+    normals, a = (normals / areas)[largest], a[largest]
+    return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 
 
 def check_simple(parameters: Floats, windings: Floats, name: str) -> None:

@@ -50,7 +50,7 @@ def width_of_hulls(A, B, p, m, radius):
 def way_out_of_hull(A, B, p, radius):
     """Return (m, s) of the shortest of some moves by s along m that separate the hulls.
 
-    Tried are the normals of their faces and A's axes; no direction is wrong.
+    Tried are the normals of their largest faces and the axes of A; no direction is wrong.
     """
     best, best_m = math.inf, (1.0, 0.0, 0.0)
     for side in range(2):
