@@ -63,10 +63,10 @@ def test_a_scene_with_a_hull_does_import_it():
 def test_a_scene_of_spheres_imports_no_other_kernels():
     found = modules(ASK, scene(BALL, BALL.replace('frame: a', 'frame: b')))
     kernels = {name.removeprefix(KERNELS) for name in found if name.startswith(KERNELS)}
-    # Bounds are computed by one function for all shapes, which needs points and supports.
+    # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert kernels == {
         *('spheres', 'points', 'ellipsoid_point'),
-        *('bounds', 'calling', 'supports', 'vectors'),
+        *('bounds', 'calling', 'extremes', 'hulls', 'supports', 'vectors'),
     }
 
 

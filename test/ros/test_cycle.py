@@ -6,7 +6,9 @@ from types import SimpleNamespace as Plain
 import pytest
 
 from drake_geom_ros.ros.cycle import NO_SUBSCRIBER, Cycle
+from drake_geom_ros.ros.level_costs import LevelCosts
 from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.replays import Replays
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
@@ -72,14 +74,15 @@ def topics():
 @pytest.fixture
 def cycle(live, topics):
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
-    return Cycle(live, Plain(**kinds), topics)
+    costs = LevelCosts(live, topics['cycle_report'])
+    return Cycle(live, Plain(**kinds), topics, costs, Replays(live, lambda: ('', 0)))
 
 
 def run(cycle, topics, *names):
     """Run a cycle with listeners to these topics; return the report."""
     for name, topic in topics.items():
         topic.listeners = int(name in names)
-    cycle.run(2, 1e-4, 0.1)
+    cycle.run(2, 1e-4, 0.1, 0.0)
     return topics['cycle_report'].published[-1] if 'cycle_report' in names else None
 
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-import trimesh
 
+from drake_geom_ros.geometry import mesh_source
 from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.ros import file_handlers, shape_handlers
 from drake_geom_ros.ros.file_access import FileAccess
@@ -95,7 +95,7 @@ def is_free(lock):
 def watched(live, monkeypatch):
     """Return the list of (what took long, whether the lock was free then)."""
     events = []
-    compile_kernel, load_mesh = narrow_phase.compiled_address, trimesh.load_mesh
+    compile_kernel, parse_mesh = narrow_phase.compiled_address, mesh_source.parse_mesh
 
     def compiling(kernel):
         events.append((kernel.__name__, is_free(live.lock)))
@@ -103,13 +103,13 @@ def watched(live, monkeypatch):
 
     def loading(*args, **kwargs):
         events.append(('load', is_free(live.lock)))
-        return load_mesh(*args, **kwargs)
+        return parse_mesh(*args, **kwargs)
 
     spheres = np.zeros_like(narrow_phase._COMPILED)
     spheres[0] = True  # as if the process had only compiled what the live scene called for
     monkeypatch.setattr(narrow_phase, '_COMPILED', spheres)
     monkeypatch.setattr(narrow_phase, 'compiled_address', compiling)
-    monkeypatch.setattr(trimesh, 'load_mesh', loading)
+    monkeypatch.setattr(mesh_source, 'parse_mesh', loading)
     return events
 
 
@@ -205,14 +205,14 @@ def test_another_of_a_kind_that_is_there_is_not_made_ready(live, monkeypatch):
 def test_cycles_run_while_a_mesh_is_read(live, watched, mesh, monkeypatch):
     """The reading waits until a number of cycles has run, and would wait for ever."""
     reading, enough = threading.Event(), threading.Event()
-    load_mesh = trimesh.load_mesh
+    parse_mesh = mesh_source.parse_mesh
 
     def slow(*args, **kwargs):
         reading.set()
         assert enough.wait(60.0)
-        return load_mesh(*args, **kwargs)
+        return parse_mesh(*args, **kwargs)
 
-    monkeypatch.setattr(trimesh, 'load_mesh', slow)
+    monkeypatch.setattr(mesh_source, 'parse_mesh', slow)
     request = registration(shape(CONVEX, mesh_uri=mesh))
     thread = threading.Thread(
         target=call, args=(shape_handlers.register_geometry, live, request), daemon=True

@@ -59,7 +59,7 @@ def test_meshes_that_cannot_be_used(meshes, lone_client, tmp_path):
         huge.truncate(2**40)  # takes no space on the disk
     for name, word in (
         ('missing.obj', 'no file'),
-        ('text.obj', 'vertices'),
+        ('text.obj', 'faces'),
         ('folder.obj', 'no file'),
         ('pipe.obj', 'no file'),
         ('huge.obj', 'bytes'),
