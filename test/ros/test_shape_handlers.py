@@ -42,9 +42,12 @@ def live(tmp_path):
 
 @pytest.fixture
 def mesh(tmp_path):
-    """Return the path of a tetrahedron in a file that nobody has read yet."""
-    path = tmp_path / f'{time.monotonic_ns()}.obj'
-    path.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+    """Return the path of a tetrahedron that nobody has read yet: a file is known by content."""
+    path = tmp_path / 'tetrahedron.obj'
+    path.write_text(
+        f'# {time.monotonic_ns()}\n'
+        'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
+    )
     return str(path)
 
 
