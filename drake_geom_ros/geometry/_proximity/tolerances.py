@@ -106,6 +106,10 @@ LARGE_SQUARE = 2.0**900
 SMALL_SIZE = 2.0**-180
 LARGE_SIZE = 2.0**180
 
+# Length [m] that a shorter one in such a pair is taken for: its cube and the inverse of that stay
+# within float64, and beside the rounding of the pair's size it is nothing.
+LEAST_LENGTH = 2.0**-300
+
 # A step of Newton's method on a normal this small [-] was the last that mattered: its square is
 # EPS.
 LAST_STEP = 2.0**-26

@@ -38,7 +38,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     unrotate,
 )
-from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
+from drake_geom_ros.geometry._proximity.tolerances import LEAST_LENGTH, RIGHT_ANGLE
 
 SEGMENT = 1
 MOST_SEGMENTS = 4
@@ -59,7 +59,8 @@ def vector(terms, k):
 
 @inlined
 def _put(terms, k, s, R, axis):
-    """Store s times an axis of R in row k, with its length."""
+    """Store s times an axis of R in row k, with its length; a vanishing one as the least."""
+    s = max(s, LEAST_LENGTH)
     for i in range(3):
         terms[k, i] = s * R[i, axis]
     terms[k, LENGTH] = s

@@ -316,3 +316,20 @@ def test_normals_are_good_to_eight_digits(name):
         row = _check(replace(pair, p_AB_W=points[0] - points[1] + 0.01 * n))
         assert row[1:4] == pytest.approx(-n, abs=1e-8)
         assert row[calling.ERROR_BOUND] <= 1e-13
+
+
+@pytest.mark.parametrize('size', [1e-200, 1e-306, 1e-308, 1e-312, 5e-324])
+@pytest.mark.parametrize('kind', [CYLINDER, ELLIPSOID])
+def test_a_vanishing_body_is_a_point(kind, size):
+    """Products of its lengths leave float64; those of the box beside it do not."""
+    rng = np.random.default_rng(7)
+    for _ in range(40):
+        R_WA, q = random_rotation(rng), rng.normal(size=3)
+        q *= 1.5 / np.abs(q).max()
+        out = np.zeros(calling.PAIR_WIDTH)
+        convex.signed_distance_of_cores(
+            *(BOX, np.full(3, 0.5), R_WA, kind, np.full(3, size), random_rotation(rng)),
+            *(R_WA @ q, 1e-9, np.inf, out),
+        )
+        truth = np.linalg.norm(np.maximum(np.abs(q) - 0.5, 0.0))
+        assert abs(out[calling.DISTANCE] - truth) <= out[calling.ERROR_BOUND] < 1e-13
