@@ -131,7 +131,7 @@ def _beginning(told: Circumstances) -> str:
         'such a call costs, measured on two spheres (below).',
         '- **Bound** [m]: our certificate, `error_bound`. It must never be below the error.',
         '- **No answer**: how often, and why. `missed` is an overlap that was not reported; at '
-        'level `bound` a pair is reported when the middle of its certified interval overlaps.',
+        'level `bound` every pair is reported that may overlap.',
         '- **Whole scenes**: errors on pairs of the scene; ours is timed as one query on all '
         'bodies, over the number of pairs that it reports (within 0.1 m; in contact), peers pair '
         'by pair, without a broad phase.',
