@@ -1,5 +1,6 @@
 """Levels, their costs, time budgets and replay files on the real node."""
 
+import contextlib
 import math
 
 import pytest
@@ -74,7 +75,9 @@ def ask(client):
         def answered():
             stamp = next(stamps)
             publisher.publish(poses(FRAMES, tilted(step), stamp=stamp))
-            client.wait_for(lambda: newest(reports, stamp), 'a report', 5.0)
+            # Poses may be lost on the way: then the same are sent again.
+            with contextlib.suppress(AssertionError):
+                client.wait_for(lambda: newest(reports, stamp), 'a report', 2.0)
             pair = newest(distances, stamp), newest(reports, stamp)
             return pair if all(pair) else None
 

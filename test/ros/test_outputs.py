@@ -322,11 +322,14 @@ def test_two_nodes_live_in_one_graph(node, client, tmp_path):
     try:
         accepted(second.call(srv.RegisterSource, 'register_source', name='mine'))
         add_sphere(second, 'mine', 'f', 0.1)
-        sources = [
-            {s.name for s in c.wait_for(lambda found=found: found, 'a scene')[-1].sources}
-            for c, found in ((c, c.listen(msg.Scene, 'scene', LATCHED)) for c in (client, second))
-        ]
-        assert 'mine' in sources[1] - sources[0]
+        scenes = [c.listen(msg.Scene, 'scene', LATCHED) for c in (client, second)]
+
+        def sources(k):
+            return {source.name for source in scenes[k][-1].sources} if scenes[k] else set()
+
+        second.wait_for(lambda: 'mine' in sources(1), 'the scene with the source')
+        client.wait_for(lambda: scenes[0], 'a scene')
+        assert 'mine' not in sources(0)
         assert move_ball(client, 0.75).frame_id == 'map'
     finally:
         second.close()
