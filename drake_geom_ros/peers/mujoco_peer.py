@@ -57,6 +57,8 @@ class _Model:
         import mujoco
 
         self._mujoco = mujoco
+        # Its warnings would go to a file in whatever folder this runs in.
+        mujoco.set_mju_user_warning(lambda warning: None)
         spec = mujoco.MjSpec()
         for name, shape in (('a', shape_a), ('b', shape_b)):
             if kind_of(shape) == 'HalfSpace':
