@@ -43,9 +43,8 @@ LAYERS = {
         ('numpy', 'ROS'),
     ),
 }
-# One file each for what nobody else may touch.
+# One file for what nobody else may touch.
 EXCEPTIONS = {
-    'geometry/_proximity/fcl_bridge.py': 'fcl',
     'geometry/_mesh_library.py': 'trimesh',
 }
 
@@ -111,6 +110,5 @@ def test_a_forbidden_import_is_seen(path, source, culprit):
     assert culprit in found
 
 
-def test_the_two_exceptions_are_allowed():
-    assert forbidden('geometry/_proximity/fcl_bridge.py', 'import fcl') == []
+def test_the_exception_is_allowed():
     assert forbidden('geometry/_mesh_library.py', 'import trimesh') == []
