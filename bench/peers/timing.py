@@ -62,7 +62,7 @@ class Taken:
 def interleave(
     turns: dict[str, Turn], seconds: float, limits: dict[str, float]
 ) -> dict[str, Taken]:
-    """Let libraries take turns of some cycles each, for about some seconds in all.
+    """Let libraries take turns of ``TURN_CYCLES`` each, for about some seconds in all.
 
     A library whose cycle takes longer than its limit [s], or that raises, is left out. Everybody
     sees the same poses in the same cycle; who begins changes from one round to the next.
@@ -75,13 +75,14 @@ def interleave(
     gc.collect()
     gc.disable()
     try:
-        for cycle in range(cycles):
-            first = cycle % max(len(names), 1)
+        for start in range(0, cycles, TURN_CYCLES):
+            first = start // TURN_CYCLES % max(len(names), 1)
             for name in names[first:] + names[:first]:
-                spent, posing, found = turns[name].take(WARM_CYCLES + cycle)
-                taken[name].seconds.append(spent)
-                taken[name].posing.append(posing)
-                taken[name].found.append(found)
+                for cycle in range(start, min(start + TURN_CYCLES, cycles)):
+                    spent, posing, found = turns[name].take(WARM_CYCLES + cycle)
+                    taken[name].seconds.append(spent)
+                    taken[name].posing.append(posing)
+                    taken[name].found.append(found)
     finally:
         gc.enable()
     return taken

@@ -32,7 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.point_phase import (
+from drake_geom_ros.geometry._proximity.kernels.calling_points import (
     POINT_DISTANCE,
     POINT_ERROR_BOUND,
     POINT_GRADIENT,
@@ -292,7 +292,7 @@ class PointDistanceResults(ResultSequence[SignedDistanceToPoint]):
         super().__init__(len(batch.ids))
         self._rows = batch.rows
         self.id_G: NDArray[np.int64] = batch.ids
-        self.point_index: NDArray[np.uint32] = batch.points.astype(np.uint32)
+        self.point_index: NDArray[np.uint32] = batch.points
 
     @property
     def distance(self) -> Floats:

@@ -65,8 +65,9 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
     kernels = {name.removeprefix(KERNELS) for name in found if name.startswith(KERNELS)}
     # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert kernels == {
-        *('spheres', 'points', 'ellipsoid_point'),
-        *('bounds', 'calling', 'extremes', 'hulls', 'supports', 'vectors'),
+        *('spheres', 'points', 'ellipsoid_point', 'to_points'),
+        *('bounds', 'calling', 'calling_points', 'extremes', 'hulls', 'supports', 'vectors'),
+        'views',
     }
 
 

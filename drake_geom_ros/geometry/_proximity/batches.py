@@ -72,8 +72,8 @@ class PointBatch(NamedTuple):
     """The answers of a point query: k rows, each of a point and a geometry."""
 
     ids: Indices  # (k,) of the geometries
-    points: Indices  # (k,) which point
-    rows: Floats  # (k, POINT_WIDTH), columns of ``point_phase``
+    points: NDArray[np.uint32]  # (k,) which point
+    rows: Floats  # (k, POINT_WIDTH), columns of ``kernels.calling_points``
 
 
 def gathered(

@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._proximity.budget import Pace
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernels import calling
 from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     ADDRESSES,
     BY_METHOD,
@@ -30,8 +31,8 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import SPHERE
 from drake_geom_ros.geometry._proximity.point_phase import (
-    POINT_METHOD,
-    POINT_WIDTH,
+    POINT_ADDRESSES,
+    compile_point_kernels,
     point_phase,
 )
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
@@ -218,25 +219,23 @@ class Engine:
         self._begin(world)
         self._times[2] = time.perf_counter()
         table = world.geometries
-        rows = table_rows(np.full_like(table.types, SPHERE), table.types)
-        self._kernels = compile_rows(rows)
+        self._kernels = compile_point_kernels(table.types)
         self._times[3] = time.perf_counter()
-        capacity = len(p_WQs) * len(rows)
-        results = np.empty((capacity, POINT_WIDTH))
-        points, geometries = np.empty(capacity, np.int64), np.empty(capacity, np.int64)
-        scene = (table.starts, table.pool, world.R_WGs, world.p_WGs)
+        pair_rows = table_rows(np.full_like(table.types, SPHERE), table.types)
+        capacity = len(p_WQs) * len(table.types)
+        rows, found = np.empty((capacity, POINT_WIDTH)), np.zeros(capacity, dtype=np.bool_)
+        points, ids = np.empty(capacity, np.uint32), np.empty(capacity, np.int64)
+        self._counts[:] = 0
         count = point_phase(
-            *(ADDRESSES, rows, table.types, p_WQs, scene, world.outer_radii),
-            *(threshold, results, points, geometries),
+            *(POINT_ADDRESSES, ADDRESSES),
+            (pair_rows, table.types, table.ids, world.outer_radii),
+            (table.starts, table.pool, world.R_WGs, world.p_WGs),
+            *(p_WQs, threshold, rows, found, points, ids, self._counts[BY_METHOD:]),
         )
         self._considered, self._filtered = capacity, 0
-        self._counts[:] = 0
         self._counts[FAR] = capacity - count
-        methods = results[:count, POINT_METHOD].astype(np.int64)
-        self._counts[BY_METHOD:] = np.bincount(methods, minlength=COUNTS - BY_METHOD)
-        ids = table.ids[geometries[:count]]
         self._times[4] = time.perf_counter()
-        return PointBatch(ids, points[:count], results[:count])
+        return PointBatch(ids[:count], points[:count], rows[:count])
 
     # Steps.
 

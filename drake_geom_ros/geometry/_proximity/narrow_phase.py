@@ -30,7 +30,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     call_kernel,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.extremes import call_at_one_metre, is_extreme
+from drake_geom_ros.geometry._proximity.kernels.extremes import (
+    address_at_one_metre,
+    call_at_one_metre,
+    is_extreme,
+)
+from drake_geom_ros.geometry._proximity.kernels.views import part, row
 from drake_geom_ros.geometry._proximity.pair_table import (
     ALL_ROWS,
     CONVEX,
@@ -52,7 +57,8 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 _ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(ALL_ROWS))
+ADDRESSES = address_table(len(ALL_ROWS) + 1)
+_AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
 _COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 # What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
@@ -73,11 +79,13 @@ def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArra
 def compile_rows(rows: NDArray[np.int64]) -> list[str]:
     """Compile the kernels of table rows that are not compiled yet; return their names."""
     missing = rows[(rows >= 0) & ~_COMPILED[rows]]
+    if len(missing) and not ADDRESSES[_AT_ONE_METRE]:
+        ADDRESSES[_AT_ONE_METRE] = address_at_one_metre()
     names: dict[str, None] = {}
-    for row in np.unique(missing).tolist():
-        ADDRESSES[row] = compiled_address(ALL_ROWS[row].load_kernel())
-        _COMPILED[row] = True
-        names[ALL_ROWS[row].kernel] = None
+    for number in np.unique(missing).tolist():
+        ADDRESSES[number] = compiled_address(ALL_ROWS[number].load_kernel())
+        _COMPILED[number] = True
+        names[ALL_ROWS[number].kernel] = None
     return list(names)
 
 
@@ -121,7 +129,7 @@ def _gap_of_bounds(i, j, types, R_WGs, p_WGs, half_extents, outer):  # type: ign
 
 @inlined
 def _call_in_order(  # type: ignore[no-untyped-def]
-    a, b, address, types, starts, pool, R_WGs, p_WGs, p_AB_W, size, tolerance, cutoff, out
+    a, b, addresses, types, starts, pool, R_WGs, p_WGs, p_AB_W, size, tolerance, cutoff, out
 ):
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
     swapped = types[a] > types[b]
@@ -131,16 +139,18 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             out[NORMAL + c] = -out[NORMAL + c]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    shape_a, shape_b = pool[starts[a] : starts[a + 1]], pool[starts[b] : starts[b + 1]]
+    address = addresses[_ROWS[_code(types[a], types[b])]]
+    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
     if types[b] <= CONVEX and is_extreme(size, p_AB_W):
         call_at_one_metre(
-            *(address, size, types[a], shape_a, R_WGs[a], types[b], shape_b, R_WGs[b]),
+            *(addresses[_AT_ONE_METRE], address, size),
+            *(types[a], shape_a, row(R_WGs, a), types[b], shape_b, row(R_WGs, b)),
             *(p_AB_W, tolerance, cutoff, out),
         )
     else:
-        call_kernel(  # type: ignore[no-untyped-call]
-            *(address, types[a], shape_a, R_WGs[a], types[b], shape_b, R_WGs[b]),
+        call_kernel(
+            *(address, types[a], shape_a, row(R_WGs, a), types[b], shape_b, row(R_WGs, b)),
             *(p_AB_W, tolerance, cutoff, out),
         )
     if swapped:
@@ -158,8 +168,8 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     bounding_interval(
-        (types[a], pool[starts[a] : starts[a + 1]], R_WGs[a], inner[a]),
-        (types[b], pool[starts[b] : starts[b + 1]], R_WGs[b], inner[b]),
+        (types[a], part(pool, starts[a], starts[a + 1]), row(R_WGs, a), inner[a]),
+        (types[b], part(pool, starts[b], starts[b + 1]), row(R_WGs, b), inner[b]),
         p_AB_W,
         out,
     )
@@ -242,7 +252,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         if slacks[s] - travelled > cutoff:
             counts[FAR] += 1
             continue
-        out = answers[s]
+        out = row(answers, s)
         size = size_of_pair(a, b, types, outer)
         rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and gaps[s] <= gap
         # What stopped at a cutoff says enough about smaller ones only.
@@ -262,9 +272,8 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 if math.isinf(gap):
                     _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
                 else:
-                    address = addresses[_ROWS[_code(types[a], types[b])]]
                     _call_in_order(
-                        *(a, b, address, types, starts, pool, R_WGs, p_WGs, scratch),
+                        *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
                 out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
@@ -303,7 +312,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     found = 0
     for k in range(slots.size):
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
-        out, size = answers[s], size_of_pair(a, b, types, outer)
+        out, size = row(answers, s), size_of_pair(a, b, types, outer)
         travelled = travels[a] + travels[b]
         if stamps[a] <= seen[s] and stamps[b] <= seen[s] and math.isinf(gaps[s]):
             counts[CACHED] += 1

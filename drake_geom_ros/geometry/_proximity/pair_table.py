@@ -30,6 +30,15 @@ ITERATIVE = 'iterative'
 TRIANGLES = 'mesh'
 
 
+_KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
+
+
+def load_kernel(name: str) -> Any:
+    """Import the kernel ``module.function``; only those that a scene needs are ever imported."""
+    module, function = name.split('.')
+    return getattr(import_module(f'{_KERNELS}.{module}'), function)
+
+
 @dataclass(frozen=True)
 class PairRow:
     """How the signed distance of one unordered pair of shape types is computed."""
@@ -41,13 +50,12 @@ class PairRow:
     worst_error: float  # [m] for bodies of about 0.2 m, kept true by test/accuracy
 
     def load_kernel(self) -> Any:
-        """Import the kernel; only those that a scene needs are ever imported."""
-        module, function = self.kernel.split('.')
-        return getattr(import_module(f'{_KERNELS}.{module}'), function)
+        """Return the kernel."""
+        return load_kernel(self.kernel)
 
 
-_KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
 _CORES = 'convex.signed_distance_of_cores'
+BY_PAIR_KERNEL = 'to_points.by_pair_kernel'
 _SOLIDS = 'solids.signed_distance_to_solid'
 
 PAIR_TABLE = (
@@ -93,6 +101,18 @@ SOLID_TABLE = (
     PairRow(SOLID, SOLID, _SOLIDS, TRIANGLES, 1e-12),
 )
 ALL_ROWS = PAIR_TABLE + SOLID_TABLE
+
+# What answers for many points and one shape.
+POINT_KERNELS = {
+    SPHERE: 'to_points.to_sphere',
+    BOX: 'to_points.to_box',
+    CAPSULE: 'to_points.to_capsule',
+    CYLINDER: 'to_points.to_cylinder',
+    ELLIPSOID: 'to_points.to_ellipsoid',
+    HALF_SPACE: 'to_points.to_half_space',
+    CONVEX: BY_PAIR_KERNEL,
+    SOLID: BY_PAIR_KERNEL,
+}
 
 # Number in ALL_ROWS by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is none.
 ROW_OF_TYPES = [-1] * TYPE_COUNT**2

@@ -1,94 +1,76 @@
-"""Point queries: each point as a ball without radius, through the kernels of spheres."""
+"""Point queries: block after block of points, each geometry in turn."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    DISTANCE,
-    ERROR_BOUND,
-    METHOD,
-    NORMAL,
-    PAIR_WIDTH,
-    UNIQUE,
-    WITNESS_B,
-    call_kernel,
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.calling import address_table, compiled_address
+from drake_geom_ros.geometry._proximity.kernels.calling_points import (
+    POINT_WIDTH,
+    POINTS_SIGNATURE,
+    call_points_kernel,
 )
-from drake_geom_ros.geometry._proximity.pair_table import SPHERE
-from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.narrow_phase import compile_rows, table_rows
+from drake_geom_ros.geometry._proximity.pair_table import (
+    BY_PAIR_KERNEL,
+    POINT_KERNELS,
+    SPHERE,
+    TYPE_COUNT,
+    load_kernel,
+)
 
-# Columns of a row of a point query.
-POINT_DISTANCE = 0
-POINT_GRADIENT = 1  # 3: grad_W
-POINT_NEAREST = 4  # 3: p_GN
-POINT_ERROR_BOUND = 7
-POINT_UNIQUE = 8
-POINT_METHOD = 9
-POINT_WIDTH = 10
+BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
+# Of the point kernels by shape type, compiled once a process.
+POINT_ADDRESSES = address_table(TYPE_COUNT)
+_COMPILED: set[int] = set()
+
+
+def compile_point_kernels(types: NDArray[np.int64]) -> list[str]:
+    """Compile what points to these shape types need; return the names of new kernels."""
+    names: dict[str, None] = {}
+    for kind in set(np.unique(types).tolist()) - _COMPILED:
+        name = POINT_KERNELS[kind]
+        if name == BY_PAIR_KERNEL:
+            pair = np.array([SPHERE]), np.array([kind])
+            names.update(dict.fromkeys(compile_rows(table_rows(*pair))))
+        POINT_ADDRESSES[kind] = compiled_address(load_kernel(name), POINTS_SIGNATURE)
+        _COMPILED.add(kind)
+        names[name] = None
+    return list(names)
 
 
 @compiled
 def point_phase(  # type: ignore[no-untyped-def]
-    addresses, rows, types, p_WQs, scene, outer, threshold, results, points, geometries
+    addresses, pair_addresses, table, scene, p_WQs, threshold, rows, found, points, ids, counts
 ):
-    """Call the kernel of a sphere without radius for each point and geometry within reach.
+    """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``rows`` (n,) holds the table row of SPHERE against each geometry, ``scene`` is starts, pool,
-    R_WGs and p_WGs. Returns how many of ``results``, ``points`` and ``geometries`` were filled, in
-    the order of points, then ids.
+    ``table`` holds row in the pair table of SPHERE against each geometry, type, id and outer
+    radius, ``scene`` starts, pool, R_WGs and p_WGs. The first of ``rows`` (m n, POINT_WIDTH),
+    ``points`` and ``ids`` (m n,) are filled, in the order of points, then ids. ``found`` (m n,)
+    comes in as False, ``counts`` get how many answers there are by each method.
     """
+    pair_rows, types, geometry_ids, outer = table
     starts, pool, R_WGs, p_WGs = scene
-    nothing, identity = np.zeros(1), np.eye(3)
-    p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
-    count = 0
-    for q in range(p_WQs.shape[0]):
-        for g in range(rows.size):
-            squared, reach = 0.0, 0.0
-            for c in range(3):
-                p_QG_W[c] = p_WGs[g, c] - p_WQs[q, c]
-                squared += p_QG_W[c] * p_QG_W[c]
-                reach = max(reach, abs(p_WQs[q, c]), abs(p_WGs[g, c]))
-            rounding = 8.0 * EPS * reach
-            if math.sqrt(squared) - outer[g] > threshold + rounding:
-                continue
-            out[NORMAL], out[NORMAL + 1], out[NORMAL + 2] = 0.0, 0.0, 0.0
-            call_kernel(  # type: ignore[no-untyped-call]
-                addresses[rows[g]],
-                SPHERE,
-                nothing,
-                identity,
-                types[g],
-                pool[starts[g] : starts[g + 1]],
-                R_WGs[g],
-                p_QG_W,
-                0.0,
-                math.inf,
-                out,
+    m, n = p_WQs.shape[0], types.size
+    for first in range(0, m, BLOCK):
+        last = min(first + BLOCK, m)
+        for g in range(n):
+            call_points_kernel(
+                *(addresses[types[g]], pair_addresses[pair_rows[g]], types[g]),
+                *(part(pool, starts[g], starts[g + 1]), row(R_WGs, g), row(p_WGs, g)),
+                *(p_WQs, threshold, outer[g], (first, last, g, n), rows, found, counts),
             )
-            if out[DISTANCE] > threshold:
-                continue
-            points[count], geometries[count] = q, g
-            _write(results, count, out, R_WGs, g, p_QG_W, rounding)
-            count += 1
+    count = 0
+    for q in range(m):
+        for g in range(n):
+            if found[q * n + g]:
+                points[count], ids[count] = q, geometry_ids[g]
+                if count < q * n + g:
+                    for c in range(POINT_WIDTH):
+                        rows[count, c] = rows[q * n + g, c]
+                count += 1
     return count
-
-
-@inlined
-def _write(results, k, out, R_WGs, g, p_QG_W, rounding):  # type: ignore[no-untyped-def]
-    """Fill a row; the kernel's A is the point, so its witnesses are measured from that."""
-    results[k, POINT_DISTANCE] = out[DISTANCE]
-    results[k, POINT_ERROR_BOUND] = out[ERROR_BOUND] + rounding
-    results[k, POINT_UNIQUE] = out[UNIQUE]
-    results[k, POINT_METHOD] = out[METHOD]
-    x, y, z = (
-        out[WITNESS_B] - p_QG_W[0],
-        out[WITNESS_B + 1] - p_QG_W[1],
-        out[WITNESS_B + 2] - p_QG_W[2],
-    )
-    for c in range(3):
-        results[k, POINT_GRADIENT + c] = out[NORMAL + c]
-        turned = R_WGs[g, 0, c] * x + R_WGs[g, 1, c] * y + R_WGs[g, 2, c] * z
-        results[k, POINT_NEAREST + c] = turned

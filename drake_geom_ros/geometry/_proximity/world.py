@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.bounds import (
     shape_radii,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
+from drake_geom_ros.geometry._proximity.kernels.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 Floats = NDArray[np.float64]
@@ -263,8 +264,8 @@ def _update(  # type: ignore[no-untyped-def]
             moved_geometries += 1
             squares = _compose(R_WFs, p_WFs, f, R_FGs, p_FGs, g, R_WGs, p_WGs, g)
             if stamps[g] == 0 or turn_radii[g] > 0.0:
-                shape = pool[starts[g] : starts[g + 1]]
-                box_half_extents(types[g], shape, R_WGs[g], half_extents[g])
+                shape = part(pool, starts[g], starts[g + 1])
+                box_half_extents(types[g], shape, row(R_WGs, g), row(half_extents, g))
             if stamps[g] > 0:
                 way = _way(squares[0], squares[1], turn_radii[g])
                 travels[g] = (travels[g] + way) * (1.0 + 2.0 * EPS)

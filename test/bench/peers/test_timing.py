@@ -4,7 +4,15 @@ import time
 
 import pytest
 
-from bench.peers.timing import FEWEST_CYCLES, MOST_CYCLES, Turn, back_and_forth, interleave
+from bench.peers.timing import (
+    FEWEST_CYCLES,
+    MOST_CYCLES,
+    TURN_CYCLES,
+    WARM_CYCLES,
+    Turn,
+    back_and_forth,
+    interleave,
+)
 
 NO_LIMITS = {'a': 10.0, 'b': 10.0}
 
@@ -26,12 +34,21 @@ class Library:
 
 def test_all_see_the_same_poses_and_begin_in_turn():
     calls = []
-    turns = {name: Library(name, calls).turn for name in 'ab'}
-    taken = interleave(turns, 0.0, NO_LIMITS)
-    timed = calls[-2 * FEWEST_CYCLES :]
-    cycles = list(zip(timed[::2], timed[1::2], strict=True))
-    assert all(first[1] == second[1] for first, second in cycles)
-    assert [first[0] for first, _ in cycles[:4]] == ['a', 'b', 'a', 'b']
+    turns = {name: Library(name, calls, pause=1e-3).turn for name in 'ab'}
+    taken = interleave(turns, 0.12, NO_LIMITS)
+    cycles = len(taken['a'].seconds)
+    timed = calls[-2 * cycles :]
+    for name in 'ab':
+        assert [poses for who, poses in timed if who == name] == [
+            10 + back_and_forth(WARM_CYCLES + k, 3) for k in range(cycles)
+        ]
+    assert cycles > 2 * TURN_CYCLES
+    order = [who for who, _ in timed[: 4 * TURN_CYCLES]]
+    assert order == [who for who in 'abba' for _ in range(TURN_CYCLES)]
+
+
+def test_a_slow_query_has_few_cycles():
+    taken = interleave({name: Library(name, []).turn for name in 'ab'}, 0.0, NO_LIMITS)
     assert [len(t.seconds) for t in taken.values()] == [FEWEST_CYCLES] * 2
     assert taken['a'].found == [2] * FEWEST_CYCLES
     assert taken['a'].mean_found() == 2

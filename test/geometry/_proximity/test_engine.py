@@ -18,8 +18,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_DISTANCE
 from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
-from drake_geom_ros.geometry._proximity.point_phase import POINT_DISTANCE
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 

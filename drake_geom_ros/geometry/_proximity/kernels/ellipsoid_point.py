@@ -10,8 +10,10 @@ Ellipsoid, or a Hyperellipsoid*). Two changes make it exact to rounding and shor
   (near the medial set) or the axes are nearly equal;
 - ``1 / sqrt(S)`` is concave in u and nearly linear, so Newton's method on it climbs from the
   left without overshoot (J. More and D. Sorensen, *Computing a Trust Region Step*, 1983). The
-  start ``max_i (e_i q_i - (e_i^2 - e_min^2))`` has S <= 3; where the bracket is wide its exponent
-  is halved first, since Newton would only grow u by a half a step there.
+  start is the larger of two lower bounds, with ``f_i = e_i^2 - e_min^2``: ``max_i (e_i q_i -
+  f_i)``, where S <= 3, and ``|e q|`` less the mean of the f_i by the weights ``(e_i q_i)^2``,
+  where the asymptote of ``1 / sqrt(S)``, which a concave function is below, is 1. Where the
+  bracket is wide its exponent is halved first, since Newton would only grow u by a half a step.
 
 Where q lies so deep in the plane across the shortest axis that S < 1 already at u = 0, two
 mirror images (or a circle) are nearest: the medial set.
@@ -19,7 +21,7 @@ mirror images (or a circle) are nearest: the medial set.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, unit
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
@@ -30,7 +32,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 
-@compiled
+@inlined
 def _image(w, f, u):
     """Return x_i / e_i at the parameter u, for weights w = e q and poles at -f."""
     return (
@@ -40,24 +42,31 @@ def _image(w, f, u):
     )
 
 
-@compiled
+@inlined
 def _newton_step(w, f, u):
     """Return Newton's step for 1 / sqrt(S) = 1 at u, or 0 where S <= 1 to rounding."""
-    y = _image(w, f, u)
-    size = y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
-    if size <= 1.0 + 2.0 * EPS:
-        return 0.0
-    slope = 0.0
+    size, slope = 0.0, 0.0
     for k in range(3):
         if w[k] > 0.0:
-            slope += y[k] * y[k] / (u + f[k])
+            # Divisions take most of the time here: one an axis, and the last point is exact.
+            r = 1.0 / (u + f[k])
+            y = w[k] * r
+            size += y * y
+            slope += y * y * r
+    if size <= 1.0 + 2.0 * EPS:
+        return 0.0
     return size * (math.sqrt(size) - 1.0) / slope
 
 
-@compiled
+@inlined
 def _largest_root(w, f, low):
     """Return the root u > 0 of |_image(w, f, u)| = 1, given a lower bound low > 0 of it."""
     high = norm(w)
+    mean = 0.0
+    for k in range(3):
+        share = w[k] / high
+        mean += share * share * f[k]
+    low = max(low, high - mean)
     for _ in range(ELLIPSOID_HALVINGS):
         if high <= 4.0 * low:
             break
@@ -75,7 +84,7 @@ def _largest_root(w, f, low):
     return u
 
 
-@compiled
+@inlined
 def ellipsoid_point(e, q, slack):
     """Return (distance, grad, p_GN, unique) of q from the ellipsoid with semi-axes e.
 

@@ -103,11 +103,12 @@ def ring_points(pair, n, tilt, points):
     """Fill in four support points: three around n, at the angle ``tilt`` from it, and opposite."""
     e = perpendicular(n)
     f = cross(n, e)
+    along, aside = math.cos(tilt), math.sin(tilt)
     for k in range(4):
         m = scale(-1.0, n)
         if k > 0:
             around = add_scaled(scale(COS_120[k - 1], e), SIN_120[k - 1], f)
-            m = add_scaled(scale(math.cos(tilt), n), math.sin(tilt), around)
+            m = add_scaled(scale(along, n), aside, around)
         a, b = support_points(pair, m, 0.0)
         put(points, k, a, b)
 

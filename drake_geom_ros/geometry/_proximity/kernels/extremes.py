@@ -4,18 +4,28 @@ A power of two changes no digit of a length, and the signed distance scales with
 """
 
 import math
+from typing import Any
+
+from numba import types
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
+    PAIR_SIGNATURE,
     WITNESS_A,
     WITNESS_B,
     call_kernel,
+    caller,
+    compiled_address,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
+
+# That of ``at_one_metre``: a kernel's address and the size of its pair come first.
+_SIGNATURE = types.void(types.intp, types.float64, *PAIR_SIGNATURE.args)
+call_at_one_metre = caller(_SIGNATURE)
 
 
 @inlined
@@ -42,10 +52,14 @@ def resized(kind, shape, exponent):
 
 
 @compiled
-def call_at_one_metre(
+def at_one_metre(
     address, size, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
 ):
-    """Call the kernel at an address as ``call_kernel`` does, for the pair brought to about 1 m."""
+    """Call the kernel at an address for the pair brought to about 1 m.
+
+    Itself called through its address: a copy of a shape may fail, and to Numba that made every
+    other pair of the narrow phase take 100 ns more.
+    """
     largest = max(size, norm((p_AB_W[0], p_AB_W[1], p_AB_W[2])))
     e = -math.frexp(largest)[1]
     p = p_AB_W.copy()
@@ -61,3 +75,8 @@ def call_at_one_metre(
     for k in range(3):
         out[WITNESS_A + k] = math.ldexp(out[WITNESS_A + k], -e)
         out[WITNESS_B + k] = math.ldexp(out[WITNESS_B + k], -e)
+
+
+def address_at_one_metre() -> Any:
+    """Compile ``at_one_metre`` and return its address."""
+    return compiled_address(at_one_metre, _SIGNATURE)

@@ -94,9 +94,9 @@ def farthest_vertex(shape, x, y, z):
 @compiled
 def hull_radius(shape):
     """Return the largest distance [m] of a vertex from Go."""
-    farthest = 0.0
-    for k in range(1, 3 * int(shape[0]) + 1, 3):
-        x, y, z = shape[k], shape[k + 1], shape[k + 2]
+    farthest, one = 0.0, np.uint64(1)
+    for k in range(one, np.uint64(3 * int(shape[0]) + 1), np.uint64(3)):
+        x, y, z = shape[k], shape[k + one], shape[k + np.uint64(2)]
         farthest = max(farthest, x * x + y * y + z * z)
     if SMALL_SQUARE < farthest < LARGE_SQUARE:
         return math.sqrt(farthest)

@@ -85,6 +85,8 @@ def common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB):
     k_A, move_A = axis_of_revolution(kind_A, shape_A)
     k_B, move_B = axis_of_revolution(kind_B, shape_B)
     u_A, u_B = column(R_WA, k_A), column(R_WB, k_B)
+    if move_A + move_B == np.inf:
+        return u_A, np.inf  # the radius of a hull is a look at every vertex
     reach_A = bounding_radius(kind_A, shape_A) - core_radius(kind_A, shape_A)
     reach_B = bounding_radius(kind_B, shape_B) - core_radius(kind_B, shape_B)
     move = move_A + move_B + 2.0 * norm(cross(u_A, u_B)) * min(reach_A, reach_B)

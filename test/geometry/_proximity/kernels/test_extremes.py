@@ -36,7 +36,7 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
     for e in (0, exponent):
         row = np.zeros(calling.PAIR_WIDTH)
         lengths = [np.ldexp(each._kernel_parameters(), e) for each in (shape, other)]
-        extremes.call_at_one_metre(
+        extremes.at_one_metre(
             address, np.ldexp(4.0, e), shape._type_number(), lengths[0], np.eye(3),
             other._type_number(), lengths[1], R, np.ldexp(p, e), np.ldexp(1e-9, e), np.inf, row,
         )  # fmt: skip

@@ -1,0 +1,77 @@
+"""How kernels of many points are called: one result layout, one signature, common first lines.
+
+Conventions::
+
+    kernel(address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts)
+
+========== ========================================================================
+address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
+kind       shape type number, shape: its parameters, R_WG, p_WG: its pose
+p_WQs      points (m, 3) [m]
+threshold  [m] what is farther away is left out
+outer      [m] radius of a ball about Go that holds the geometry
+span       first, last, g, n: answer the points first to last - 1; the answer of point k
+           belongs into row k n + g
+rows       (m n, POINT_WIDTH) answers, found: (m n,) becomes True where there is one
+counts     by METHOD, how many answers there were
+========== ========================================================================
+"""
+
+import math
+
+from numba import types
+
+from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, caller
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
+
+# Columns of a row of a point query.
+POINT_DISTANCE = 0
+POINT_GRADIENT = 1  # 3: grad_W
+POINT_NEAREST = 4  # 3: p_GN
+POINT_ERROR_BOUND = 7
+POINT_UNIQUE = 8
+POINT_METHOD = 9
+POINT_WIDTH = 10
+
+_vector, _matrix = types.float64[::1], types.float64[:, ::1]
+POINTS_SIGNATURE = types.void(
+    *(types.intp, types.int64, _vector, _matrix, _vector, _matrix),
+    *(types.float64, types.float64, types.UniTuple(types.int64, 4)),
+    *(_matrix, types.boolean[::1], types.int64[::1]),
+)
+call_points_kernel = caller(POINTS_SIGNATURE)
+
+
+@inlined
+def seen(R_WG, p_WG, p_WQs, k, reach):
+    """Return (near, q, rounding): whether G may be within reach, p_GQ, and its rounding [m]."""
+    p_GQ_W = p_WQs[k, 0] - p_WG[0], p_WQs[k, 1] - p_WG[1], p_WQs[k, 2] - p_WG[2]
+    point = max(abs(p_WQs[k, 0]), abs(p_WQs[k, 1]), abs(p_WQs[k, 2]))
+    rounding = 8.0 * EPS * max(point, abs(p_WG[0]), abs(p_WG[1]), abs(p_WG[2]))
+    near = reach == math.inf or norm(p_GQ_W) <= reach + rounding
+    return near, unrotate(R_WG, p_GQ_W), rounding
+
+
+@inlined
+def put_point(rows, k, distance, grad_W, p_GN, bound, unique, method):
+    """Fill a row."""
+    rows[k, POINT_DISTANCE] = distance
+    rows[k, POINT_ERROR_BOUND] = bound
+    rows[k, POINT_UNIQUE] = 1.0 if unique else 0.0
+    rows[k, POINT_METHOD] = method
+    for c in range(3):
+        rows[k, POINT_GRADIENT + c] = grad_W[c]
+        rows[k, POINT_NEAREST + c] = p_GN[c]
+
+
+@inlined
+def take(rows, found, counts, k, R_WG, threshold, extent, rounding, result):
+    """Fill a row from a closed form in G, where it is within the threshold."""
+    distance, grad, p_GN, unique = result
+    if distance <= threshold:
+        bound = CLOSED_FORM_ROUNDING * extent + rounding
+        put_point(rows, k, distance, rotate(R_WG, grad), p_GN, bound, unique, CLOSED_FORM)
+        found[k] = True
+        counts[CLOSED_FORM] += 1

@@ -1,0 +1,63 @@
+"""Views of arrays that hold no reference: for loops in which every pair has its shapes and poses.
+
+A slice in compiled code keeps its array alive by a count of references. Where Numba cannot prove
+that the count is not needed, each slice of each pair costs two atomic operations and a call: half
+of the narrow phase of 1000 balls. These views do without; the array that they show must outlive
+them, as arguments of the loop do.
+"""
+
+from typing import Any
+
+from numba import config, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+
+if config.DISABLE_JIT:
+
+    def row(array: Any, k: int) -> Any:
+        """Return array[k]."""
+        return array[k]
+
+    def part(array: Any, start: int, stop: int) -> Any:
+        """Return array[start:stop]."""
+        return array[start:stop]
+
+else:
+
+    def _view(context, builder, kind, data, shape):
+        """Return a C-contiguous view of ``kind``, of this shape, that begins at ``data``."""
+        itemsize = context.get_constant(types.intp, context.get_abi_sizeof(data.type.pointee))
+        strides, step = [], itemsize
+        for extent in reversed(shape):
+            strides.insert(0, step)
+            step = builder.mul(step, extent)
+        view = make_array(kind)(context, builder)
+        populate_array(view, data, shape, strides, itemsize, None)
+        return view._getvalue()
+
+    @intrinsic
+    def row(typingctx, array, k):
+        """Return array[k] of a C-contiguous array of two or three dimensions."""
+        kind = types.Array(array.dtype, array.ndim - 1, 'C')
+
+        def codegen(context, builder, signature, values):
+            whole = make_array(array)(context, builder, values[0])
+            shape = cgutils.unpack_tuple(builder, whole.shape, array.ndim)
+            offset = builder.mul(values[1], cgutils.unpack_tuple(builder, whole.strides)[0])
+            data = cgutils.pointer_add(builder, whole.data, offset, whole.data.type)
+            return _view(context, builder, kind, data, shape[1:])
+
+        return kind(array, types.intp), codegen
+
+    @intrinsic
+    def part(typingctx, array, start, stop):
+        """Return array[start:stop] of a contiguous array, 0 <= start <= stop <= its size."""
+
+        def codegen(context, builder, signature, values):
+            whole = make_array(array)(context, builder, values[0])
+            data = builder.gep(whole.data, [values[1]])
+            size = builder.sub(values[2], values[1])
+            return _view(context, builder, array, data, [size])
+
+        return array(array, types.intp, types.intp), codegen

@@ -1,0 +1,78 @@
+"""Kernels of many points against the pair kernels of spheres without radius."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry._proximity import pair_table
+from drake_geom_ros.geometry._proximity.kernels import calling, calling_points
+from drake_geom_ros.geometry._proximity.pair_table import POINT_KERNELS, SPHERE, load_kernel
+
+CLOSED_FORMS = {
+    pair_table.SPHERE: [0.3],
+    pair_table.BOX: [0.1, 0.2, 0.3],
+    pair_table.CAPSULE: [0.1, 0.3],
+    pair_table.CYLINDER: [0.2, 0.3],
+    pair_table.ELLIPSOID: [0.1, 0.3, 0.2],
+    pair_table.HALF_SPACE: [],
+}
+
+
+def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0):
+    """Return rows, which are found, and the counts, of one geometry among some."""
+    m, shape = len(p_WQs), np.array(CLOSED_FORMS[kind])
+    rows = np.full((m * geometries, calling_points.POINT_WIDTH), np.nan)
+    found, counts = np.zeros(m * geometries, dtype=np.bool_), np.zeros(5, dtype=np.int64)
+    outer = math.inf if kind == pair_table.HALF_SPACE else 0.4
+    load_kernel(POINT_KERNELS[kind])(
+        *(0, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, (0, m, g, geometries)),
+        *(rows, found, counts),
+    )
+    return rows, found, counts
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+@pytest.mark.parametrize('place', [0.0, 1e3, 1e6])
+def test_as_a_sphere_without_radius(kind, place):
+    rng = np.random.default_rng(kind)
+    R_WG = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(3, 3)))[0])
+    p_WG = place * np.ones(3) + rng.normal(size=3)
+    p_WQs = p_WG + 0.4 * rng.normal(size=(40, 3))
+    rows, found, _ = answers(kind, R_WG, p_WG, p_WQs)
+    assert found.all()
+    assert np.isfinite(rows).all()
+    number = pair_table.ROW_OF_TYPES[SPHERE * pair_table.TYPE_COUNT + kind]
+    pair_kernel = pair_table.ALL_ROWS[number].load_kernel()
+    for p_WQ, answer in zip(p_WQs, rows, strict=True):
+        out = np.zeros(calling.PAIR_WIDTH)
+        shape = np.array(CLOSED_FORMS[kind])
+        pair_kernel(
+            *(SPHERE, np.zeros(1), np.eye(3), kind, shape, R_WG, p_WG - p_WQ, 0.0, math.inf, out)
+        )
+        assert answer[calling_points.POINT_DISTANCE] == pytest.approx(out[0], abs=1e-15)
+        np.testing.assert_allclose(answer[1:4], out[1:4], atol=1e-14)
+        p_QN_W = R_WG @ answer[4:7] + (p_WG - p_WQ)
+        np.testing.assert_allclose(p_QN_W, out[7:10], atol=1e-15)
+        assert answer[calling_points.POINT_UNIQUE] == out[calling.UNIQUE]
+        assert answer[calling_points.POINT_ERROR_BOUND] >= out[calling.ERROR_BOUND]
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+def test_only_what_is_within_the_threshold_and_only_its_own_rows(kind):
+    rng = np.random.default_rng(7)
+    p_WQs = 2.0 * rng.normal(size=(50, 3))
+    every, _, _ = answers(kind, np.eye(3), np.zeros(3), p_WQs)
+    some, found, counts = answers(kind, np.eye(3), np.zeros(3), p_WQs, 0.5, geometries=3, g=1)
+    expected = every[:, calling_points.POINT_DISTANCE] <= 0.5
+    assert 0 < expected.sum() < 50
+    np.testing.assert_array_equal(found[1::3], expected)
+    assert not found[0::3].any()
+    assert not found[2::3].any()
+    np.testing.assert_array_equal(some[1::3][expected], every[expected])
+    assert np.isnan(some[1::3][~expected]).all()
+    assert counts.tolist() == [0, expected.sum(), 0, 0, 0]
+
+
+def test_every_shape_has_a_kernel_for_points():
+    assert set(POINT_KERNELS) == set(pair_table.SHAPE_NAMES)
