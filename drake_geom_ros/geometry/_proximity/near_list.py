@@ -95,10 +95,8 @@ class NearList:
     def _somebody_left(self, world: World) -> bool:
         """Tell whether a body is no longer in the box that the list was made for."""
         since, self._checked = self._checked, world.revision
-        boxes = self._lowers, self._uppers
-        return since != world.revision and bool(
-            _left(since, world.stamps, world.p_WGs, world.half_extents, *boxes)
-        )
+        posed = world.movable, world.stamps, world.p_WGs, world.half_extents
+        return since != world.revision and bool(_left(since, *posed, self._lowers, self._uppers))
 
     # Which pairs.
 
@@ -216,9 +214,9 @@ def _all_pairs(world: World) -> Indices:
 
 
 @compiled
-def _left(since, stamps, p_WGs, half_extents, lowers, uppers):  # type: ignore[no-untyped-def]
+def _left(since, movable, stamps, p_WGs, half_extents, lowers, uppers):  # type: ignore[no-untyped-def]
     """Tell whether the box of a body that moved after a revision sticks out of another box."""
-    for g in range(stamps.size):
+    for g in movable:
         if stamps[g] <= since:
             continue
         for k in range(3):

@@ -79,6 +79,7 @@ class World:
         self.p_WGs = np.zeros((n, 3))
         self.half_extents = np.zeros((n, 3))  # of the box around Go, in World axes [m]
         self.anchored = table.frames == 0
+        self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
         self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
         # A ball that turns about its centre goes nowhere.
@@ -91,7 +92,8 @@ class World:
         self._arguments = (
             *(self._moved, self.frames.parents),
             *(self.R_PFs, self.p_PFs, self.R_WFs, self.p_WFs),
-            *(table.frames, table.R_FGs, table.p_FGs, table.types, table.starts, table.pool),
+            *(self.movable, table.frames),
+            *(table.R_FGs, table.p_FGs, table.types, table.starts, table.pool),
             *(self.R_WGs, self.p_WGs, self.half_extents),
             *(self._turn_radii, self.stamps, self.travels, self.paces),
         )
@@ -228,6 +230,7 @@ def _update(  # type: ignore[no-untyped-def]
     p_PFs,
     R_WFs,
     p_WFs,
+    movable,
     on,
     R_FGs,
     p_FGs,
@@ -258,7 +261,9 @@ def _update(  # type: ignore[no-untyped-def]
                 continue
             _compose(R_WFs, p_WFs, parent, R_PFs, p_PFs, f, R_WFs, p_WFs, f)
     moved_geometries = 0
-    for g in range(on.size):
+    every = moved[0]
+    for k in range(on.size if every else movable.size):
+        g = k if every else movable[k]
         f = on[g]
         if moved[f]:
             moved_geometries += 1
