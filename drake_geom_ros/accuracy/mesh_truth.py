@@ -29,7 +29,8 @@ from drake_geom_ros.accuracy.tolerances import FREE, NEAREST, SIDE
 def signed_distance(a: Solid, X_WA: Pose, mesh: MeshBody, X_WM: Pose) -> float | None:
     """Return the signed distance [m] of a body and a solid mesh; None where it is not known."""
     if a.kind in ('Point', 'Sphere'):
-        return _of_ball(a.sizes[0] if a.sizes else 0.0, X_WA[1], mesh, X_WM)
+        assert mesh.corners is not None
+        return ball_distance(mesh.corners, X_WM, X_WA[1], a.sizes[0] if a.sizes else 0.0)
     return _of_parts(_parts(a, X_WA), _parts(mesh, X_WM))
 
 
@@ -51,13 +52,13 @@ def point_distance(corners: Floats, q: Any) -> tuple[Any, Floats]:
     return (-distance if inside else distance), nearest[best]
 
 
-def _of_ball(radius: float, p: Floats, mesh: MeshBody, X_WM: Pose) -> float | None:
+def ball_distance(corners: Floats, X_WM: Pose, p_WA: Floats, radius: float) -> float | None:
+    """Return the signed distance [m] of a ball about A and a closed surface; None if unknown."""
     R, p_WM = X_WM
-    assert mesh.corners is not None
     with mp.workdps(DIGITS):
-        offset = offset_between(p_WM, p)
+        offset = offset_between(p_WM, p_WA)
         q = [sum((mpf(float(R[i, k])) * offset[i] for i in range(3)), mpf(0)) for k in range(3)]
-        of_point, foot = point_distance(mesh.corners, q)
+        of_point, foot = point_distance(corners, q)
         phi = float(of_point - mpf(float(radius)))
         if phi >= 0.0 or radius == 0.0:
             return phi
@@ -65,7 +66,7 @@ def _of_ball(radius: float, p: Floats, mesh: MeshBody, X_WM: Pose) -> float | No
             return None
         away = np.array([float(x) for x in q]) - foot
         outward = away / float(of_point)
-        clear, _ = point_distance(mesh.corners, list(map(mpf, foot + radius * outward)))
+        clear, _ = point_distance(corners, list(map(mpf, foot + radius * outward)))
         return phi if clear >= radius - FREE else None
 
 

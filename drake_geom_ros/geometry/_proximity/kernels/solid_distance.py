@@ -127,9 +127,15 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
     noise = ROUNDING * EPS * size
     if A[0] == SPHERE:
         d, n, b = point_gap(p, B, j, noise)
-        return CLOSED, d, d, n, p, b
+        return (CLOSED if d <= limit else BEYOND_CUTOFF), d, d, n, p, b
     pair = leaf_pair(A, i, B, j, p)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+    if end == CLOSED and upper - lower > max(tolerance, noise):
+        # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
+        # walk goes on.
+        again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+        if again[0] == CLOSED and again[1] - again[2] < upper - lower:
+            end, upper, lower, n, a, b = again
     if end == OVERLAP or (end == CLOSED and upper <= NEAR_TOUCH * size):
         width, m = widest_slab(A, i, B, j, pair)
         if end == OVERLAP or width > lower:
@@ -157,7 +163,7 @@ def nearest(A, B, p, n, size, tolerance, limit):
     only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. ``unique`` is False
     if other points are as near, along a clearly different n.
     """
-    noise = ROUNDING * EPS * size
+    noise, reach = ROUNDING * EPS * size, limit
     stack, gaps = walk()
     stack[0, 0], stack[0, 1], top = 0, 0, 1
     gaps[0] = gap_of_boxes(box_at(A, 0), A[2], p, box_of_node(B[0], B[1], 0))
@@ -195,7 +201,8 @@ def nearest(A, B, p, n, size, tolerance, limit):
                 limit = min(limit, best + noise)
                 if nearer:
                     n_best, a, b = n, x, y
-    end = CLOSED if best < math.inf else BEYOND_CUTOFF
+    # What was left out is farther than the reach; so may be what was answered all the same.
+    end = CLOSED if best < math.inf and least <= reach else BEYOND_CUTOFF
     return end, best, min(least, best), n_best, a, b, unique
 
 
