@@ -197,12 +197,14 @@ def case_of(entry: dict[str, Any], family: str) -> Case:
         for key in ('normals', 'witnesses')
     )
     return Case(
-        entry['id'], family, entry['source'], entry['about'], _body(entry['a']), _body(entry['b']),
-        float(entry['distance']), float(entry['tolerance']), normals, witnesses,
-    )  # fmt: skip
+        *(entry['id'], family, entry['source'], entry['about']),
+        *(body_of(entry['a']), body_of(entry['b'])),
+        *(float(entry['distance']), float(entry['tolerance']), normals, witnesses),
+    )
 
 
-def _body(entry: dict[str, Any]) -> Body:
+def body_of(entry: dict[str, Any]) -> Body:
+    """Return the body of an entry."""
     R = np.array(entry.get('R', np.eye(3)), dtype=float).reshape(3, 3)
     size = tuple(tuple(v) if isinstance(v, list) else float(v) for v in entry['size'])
     triangles = tuple(map(tuple, entry.get('triangles', ())))

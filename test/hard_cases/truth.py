@@ -55,8 +55,13 @@ def is_closed(a, b):
 
 
 def signed_distance(a, b):
-    """Return (distance, tolerance): what is true, and within what."""
+    """Return (distance, tolerance): what is true, and within what.
+
+    Of a Solid it is known for a Sphere as B, unless its way out is not straight.
+    """
     tilt = sum(body.radius * np.abs(body.R.T @ body.R - np.eye(3)).max() for body in (a, b))
+    if a.kind == 'Solid':
+        return of_ball(a, b), tilt + EPS * (a.radius + np.abs(a.p).max())
     if is_closed(a, b):
         distance = _closed(a, b)
         return distance, tilt + EPS * abs(distance)

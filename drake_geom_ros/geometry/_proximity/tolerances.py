@@ -135,8 +135,9 @@ NO_VOLUME = 1e-14
 # be shown edge by edge: a needle of a dent holds no volume.
 SAME_VOLUME = 1e-9
 
-# Triangles of one surface cross if an edge of one goes this far [-] through the other, relative
-# to their size, and past its border: a vertex in single precision that touches does not.
+# Triangles of one surface cross if each goes this far [-] through the plane of the other, relative
+# to their size, and they are in each other for as long: a vertex in single precision that touches
+# does not.
 CROSSING = 1e-6
 
 # A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
