@@ -211,6 +211,21 @@ def touching_points(pair, n, depth, size, a, b):
 
 
 @compiled
+def witnesses(pair, n, depth, size, of_gjk, of_epa):
+    """Return the pair of points that is less aside of n, drawn to the depth along it.
+
+    It is EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+    """
+    a, b = of_gjk
+    aside = norm(sub(sub(a, b), scale(depth, n)))
+    if of_epa[2] <= aside:
+        a, b, aside = of_epa
+    if aside > ASIDE * size:
+        a, b = touching_points(pair, n, depth, size, a, b)
+    return drawn_to(-depth, n, a, b)
+
+
+@compiled
 def is_polytope(kind):
     """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
     return kind != CYLINDER and kind != ELLIPSOID
@@ -270,14 +285,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
         distance, lower, n = -depth, max(lower, -depth), n_in
         unique = unique_in or distance > noise
-        # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's
-        # where they are apart or EPA saw a flat from one end.
-        aside_out = norm(sub(sub(a, b), scale(depth, n)))
-        if aside <= aside_out:
-            a, b = a_in, b_in
-        if min(aside, aside_out) > ASIDE * size:
-            a, b = touching_points(pair, n, depth, size, a, b)
-        a, b = drawn_to(distance, n, a, b)
+        a, b = witnesses(pair, n, depth, size, (a, b), (a_in, b_in, aside))
     elif gap_along(pair, n) < -depth:
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
