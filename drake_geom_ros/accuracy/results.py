@@ -9,7 +9,8 @@ import numpy as np
 
 from drake_geom_ros.accuracy.peer_process import ANSWERED
 from drake_geom_ros.accuracy.samples import Sample
-from drake_geom_ros.accuracy.tolerances import EPS, PROMISED, ROUNDING, TRUTH_ROUNDING
+from drake_geom_ros.accuracy.tolerances import EPS, ROUNDING, TRUTH_ROUNDING
+from drake_geom_ros.geometry import ACCURACY_GAPS
 
 OURS = 'drake_geom_ros'
 
@@ -93,7 +94,7 @@ class Measured:
     def lies(self) -> list[str]:
         """Return what is not as certified or promised, one sentence an answer."""
         found = []
-        width = PROMISED.get(self.setting.label, float('inf'))
+        width = ACCURACY_GAPS.get(self.setting.label, float('inf'))
         columns = self.errors, self.bounds, self.sizes, self.configurations, self.promised
         for error, bound, size, configuration, promised in zip(*columns, strict=False):
             where = f'{self.case}, {self.query}, {self.setting.label}, {configuration}'

@@ -55,8 +55,6 @@ AS_PLACED = 1e-9
 TRUTH_ROUNDING = 2.0 * EPS
 # Relative to the pair's size: below this an error is rounding, and a bound need not follow it.
 ROUNDING = 16.0 * EPS
-# What the levels promise for pairs of up to 1 m [m].
-PROMISED = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 # [m] deep, at most: penetration is about what is deeper, for touching is not penetrating.
 TOUCHING = 1e-9
 # [m] apart, at least, of pairs that no library finds hard.
