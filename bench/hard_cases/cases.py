@@ -8,10 +8,11 @@ A file is one family. Lengths are metres, positions and normals are in World::
      "distance": 3.0, "tolerance": 1e-15,
      "normals": [[0, -1, 0]], "witnesses": [[0, 1, 0], [0, 4, 0]]}
 
-``size`` is what the shape's constructor takes, of a Convex the vertices (n, 3); ``R`` the rotation
-by rows, left out where it is the identity. ``distance`` is right within ``tolerance``. ``normals``
-are the acceptable nhat_BA_W, null: any that attains the distance; ``witnesses`` p_WCa and p_WCb,
-null: any on the surfaces that span it.
+``size`` is what the shape's constructor takes, of a Convex the vertices (n, 3). A Solid is a mesh
+that counts as the body within its surface: it has ``triangles`` (m, 3) of its vertices too. ``R``
+is the rotation by rows, left out where it is the identity. ``distance`` is right within
+``tolerance``. ``normals`` are the acceptable nhat_BA_W, null: any that attains the distance;
+``witnesses`` p_WCa and p_WCb, null: any on the surfaces that span it.
 """
 
 from __future__ import annotations
@@ -29,9 +30,11 @@ from numpy.typing import NDArray
 from drake_geom_ros import geometry
 from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.peers import SolidMesh
 
 Floats = NDArray[np.float64]
 
+FROM_VERTICES = ('Convex', 'Solid')
 CATALOGUE = Path(__file__).resolve().parents[2] / 'test/hard_cases/catalogue'
 PEERS_TODAY = CATALOGUE / 'peers_today.json'
 
@@ -44,13 +47,32 @@ class Body:
     size: tuple[Any, ...]
     R: Floats
     p: Floats
+    triangles: tuple[tuple[int, int, int], ...] = ()
 
     @cached_property
     def shape(self) -> geometry.Shape:
-        """The shape; of a Convex the hull of its vertices."""
+        """The shape; of a Convex the hull of its vertices, of a Solid the mesh."""
+        if self.kind == 'Solid':
+            return SolidMesh.FromMeshData(MeshData(self.size, self.triangles))
         if self.kind == 'Convex':
             return geometry.Convex.FromMeshData(MeshData(self.size))
         return getattr(geometry, self.kind)(*self.size)
+
+    @property
+    def properties(self) -> geometry.ProximityProperties:
+        """What the proximity role needs: a Solid is one by its property."""
+        properties = geometry.ProximityProperties()
+        if self.kind == 'Solid':
+            properties.AddProperty('mesh', 'solid', True)
+        return properties
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Corners (m, 3, 3) [m] of a Solid's triangles, without those that have no area."""
+        corners = np.array(self.size)[np.array(self.triangles)]
+        sides = corners[:, 1:] - corners[:, :1]
+        with_area: Floats = corners[np.cross(sides[:, 0], sides[:, 1]).any(axis=1)]
+        return with_area
 
     @property
     def pose(self) -> RigidTransform:
@@ -61,7 +83,7 @@ class Body:
     def radius(self) -> float:
         """Radius [m] of the ball about the shape's origin that holds it; a half space has 0."""
         s = np.asarray(self.size, dtype=float)
-        if self.kind == 'Convex':
+        if self.kind in FROM_VERTICES:
             return max(math.hypot(*v) for v in s)
         if self.kind == 'Box':
             return math.hypot(*(0.5 * s))
@@ -77,8 +99,11 @@ class Body:
 
     def scaled(self, s: float) -> Body:
         """Return the body with all lengths multiplied."""
-        size = tuple(map(tuple, s * np.array(self.size))) if self.kind == 'Convex' else None
-        return replace(self, size=size or tuple(s * x for x in self.size), p=s * self.p)
+        if self.kind in FROM_VERTICES:
+            size = tuple(map(tuple, (s * np.array(self.size)).tolist()))
+        else:
+            size = tuple(s * x for x in self.size)
+        return replace(self, size=size, p=s * self.p)
 
 
 @dataclass(frozen=True)
@@ -95,6 +120,11 @@ class Case:
     tolerance: float
     normals: Floats | None = None
     witnesses: Floats | None = None
+
+    @property
+    def has_solid(self) -> bool:
+        """Whether one of the bodies is a mesh as a solid, which may have dents."""
+        return 'Solid' in (self.a.kind, self.b.kind)
 
     @property
     def extent(self) -> float:
@@ -167,15 +197,18 @@ def case_of(entry: dict[str, Any], family: str) -> Case:
         for key in ('normals', 'witnesses')
     )
     return Case(
-        entry['id'], family, entry['source'], entry['about'], _body(entry['a']), _body(entry['b']),
-        float(entry['distance']), float(entry['tolerance']), normals, witnesses,
-    )  # fmt: skip
+        *(entry['id'], family, entry['source'], entry['about']),
+        *(body_of(entry['a']), body_of(entry['b'])),
+        *(float(entry['distance']), float(entry['tolerance']), normals, witnesses),
+    )
 
 
-def _body(entry: dict[str, Any]) -> Body:
+def body_of(entry: dict[str, Any]) -> Body:
+    """Return the body of an entry."""
     R = np.array(entry.get('R', np.eye(3)), dtype=float).reshape(3, 3)
     size = tuple(tuple(v) if isinstance(v, list) else float(v) for v in entry['size'])
-    return Body(entry['kind'], size, R, np.array(entry['p'], dtype=float))
+    triangles = tuple(map(tuple, entry.get('triangles', ())))
+    return Body(entry['kind'], size, R, np.array(entry['p'], dtype=float), triangles)
 
 
 def entry_of(case: Case) -> dict[str, Any]:
@@ -195,6 +228,8 @@ def entry_of(case: Case) -> dict[str, Any]:
 
 def _entry(body: Body) -> dict[str, Any]:
     entry: dict[str, Any] = {'kind': body.kind, 'size': body.size}
+    if body.triangles:
+        entry['triangles'] = body.triangles
     if not np.array_equal(body.R, np.eye(3)):
         entry['R'] = body.R.ravel().tolist()
     return {**entry, 'p': body.p.tolist()}

@@ -9,7 +9,6 @@ from drake_geom_ros.geometry import (
     GeometryInstance,
     PenetrationResults,
     PointDistanceResults,
-    ProximityProperties,
     SceneGraph,
     SignedDistanceResults,
 )
@@ -26,7 +25,7 @@ class PairScene:
         for name, one in (('a', a), ('b', b)):
             self._frames.append(graph.RegisterFrame(self._source, GeometryFrame(name)))
             instance = GeometryInstance(RigidTransform(), one.shape, name)
-            instance.set_proximity_properties(ProximityProperties())
+            instance.set_proximity_properties(one.properties)
             geometry = graph.RegisterGeometry(self._source, self._frames[-1], instance)
             self._ids.append(geometry)
         self._context = graph.CreateDefaultContext()

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from bench.hard_cases.cases import Body, Floats
+from bench.hard_cases.cases import FROM_VERTICES, Body, Floats
+from drake_geom_ros.accuracy.mesh_truth import point_distance
 
 ALIGNED = 1e-7  # [-] off a half space's normal, beyond which it has no support
 
@@ -31,13 +32,16 @@ def reach(body: Body, n: Floats) -> float:
         return float(s[0] * math.hypot(d[0], d[1]) + 0.5 * s[1] * abs(d[2]))
     if body.kind == 'Ellipsoid':
         return math.hypot(*(s * d))
-    if body.kind == 'Convex':
+    if body.kind in FROM_VERTICES:
         return float((s @ d).max())
     return 0.0 if np.linalg.norm(d - [0.0, 0.0, 1.0]) <= ALIGNED else math.inf
 
 
 def width(a: Body, b: Body, nhat_BA_W: Floats) -> float:
-    """Return the gap [m] between the supporting planes along a normal: at most the distance."""
+    """Return the gap [m] between the supporting planes along a normal: at most the distance.
+
+    Of a Solid they are those of its hull.
+    """
     return float((a.p - b.p) @ nhat_BA_W) - reach(a, -nhat_BA_W) - reach(b, nhat_BA_W)
 
 
@@ -47,6 +51,8 @@ def height(body: Body, p_W: Floats) -> float:
     s = np.asarray(body.size, dtype=float)
     if body.kind == 'HalfSpace':
         return float(q[2])
+    if body.kind == 'Solid':
+        return body.radius * float(point_distance(body.corners / body.radius, q / body.radius)[0])
     if body.kind == 'Convex':
         planes = _planes(body.size)
         return body.radius * float((planes[:, :3] @ (q / body.radius) + planes[:, 3]).max())

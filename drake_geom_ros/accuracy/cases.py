@@ -1,7 +1,7 @@
 """What is measured: the list of cases. A case is a pair of shapes and a family to be drawn in.
 
-Another kind of shape (a solid mesh, say) is one more entry here, with its own truth if the
-support function does not tell it.
+Another convex shape is one more entry here; what has dents is in ``mesh_cases``, with a truth of
+its own.
 """
 
 from __future__ import annotations
@@ -11,7 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from itertools import combinations_with_replacement
+from typing import Protocol, TypeVar
 
+import numpy as np
+
+from drake_geom_ros.accuracy.solids import Solid, random_solid
 from drake_geom_ros.geometry import ArgumentError
 
 SIGNED_DISTANCE, PENETRATION, POINTS = QUERIES = ('signed_distance', 'penetration', 'points')
@@ -19,6 +23,21 @@ SIGNED_DISTANCE, PENETRATION, POINTS = QUERIES = ('signed_distance', 'penetratio
 PRIMITIVES = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace')
 RESOLUTIONS = (8, 64, 500)  # vertices of a hull
 QUICK_RESOLUTIONS = (64,)
+
+
+class Named(Protocol):
+    """What is chosen by its name, and takes turns by its family."""
+
+    @property
+    def name(self) -> str:
+        """How it is called."""
+
+    @property
+    def family(self) -> str:
+        """The panel that it is drawn in."""
+
+
+_C = TypeVar('_C', bound=Named)
 
 
 @dataclass(frozen=True)
@@ -60,6 +79,10 @@ class Case:
         """Return the queries that the case is asked."""
         return (POINTS,) if self.a == 'Point' else (SIGNED_DISTANCE, PENETRATION)
 
+    def bodies(self, rng: np.random.Generator) -> tuple[Solid, Solid]:
+        """Return both bodies, with random sizes."""
+        return random_solid(rng, self.a, self.corners), random_solid(rng, self.b, self.corners)
+
 
 def all_cases(resolutions: Sequence[int] = RESOLUTIONS) -> list[Case]:
     """Return every pair of shapes that has a signed distance, hulls in all resolutions."""
@@ -74,7 +97,7 @@ def all_cases(resolutions: Sequence[int] = RESOLUTIONS) -> list[Case]:
     return cases
 
 
-def chosen(cases: Sequence[Case], patterns: Sequence[str]) -> list[Case]:
+def chosen(cases: Sequence[_C], patterns: Sequence[str]) -> list[_C]:
     """Return the cases whose names match one of the patterns (``Box-*``), all without any.
 
     Raises ArgumentError for a pattern that matches none.
@@ -86,7 +109,7 @@ def chosen(cases: Sequence[Case], patterns: Sequence[str]) -> list[Case]:
     return [case for case in cases if not patterns or any(fnmatch(case.name, p) for p in patterns)]
 
 
-def in_turns(cases: Sequence[Case]) -> list[Case]:
+def in_turns(cases: Sequence[_C]) -> list[_C]:
     """Return the cases so that the families take turns: a run cut short has seen all of them."""
     ranks: Counter[str] = Counter()
     ranked = []

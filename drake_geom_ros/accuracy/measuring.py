@@ -137,7 +137,7 @@ class Measurement:
             if answer is None:
                 record.verdicts[MISSED] += 1
             else:
-                record.add(sample, answer.distance, answer.error_bound)
+                record.add(sample, answer.distance, answer.error_bound, answer.promised)
         for k, rival in enumerate(self._rivals):
             outcome = rival.process.answer(query.of_peers, rival.tolerance, index)
             query.outcomes[k].append((index, sample, outcome))

@@ -22,6 +22,11 @@ class Answer(NamedTuple):
     error_bound: float
     method: int
 
+    @property
+    def promised(self) -> bool:
+        """Whether the bound is to be as narrow as the level says: in solids it may stay open."""
+        return self.method != geometry.METHODS['mesh'] or self.distance >= 0.0
+
 
 class Build:
     """A scene graph with a frame for each solid, but for those that are anchored."""
@@ -36,7 +41,7 @@ class Build:
         """Register a solid on a frame of its own, or at the world's origin."""
         name = str(len(self.ids))
         instance = geometry.GeometryInstance(RigidTransform(), solid.shape, name)
-        instance.set_proximity_properties(geometry.ProximityProperties())
+        instance.set_proximity_properties(solid.properties())
         frame = self.graph.world_frame_id()
         if not anchored:
             frame = self.graph.RegisterFrame(self.source, geometry.GeometryFrame(name))

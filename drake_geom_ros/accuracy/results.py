@@ -9,7 +9,8 @@ import numpy as np
 
 from drake_geom_ros.accuracy.peer_process import ANSWERED
 from drake_geom_ros.accuracy.samples import Sample
-from drake_geom_ros.accuracy.tolerances import EPS, PROMISED, ROUNDING, TRUTH_ROUNDING
+from drake_geom_ros.accuracy.tolerances import EPS, ROUNDING, TRUTH_ROUNDING
+from drake_geom_ros.geometry import ACCURACY_GAPS
 
 OURS = 'drake_geom_ros'
 
@@ -26,7 +27,8 @@ class Setting:
 class Measured:
     """Errors and times of one setting on one case.
 
-    ``errors``, ``bounds`` [m] (ours only) and ``sizes`` [m] go together, one entry an answer;
+    ``errors``, ``bounds`` [m] (ours only) and ``sizes`` [m] go together, one entry an answer, and
+    so does ``promised``: whether the bound must be as narrow as the level says;
     ``verdicts`` counts all outcomes. ``whole`` and ``inside`` are seconds a pair: with all that a
     call costs, and of the computation alone as far as that can be told.
     """
@@ -39,11 +41,18 @@ class Measured:
     bounds: list[float] = field(default_factory=list)
     sizes: list[float] = field(default_factory=list)
     configurations: list[str] = field(default_factory=list)
+    promised: list[bool] = field(default_factory=list)
     verdicts: Counter[str] = field(default_factory=Counter)
     whole: float | None = None
     inside: float | None = None
 
-    def add(self, sample: Sample, distance: float, error_bound: float | None = None) -> None:
+    def add(
+        self,
+        sample: Sample,
+        distance: float,
+        error_bound: float | None = None,
+        promised: bool = True,
+    ) -> None:
         """Take an answer in."""
         self.verdicts[ANSWERED] += 1
         self.errors.append(abs(distance - sample.truth))
@@ -51,6 +60,7 @@ class Measured:
         self.configurations.append(sample.configuration)
         if error_bound is not None:
             self.bounds.append(error_bound)
+            self.promised.append(promised)
 
     @property
     def failures(self) -> dict[str, int]:
@@ -84,12 +94,12 @@ class Measured:
     def lies(self) -> list[str]:
         """Return what is not as certified or promised, one sentence an answer."""
         found = []
-        promised = PROMISED.get(self.setting.label, float('inf'))
-        rows = zip(self.errors, self.bounds, self.sizes, self.configurations, strict=False)
-        for error, bound, size, configuration in rows:
+        width = ACCURACY_GAPS.get(self.setting.label, float('inf'))
+        columns = self.errors, self.bounds, self.sizes, self.configurations, self.promised
+        for error, bound, size, configuration, promised in zip(*columns, strict=False):
             where = f'{self.case}, {self.query}, {self.setting.label}, {configuration}'
             if error > bound + TRUTH_ROUNDING * size:
                 found.append(f'{where}: error {error:.3g} m, error_bound {bound:.3g} m')
-            if bound > promised * max(size, 1.0):
-                found.append(f'{where}: error_bound {bound:.3g} m, promised {promised:g} m')
+            if promised and bound > width * max(size, 1.0):
+                found.append(f'{where}: error_bound {bound:.3g} m, promised {width:g} m')
         return found

@@ -10,18 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from drake_geom_ros.accuracy import diagrams, machine, ours
-from drake_geom_ros.accuracy.cases import (
-    QUICK_RESOLUTIONS,
-    RESOLUTIONS,
-    Case,
-    all_cases,
-    chosen,
-    in_turns,
-)
+from drake_geom_ros.accuracy.cases import QUICK_RESOLUTIONS, Case, all_cases, chosen, in_turns
 from drake_geom_ros.accuracy.measuring import Measurement, Plan
+from drake_geom_ros.accuracy.mesh_cases import QUICK_CASES, MeshCase, MeshSubject, mesh_cases
 from drake_geom_ros.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.accuracy.scenes import SCENES
-from drake_geom_ros.accuracy.solids import random_solid
 from drake_geom_ros.accuracy.subjects import CaseSubject, SceneSubject, Subject
 from drake_geom_ros.accuracy.tables import Circumstances, microseconds, readme, write_csv
 
@@ -51,7 +44,7 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         plan = Plan(least_batches=1, turns=5, seed=request.seed, tolerances=False)
     if request.samples is not None:
         plan = replace(plan, least_batches=1, most_batches=request.samples)
-    cases = all_cases(QUICK_RESOLUTIONS if request.quick else RESOLUTIONS)
+    cases = cases_of(request)
     chosen_cases = chosen(cases, request.patterns)
     measurement, left_out = Measurement(plan, request.peers), []
     begun, compiling = time.monotonic(), 0.0
@@ -62,7 +55,10 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         measurement.calibrate()
         scenes = [] if request.patterns else [make() for make in SCENES.values()]
         subjects: list[Subject] = [SceneSubject(scene) for scene in scenes]
-        subjects += [CaseSubject(case) for case in in_turns(chosen_cases)]
+        subjects += [
+            MeshSubject(case) if isinstance(case, MeshCase) else CaseSubject(case)
+            for case in in_turns(chosen_cases)
+        ]
         left_out = measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
     except KeyboardInterrupt:
         say('interrupted: what was measured until now is written')
@@ -92,17 +88,24 @@ def _command(request: Request) -> str:
     return ' '.join(words)
 
 
-def compile_kernels(cases: Sequence[Case]) -> float:
+def cases_of(request: Request) -> list[Case | MeshCase]:
+    """Return all cases that the request may choose from."""
+    if request.quick:
+        return [*all_cases(QUICK_RESOLUTIONS), *QUICK_CASES]
+    return [*all_cases(), *mesh_cases()]
+
+
+def compile_kernels(cases: Sequence[Case | MeshCase]) -> float:
     """Compile or load all kernels that the cases need; return the seconds that this took."""
     start = time.perf_counter()
     rng = np.random.default_rng(0)
-    for a, b in sorted({(case.a, case.b) for case in cases}):
+    for case in {(case.a, case.b): case for case in reversed(cases)}.values():
         build = ours.Build()
-        solids = [random_solid(rng, kind, 8) for kind in (a, b) if kind != 'Point']
+        solids = [solid for solid in case.bodies(rng) if solid.kind != 'Point']
         for solid in solids:
             build.add(solid)
         asked = build.asked([(np.eye(3), np.zeros(3))] * len(solids))
-        if 'Point' in (a, b):
+        if case.a == 'Point':
             asked.ComputeSignedDistanceToPoint(np.zeros(3))
         else:
             asked.ComputeSignedDistancePairwiseClosestPoints()

@@ -15,7 +15,7 @@ import numpy as np
 
 from drake_geom_ros.accuracy import truth
 from drake_geom_ros.accuracy.cases import Case
-from drake_geom_ros.accuracy.solids import Solid, random_rotation, random_solid
+from drake_geom_ros.accuracy.solids import Solid, random_rotation
 from drake_geom_ros.accuracy.supports import Body, Floats, posed
 from drake_geom_ros.accuracy.tolerances import DEEP, NEAR, NO_DIRECTION, SHALLOW, TIE
 
@@ -49,14 +49,14 @@ class Sample:
         return self.a.reach() + self.b.reach() + apart
 
 
-def stream(case: Case, seed: int) -> np.random.Generator:
+def stream(name: str, seed: int) -> np.random.Generator:
     """Return the random numbers of a case: its own, whatever else is measured."""
-    return np.random.default_rng([seed, crc32(case.name.encode())])
+    return np.random.default_rng([seed, crc32(name.encode())])
 
 
 def sample(case: Case, configuration: str, rng: np.random.Generator) -> Sample:
     """Return a random pair in a configuration."""
-    a, b = (random_solid(rng, kind, case.corners) for kind in (case.a, case.b))
+    a, b = case.bodies(rng)
     R_WA, R_WB = random_rotation(rng), random_rotation(rng)
     n = _direction(rng, (a, R_WA), (b, R_WB))
     gap = CONFIGURATIONS[configuration]
@@ -64,7 +64,7 @@ def sample(case: Case, configuration: str, rng: np.random.Generator) -> Sample:
         step = rng.normal(size=3)
         p_WB = CONTAINED * step / np.linalg.norm(step)
     else:
-        p_WB = _end(rng, a, R_WA, n) + gap * n - _end(rng, b, R_WB, -n)
+        p_WB = farthest_point(rng, a, R_WA, n) + gap * n - farthest_point(rng, b, R_WB, -n)
     X_WA, X_WB = (R_WA, np.zeros(3)), (R_WB, p_WB)
     pair = a.support(), X_WA, b.support(), X_WB
     known = gap is not None and gap >= 0.0
@@ -116,8 +116,11 @@ def _face(rng: np.random.Generator, body: Body) -> Floats:
     return body.R @ np.cross(u, v)
 
 
-def _end(rng: np.random.Generator, solid: Solid, R: Floats, n: Floats) -> Floats:
-    """Return a point in which a solid at the origin ends along n, any of an edge or a face."""
+def farthest_point(rng: np.random.Generator, solid: Solid, R: Floats, n: Floats) -> Floats:
+    """Return a point (3,) in which a solid at the origin ends along a unit n.
+
+    Any of those of an edge or a face.
+    """
     if solid.kind == 'HalfSpace':
         return np.zeros(3)
     body = posed(solid.support(), R, np.zeros(3))

@@ -56,6 +56,10 @@ class Solid:
         made: geometry.Shape = getattr(geometry, self.kind).FromMeshData(data)
         return made
 
+    def properties(self) -> geometry.ProximityProperties:
+        """Return the properties of the proximity role."""
+        return geometry.ProximityProperties()
+
     def support(self) -> supports.Shape:
         """Return the shape as ``truth`` takes it: type number, half sizes or vertices."""
         number = _NUMBERS[self.kind]

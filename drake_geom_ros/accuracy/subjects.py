@@ -1,7 +1,7 @@
 """What can be measured: cases and whole scenes, seen alike.
 
 A subject yields its samples batch by batch, tells our answers to one, and makes the scene that
-is timed. What comes next (solid meshes, say) is one more class like these.
+is timed. Meshes as solids are one more class like these (``mesh_cases``).
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class CaseSubject:
 
     def batches(self, seed: int) -> Iterator[list[Sample]]:
         """Yield one pair of each configuration a time."""
-        rng = stream(self._case, seed)
+        rng = stream(self.name, seed)
         while True:
             yield [sample(self._case, configuration, rng) for configuration in CONFIGURATIONS]
 

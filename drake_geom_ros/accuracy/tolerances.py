@@ -35,6 +35,19 @@ GAIN = 1e-17
 # Vectors shorter than this [-] have no direction.
 NO_DIRECTION = 1e-12
 
+# Solid meshes.
+
+# Triangles this near [-] to the nearest, relative to the body's size, are all asked in full digits
+# which one is: a million times the rounding of their distances.
+NEAREST = 1e-9
+# [m] that two bodies may still overlap after a move that leads them apart: the rounding of poses.
+FREE = 1e-12
+# [m] from a surface within which the way out of it has no direction left.
+SIDE = 1e-6
+# [m] by which the distance of a pair may differ from how it was placed: rounding, for in a dent,
+# where another wall is nearer, it differs by far more.
+AS_PLACED = 1e-9
+
 # The measurement.
 
 # Relative to the pair's size: the truth is rounded once, and taken for rotations that are
@@ -42,8 +55,6 @@ NO_DIRECTION = 1e-12
 TRUTH_ROUNDING = 2.0 * EPS
 # Relative to the pair's size: below this an error is rounding, and a bound need not follow it.
 ROUNDING = 16.0 * EPS
-# What the levels promise for pairs of up to 1 m [m].
-PROMISED = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 # [m] deep, at most: penetration is about what is deeper, for touching is not penetrating.
 TOUCHING = 1e-9
 # [m] apart, at least, of pairs that no library finds hard.

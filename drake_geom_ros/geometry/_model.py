@@ -257,7 +257,7 @@ class Model:
         if assign is RoleAssign.kNew:
             self._check_geometry_name(record, record.name, [role], 'AssignRole')
         changed: dict[str, GeometryProperties] = {ROLE_FIELDS[role]: properties._frozen()}
-        record = dataclasses.replace(record, **changed)  # type: ignore[arg-type]
+        record = record.changed(**changed)
         if role is Role.kProximity:
             check_for_queries(record)
         self._store(record, proximity=role is Role.kProximity)
@@ -278,7 +278,7 @@ class Model:
         for record in losing:
             del self._geometry_names[record.frame_id, role, record.name]
             changed: dict[str, None] = {ROLE_FIELDS[role]: None}
-            self.geometries[record.id] = dataclasses.replace(record, **changed)  # type: ignore[arg-type]
+            self.geometries[record.id] = record.changed(**changed)
         if losing:
             self._changed(proximity=role is Role.kProximity)
         return losing
@@ -294,7 +294,7 @@ class Model:
         record = self.owned_geometry(source_id, geometry_id)
         checked_type(shape, Shape, 'ChangeShape: shape')
         pose = record.X_FG if X_FG is None else checked_pose(X_FG, 'ChangeShape: X_FG')
-        record = dataclasses.replace(record, shape=shape)
+        record = record.changed(shape=shape)
         check_for_queries(record)
         self._store(record)
         if X_FG is not None:
@@ -321,7 +321,7 @@ class Model:
             self._check_geometry_name(record, new_name, record.roles(), 'RenameGeometry')
             for role in record.roles():
                 del self._geometry_names[record.frame_id, role, record.name]
-            self._store(dataclasses.replace(record, name=new_name), proximity=False)
+            self._store(record.changed(name=new_name), proximity=False)
 
     # Helpers.
 
@@ -337,7 +337,7 @@ class Model:
         X_PG = X_FG
         if record.parent_id is not None:
             X_PG = self.geometries[record.parent_id].X_FG.InvertAndCompose(X_FG)
-        self._store(dataclasses.replace(record, X_FG=X_FG, X_PG=X_PG))
+        self._store(record.changed(X_FG=X_FG, X_PG=X_PG))
         for child_id in self._children.get(record.id, []):
             self._repose(self.geometries[child_id], X_FG @ self.geometries[child_id].X_PG)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +78,32 @@ class GeometryRecord:
     illustration: IllustrationProperties | None = None
     perception: PerceptionProperties | None = None
 
+    @cached_property
+    def packed_shape(self) -> tuple[int, Floats]:
+        """The type number and the parameters of the shape, as queries take it.
+
+        A mesh counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
+        its surface encloses. Raises GeometryError where it is neither. They live as long as the
+        record: however many meshes a scene has, none is read again because another one came.
+        """
+        shape = self.shape
+        if not isinstance(shape, Mesh):
+            return shape._type_number(), shape._kernel_parameters()
+        if not is_solid(self):
+            return CONVEX, shape._kernel_parameters()
+        from drake_geom_ros.geometry._solid_mesh import solid_of
+
+        return solid_of(shape.mesh_data() or shape.filename(), tuple(shape.scale3().tolist()))
+
+    def changed(self, **fields: Any) -> GeometryRecord:
+        """Return the record with other values in some fields; the shape stays packed if it can."""
+        other = replace(self, **fields)
+        packed = vars(self).get('packed_shape')
+        same = other.shape is self.shape and is_solid(other) == is_solid(self)
+        if packed and same and other.proximity is not None:
+            vars(other)['packed_shape'] = packed
+        return other
+
     def properties(self, role: Role) -> GeometryProperties | None:
         """Return the properties of a role, or None."""
         if role not in ROLE_FIELDS:
@@ -107,25 +135,9 @@ def named(record: FrameRecord | GeometryRecord) -> str:
     return f"the {kind} '{record.name}' ({record.id!r})"
 
 
-def packed_shape(record: GeometryRecord) -> tuple[int, Floats]:
-    """Return the type number and the parameters of a geometry's shape, as queries take it.
-
-    A mesh counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that its
-    surface encloses. Raises GeometryError where it is neither.
-    """
-    shape = record.shape
-    if not isinstance(shape, Mesh):
-        return shape._type_number(), shape._kernel_parameters()
-    if not is_solid(record):
-        return CONVEX, shape._kernel_parameters()
-    from drake_geom_ros.geometry._solid_mesh import solid_of
-
-    return solid_of(shape.mesh_data() or shape.filename(), tuple(shape.scale3().tolist()))
-
-
 def is_solid(record: GeometryRecord) -> bool:
-    """Return the property ('mesh', 'solid'); raises RuntimeError if it is no bool."""
-    if record.proximity is None:
+    """Return the property ('mesh', 'solid') of a Mesh; raises RuntimeError if it is no bool."""
+    if record.proximity is None or not isinstance(record.shape, Mesh):
         return False
     return bool(record.proximity.GetPropertyOrDefault('mesh', 'solid', False))
 
@@ -133,4 +145,4 @@ def is_solid(record: GeometryRecord) -> bool:
 def check_for_queries(record: GeometryRecord) -> None:
     """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
     if record.proximity is not None:
-        packed_shape(record)
+        _ = record.packed_shape

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._mesh_library import connected_pieces
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
+from drake_geom_ros.geometry._proximity.kernels.solid_overlap import windings_beside
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.solid_packing import solid_parameters
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -76,7 +77,7 @@ def _solid(source: MeshSource, scale: tuple[float, ...]) -> tuple[int, Floats]:
     hull = np.concatenate(([len(hull_vertices)], hull_vertices.ravel(), [0.0]))
     planes = planes_of(hull_vertices, hull_triangles)
     parameters, windings = solid_parameters(hull, corners, pieces, planes)
-    check_simple(parameters, windings, name)
+    check_simple(parameters, corners[at_crowded_edges(triangles)], windings, name)
     parameters.flags.writeable = False
     return SOLID, parameters
 
@@ -171,22 +172,46 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
     return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 
 
-def check_simple(parameters: Floats, windings: Floats, name: str) -> None:
+def at_crowded_edges(triangles: Indices) -> Indices:
+    """Return the numbers of the triangles at edges that more than two have in common."""
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    codes = edges[:, 0] * (int(triangles.max()) + 1) + edges[:, 1]
+    _, at, counts = np.unique(codes, return_inverse=True, return_counts=True)
+    return np.flatnonzero((counts[at.ravel()] > 2).reshape(-1, 3).any(axis=1))
+
+
+def check_simple(parameters: Floats, crowded: Floats, windings: Floats, name: str) -> None:
     """Raise MeshFileError where triangles cross or pieces do not bound a body together.
 
-    ``windings`` (c, 2) are the winding numbers beneath and above each piece: 1 and 0.
+    ``windings`` (c, 2) are the winding numbers beneath and above each piece: 1 and 0. So they must
+    be at ``crowded`` triangles (k, 3, 3): two surfaces may cross along edges that both have.
     """
     crossing = np.empty((2, 3, 3))
     if first_crossing(parameters, crossing):
-        where = crossing.mean(axis=(0, 1)).tolist()
-        raise MeshFileError(
-            f'{name} bounds no solid: its surface crosses itself, at about {where}; unite the '
-            f'bodies or mend the surface (a boolean union does both). {_ADVICE}'
-        )
-    wrong = (np.round(windings) != [1.0, 0.0]).any(axis=1)
+        raise _crosses_itself(name, crossing)
+    wrong = _are_wrong(windings)
     if wrong.any():
         raise MeshFileError(
             f'{name} bounds no solid: {int(wrong.sum())} of its {len(windings)} closed surfaces '
             'lie in another and are turned like a body, or in none and are turned like a cavity; '
             f'leave out bodies within bodies, and turn cavities inside out. {_ADVICE}'
         )
+    beside = np.empty((len(crowded), 2))
+    windings_beside(parameters, crowded, beside)
+    wrong = _are_wrong(beside)
+    if wrong.any():
+        raise _crosses_itself(name, crowded[wrong][:1])
+
+
+def _are_wrong(windings: Floats) -> NDArray[np.bool_]:
+    """Return which winding numbers (k, 2) beneath and above a triangle are not 1 and 0."""
+    wrong: NDArray[np.bool_] = (np.round(windings) != [1.0, 0.0]).any(axis=1)
+    return wrong
+
+
+def _crosses_itself(name: str, crossing: Floats) -> MeshFileError:
+    where = crossing.mean(axis=(0, 1)).tolist()
+    return MeshFileError(
+        f'{name} bounds no solid: its surface crosses itself, at about {where}; unite the bodies '
+        f'or mend the surface (a boolean union does both). {_ADVICE}'
+    )

@@ -10,7 +10,6 @@ from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.rehearsal import rehearse
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
-from drake_geom_ros.geometry._records import packed_shape
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.ids import FrameId, SourceId
@@ -162,7 +161,7 @@ def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
     geometries = sorted(
         (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
     )
-    packed = [packed_shape(g) for g in geometries]
+    packed = [g.packed_shape for g in geometries]
     parameters = [numbers for _, numbers in packed]
     table = GeometryTable(
         ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),

@@ -70,10 +70,10 @@ class QueryObject:
         where no pair is near. Nothing is carried over to later queries. Raises ArgumentError for a
         max_distance that is NaN.
         """
-        _check_distance('max_distance', max_distance)
+        reach = _checked_distance('max_distance', max_distance)
         context = self._context
         world = context._up_to_date_world()
-        return seconds_a_pair(world, context._filters, max_distance, samples, seed)
+        return seconds_a_pair(world, context._filters, reach, samples, seed)
 
     # Where things are.
 
@@ -159,12 +159,12 @@ class QueryObject:
         Raises ArgumentError for a max_distance that is NaN and a time_budget that is negative or
         NaN.
         """
-        _check_distance('max_distance', max_distance)
+        reach = _checked_distance('max_distance', max_distance)
         context = self._context
         world = context._up_to_date_world()
         return SignedDistanceResults(
             context._engine.signed_distances(
-                *(world, context._filters, self._level(accuracy), max_distance),
+                *(world, context._filters, self._level(accuracy), reach),
                 time_budget=_checked_budget(time_budget),
             )
         )
@@ -242,7 +242,7 @@ class QueryObject:
         Raises ArgumentError for points that are not finite or not of these shapes and for a
         threshold that is NaN.
         """
-        _check_distance('threshold', threshold)
+        reach = _checked_distance('threshold', threshold)
         self._level(accuracy)
         p_WQs = np.asarray(p_WQ, dtype=np.float64)
         if p_WQs.ndim not in (1, 2) or p_WQs.shape[-1] != 3:
@@ -258,16 +258,18 @@ class QueryObject:
         context = self._context
         world = context._up_to_date_world()
         points = np.ascontiguousarray(np.atleast_2d(p_WQs))
-        return PointDistanceResults(context._engine.point_distances(world, points, threshold))
+        return PointDistanceResults(context._engine.point_distances(world, points, reach))
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""
         return self._context._accuracy if accuracy is None else checked_accuracy(accuracy)
 
 
-def _check_distance(name: str, value: float) -> None:
+def _checked_distance(name: str, value: float) -> float:
+    """Return a distance as a float: kernels know no whole numbers."""
     if math.isnan(value):
         raise ArgumentError(f'{name} must be a distance in metres or infinity, but is NaN.')
+    return float(value)
 
 
 def _checked_budget(seconds: float | None) -> float:

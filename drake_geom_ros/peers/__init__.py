@@ -20,6 +20,7 @@ from drake_geom_ros.peers.answers import (
     Peer,
     Unsupported,
 )
+from drake_geom_ros.peers.measures import SolidMesh
 from drake_geom_ros.peers.registry import installed, load, names, version
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     'PairAnswer',
     'Ask',
     'Unsupported',
+    'SolidMesh',
     'QUERIES',
     'SIGNED_DISTANCE',
     'PENETRATION',

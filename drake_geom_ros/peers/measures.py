@@ -4,6 +4,16 @@ from __future__ import annotations
 
 from drake_geom_ros.geometry import Convex, Mesh, Shape
 
+
+class SolidMesh(Mesh):
+    """A mesh that stands for the body which its surface encloses, for peers that take triangles.
+
+    To the others it is its convex hull, as every mesh is.
+    """
+
+    __slots__ = ()
+
+
 ACCESSORS = {
     'Sphere': ('radius',),
     'Box': ('width', 'depth', 'height'),

@@ -19,7 +19,7 @@ from drake_geom_ros.accuracy.samples import sample, stream
 
 
 def pairs(case, *configurations):
-    rng = stream(case, 0)
+    rng = stream(case.name, 0)
     return [sample(case, configuration, rng) for configuration in configurations]
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from accuracy.records import ours
+from accuracy.records import PAIR, ours
 
 
 def record(*answers, level='exact'):
@@ -41,3 +41,11 @@ def test_without_an_answer_there_is_no_error():
     assert np.isnan(made.error(1.0))
     assert made.failures == {'missed': 2}
     assert made.worst_configuration() == ''
+
+
+def test_an_open_interval_was_promised_to_hold_only():
+    made = record()
+    made.add(PAIR, 0.05, 0.1, promised=False)
+    assert made.lies() == []
+    made.add(PAIR, 0.05, 0.01, promised=False)
+    assert len(made.lies()) == 1

@@ -9,7 +9,7 @@ from drake_geom_ros.accuracy.timed import FARTHEST, side_by_side
 
 
 def samples_of(case):
-    rng = stream(case, 0)
+    rng = stream(case.name, 0)
     return [sample(case, configuration, rng) for configuration in CONFIGURATIONS]
 
 

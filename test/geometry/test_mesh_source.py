@@ -17,10 +17,13 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
     Sphere,
+    mesh_source,
 )
+from drake_geom_ros.geometry._mesh_library import parse_mesh
 from drake_geom_ros.geometry.mesh_source import hull_vertices
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
+MANY = 300
 CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
 # Two triangles a side of the cube of edge 2, and a point inside that no hull has.
 SIDES = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
@@ -92,6 +95,33 @@ def query(shapes, poses):
     context = scene_graph.CreateDefaultContext()
     context.UpdateFramePoses(FramePoseVector(dict(zip(frames, poses, strict=True))))
     return scene_graph.get_query_output_port().Eval(context)
+
+
+def test_many_meshes_are_read_once_each(tmp_path, monkeypatch):
+    """More than any cache of meshes holds; then the scene changes again and again."""
+    read = []
+    monkeypatch.setattr(
+        mesh_source, 'parse_mesh', lambda *arguments: read.append(1) or parse_mesh(*arguments)
+    )
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    geometries = []
+    for k in range(MANY):
+        path = tmp_path / f'{k}.obj'
+        path.write_text(f'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 {1 + k}\nf 1 2 3\nf 1 2 4\n')
+        instance = GeometryInstance(RigidTransform(), Convex(str(path)), f'g{k}')
+        geometries.append(scene_graph.RegisterAnchoredGeometry(source, instance))
+        scene_graph.AssignRole(source, geometries[-1], ProximityProperties())
+    context = scene_graph.CreateDefaultContext()
+    for k in range(3):
+        scene_graph.RenameGeometry(geometries[k], f'other {k}')
+        scene_graph.RemoveGeometry(source, geometries[-1 - k])
+        points = scene_graph.CreateDefaultContext()
+        query = scene_graph.get_query_output_port().Eval(points)
+        assert len(query.ComputeSignedDistanceToPoint([5.0, 5.0, 5.0])) == MANY - 1 - k
+    query = scene_graph.get_query_output_port().Eval(context)
+    assert len(query.ComputeSignedDistanceToPoint([5.0, 5.0, 5.0])) == MANY
+    assert len(read) == MANY
 
 
 @pytest.mark.parametrize('kind', [Convex, Mesh])

@@ -108,6 +108,13 @@ def test_max_distance_and_its_edge():
         scene.query.ComputeSignedDistancePairwiseClosestPoints(math.nan)
 
 
+def test_distances_may_be_whole_numbers():
+    query = two_spheres(1.3).query
+    assert len(query.ComputeSignedDistancePairwiseClosestPoints(2)) == 1
+    assert len(query.ComputeSignedDistancePairwiseClosestPoints(0)) == 0
+    assert len(query.ComputeSignedDistanceToPoint([0, 0, 0], 3)) == 2
+
+
 def test_results_are_sorted_and_a_is_the_lower_id():
     # Shapes in descending order of type number: the kernels take each pair the other way round.
     shapes = [Ellipsoid(1, 1, 1), Cylinder(1, 1), Capsule(1, 1), Box(1, 1, 1), Sphere(1)]

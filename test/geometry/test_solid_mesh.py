@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
+from hard_cases.blocks import surface
 from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (
@@ -31,6 +32,13 @@ def two(vertices, triangles, *, turned=False):
     return MeshData(np.vstack((CORNERS, vertices)), np.vstack((CUBE, other + 8)))
 
 
+def two_grids():
+    """Cubes of 2 m, cut into squares of 1 m, the second a metre on along x, y and z."""
+    vertices, triangles = (np.array(x) for x in surface(np.ndindex(2, 2, 2), [np.arange(3.0)] * 3))
+    second = len(vertices) + triangles
+    return MeshData(np.vstack((vertices, vertices + 1.0)), np.vstack((triangles, second)))
+
+
 def bad_meshes():
     open_, flipped = np.array(L.triangles), np.array(L.triangles)
     flipped[0] = flipped[0][::-1]
@@ -42,6 +50,8 @@ def bad_meshes():
         'one triangle too many': (MeshData(L.vertices, many), '3 have three or more'),
         'everything twice': (MeshData(L.vertices, twice), 'crosses itself'),
         'two that cross': (two(np.add(CORNERS, [0.5, 0.3, 0.2]), CUBE), 'crosses itself'),
+        'two that cross in edges': (two(np.add(CORNERS, [0.5, 0.5, 0.5]), CUBE), 'crosses itself'),
+        'two that cross along edges of both': (two_grids(), 'crosses itself'),
         'flush, not face on face': (two(np.add(0.5 * CORNERS, [1, 0, 0]), CUBE), 'crosses itself'),
         'a body within a body': (two(0.5 * CORNERS + 0.25, CUBE), 'closed surfaces'),
         'a cavity in nothing': (two(0.5 * CORNERS + 3, CUBE, turned=True), 'closed surfaces'),

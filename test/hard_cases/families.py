@@ -18,6 +18,7 @@ from hard_cases.construct import (
     turned,
     unit,
 )
+from hard_cases.solids import solids
 from oracles.pairs import random_rotation
 
 SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
@@ -183,7 +184,7 @@ FAMILIES = {
     function.__name__: function
     for function in (
         touching, flush, parallel, concentric, same, nested, rotations, lattice, half_spaces,
-        points, hulls, scales.slivers, scales.ratios, scales.far, scales.extremes,
+        points, hulls, solids, scales.slivers, scales.ratios, scales.far, scales.extremes,
     )
 }  # fmt: skip
 

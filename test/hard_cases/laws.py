@@ -8,7 +8,9 @@ from hard_cases import truth
 from oracles import pairs
 from scipy.spatial import ConvexHull
 
+from drake_geom_ros.accuracy.mesh_truth import point_distance
 from drake_geom_ros.geometry import METHODS
+from drake_geom_ros.math import RigidTransform
 
 EPS = truth.EPS
 ROUNDING = 64.0 * EPS  # of the extent: what positions and normals may be off by
@@ -49,7 +51,12 @@ def check_certificate(case, row):
 
 
 def check_width(case, row, level):
-    """The bound is as tight as the level promises, rounding of poses far away aside."""
+    """The bound is as tight as the level promises, rounding of poses far away aside.
+
+    In a solid no level promises a width.
+    """
+    if case.has_solid and case.distance < 0.0:
+        return
     size = min([1.0] + [one.radius for one in (case.a, case.b) if one.radius])
     allowed = 2.0 * LEVELS[level] * size + rounding(case)
     assert row.error_bound[0] <= allowed
@@ -67,18 +74,35 @@ def check_geometry(case, row):
 
 
 def check_normal(case, row):
-    """No direction has a wider gap: the normal attains the distance, and is what was expected."""
+    """No direction has a wider gap: the normal attains the distance, and is what was expected.
+
+    Solids are not what their supporting planes say: of them the second alone, and
+    ``check_contact``.
+    """
     nhat = row.nhat_BA_W[0]
     # How well a normal can be known depends on how far the cores, without the radii, are apart.
     core = abs(case.distance + sum(map(radius_of_core, (case.a, case.b))))
     spread = 1.0 + case.extent / max(core, row.error_bound[0], math.ulp(0.0))
-    lacking = case.distance - truth.width(case.a, case.b, nhat)
-    allowed = rounding(case) + slack(case, row) * spread + iterated(row, NORMALS) * case.extent
-    assert lacking <= allowed
+    if not case.has_solid:
+        lacking = case.distance - truth.width(case.a, case.b, nhat)
+        allowed = rounding(case) + slack(case, row) * spread + iterated(row, NORMALS) * case.extent
+        assert lacking <= allowed
     if case.normals is not None:
         turned = min(np.linalg.norm(nhat - expected) for expected in case.normals)
         known = max(core, case.tolerance, EPS * case.extent)
         assert turned <= NORMALS + math.sqrt(8.0 * (slack(case, row) + rounding(case)) / known)
+
+
+def check_contact(case, row, scene):
+    """Moved along the normal by its distance, A touches B and overlaps with nothing of it."""
+    if not case.has_solid:
+        return
+    X_WA = case.a.pose
+    step = RigidTransform(-row.distance[0] * row.nhat_BA_W[0])
+    scene.pose(step @ X_WA, case.b.pose)
+    touching = scene.distance()
+    scene.pose(X_WA, case.b.pose)
+    assert abs(touching.distance[0]) <= slack(case, row) + slack(case, touching) + rounding(case)
 
 
 def check_witnesses(case, row):
@@ -104,6 +128,8 @@ def height(body, p_W):
     if s <= EPS * np.abs(body.p).max():  # a point, as far as the digits of its position go
         return math.hypot(*(p_W - body.p))
     q = (body.R.T @ (p_W - body.p)) / s
+    if body.kind == 'Solid':
+        return s * float(point_distance(body.corners / s, q)[0])
     if body.kind == 'Convex':
         planes = _planes(body.size)
         return s * float((planes[:, :3] @ q + planes[:, 3]).max())

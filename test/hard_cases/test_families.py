@@ -7,7 +7,7 @@ from hard_cases.families import FAMILIES, generate
 
 from bench.hard_cases import cases
 
-QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested')
+QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested', 'solids')
 
 
 def test_every_stored_family_is_generated_but_what_was_found():
@@ -27,6 +27,17 @@ def test_stored_cases_are_those_of_the_generator(family):
             np.testing.assert_allclose(np.ravel(a.size), np.ravel(b.size), rtol=1e-14)
             np.testing.assert_allclose(a.R, b.R, atol=1e-15)
             np.testing.assert_allclose(a.p, b.p, atol=1e-14 * (1.0 + np.abs(b.p).max()))
+
+
+@pytest.mark.parametrize('case', [
+    case for case in cases.load('solids') if case.a.kind == 'Solid' and case.b.kind == 'Sphere'
+], ids=lambda case: case.id)  # fmt: skip
+def test_spheres_by_solids_are_true(case):
+    distance = truth.of_ball(case.a, case.b)
+    if distance is None:  # no straight way out
+        assert case.distance < 0.0
+    elif 'inside out' not in case.about:
+        assert distance == pytest.approx(case.distance, abs=case.tolerance)
 
 
 @pytest.mark.parametrize('case', cases.load('reports'), ids=lambda case: case.id)

@@ -9,6 +9,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 from drake_geom_ros.accuracy import closed_forms, supports
+from drake_geom_ros.accuracy.mesh_truth import ball_distance
 from drake_geom_ros.accuracy.truth import signed_distance as searched_distance
 
 KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace', 'Convex')
@@ -54,14 +55,24 @@ def is_closed(a, b):
 
 
 def signed_distance(a, b):
-    """Return (distance, tolerance): what is true, and within what."""
+    """Return (distance, tolerance): what is true, and within what.
+
+    Of a Solid it is known for a Sphere as B, unless its way out is not straight.
+    """
     tilt = sum(body.radius * np.abs(body.R.T @ body.R - np.eye(3)).max() for body in (a, b))
+    if a.kind == 'Solid':
+        return of_ball(a, b), tilt + EPS * (a.radius + np.abs(a.p).max())
     if is_closed(a, b):
         distance = _closed(a, b)
         return distance, tilt + EPS * abs(distance)
     distance, _ = searched_distance(kernel_form(a), (a.R, a.p), kernel_form(b), (b.R, b.p))
     extent = a.radius + b.radius + np.linalg.norm(b.p - a.p)
     return float(distance), tilt + SEARCH * extent
+
+
+def of_ball(solid, ball):
+    """Return the distance of a Solid and a Sphere; None where its way out is not straight."""
+    return ball_distance(solid.corners, (solid.R, solid.p), ball.p, ball.size[0])
 
 
 def _closed(a, b):

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from oracles.solids import surface_of
 
 from drake_geom_ros import peers
 from drake_geom_ros.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpace, Sphere
@@ -12,6 +13,7 @@ from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 CUBE = Convex.FromMeshData(MeshData(np.indices((2, 2, 2)).reshape(3, -1).T - 0.5))
+L_SHAPE = peers.SolidMesh.FromMeshData(surface_of('L'))
 SHAPES = (Sphere(0.5), Box(1, 1, 1), Capsule(0.5, 1), Cylinder(0.5, 1), Ellipsoid(0.5, 0.6, 0.7))
 # Each is 0.5 long in x: it stands at the origin, and a cube of edge 1 to the right of it.
 QUARTER = RotationMatrix.MakeZRotation(np.pi / 2)
@@ -57,6 +59,27 @@ def test_no_contact_is_none_and_a_prepared_pair_forgets_the_last_poses(name):
     _, overlapping, _ = question(Sphere(0.5), -0.1, False)
     ask = peer.pair('penetration', *shapes)
     assert [ask(*poses) is None for poses in (apart, overlapping, apart)] == [True, False, True]
+
+
+@pytest.mark.parametrize('name', sorted({*peers.installed()} & {'Coal', 'python-fcl'}))
+def test_a_solid_mesh_is_its_triangles_to_some(name):
+    ball = Sphere(0.1)
+    ask = peers.load(name).pair('signed_distance', ball, L_SHAPE)
+    in_the_notch, inside = RigidTransform([1.5, 1.6, 0.5]), RigidTransform([0.5, 0.5, 0.5])
+    assert ask(in_the_notch, RigidTransform()).distance == pytest.approx(0.4)
+    # A surface has no inside.
+    assert ask(inside, RigidTransform()).distance == pytest.approx(0.4)
+    contacts = peers.load(name).pair('penetration', ball, L_SHAPE)
+    assert contacts(in_the_notch, RigidTransform()) is None
+    assert contacts(RigidTransform([1.05, 1.5, 0.5]), RigidTransform()).distance < 0.0
+
+
+@pytest.mark.parametrize('name', sorted({*peers.installed()} & {'MuJoCo', 'pydrake'}))
+def test_a_solid_mesh_is_its_hull_to_others(name):
+    ask = peers.load(name).pair('signed_distance', Sphere(0.1), L_SHAPE)
+    # The hull's face leads from (2, 1) to (1, 2).
+    found = ask(RigidTransform([1.5, 1.6, 0.5]), RigidTransform())
+    assert found.distance == pytest.approx(0.1 / 2**0.5 - 0.1, abs=SETTINGS)
 
 
 @installed

@@ -89,6 +89,11 @@ SMALLEST_SCALE = 1e-8
 # the normal and the witness points gain half of them.
 SHARPER = 1e-3
 
+# Points of two overlapping cores that are farther aside [-] of the normal than this, relative to
+# the pair's size, are no good witnesses: so much EPA may leave where the overlap is as small as
+# its facets on a curved core. Where the cores just touch GJK finds better ones.
+ASIDE = 1e-10
+
 # EPA goes on to this part [-] of the tolerance, for the same reason: a digit costs it a few
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
@@ -130,8 +135,9 @@ NO_VOLUME = 1e-14
 # be shown edge by edge: a needle of a dent holds no volume.
 SAME_VOLUME = 1e-9
 
-# Triangles of one surface cross if an edge of one goes this far [-] through the other, relative
-# to their size, and past its border: a vertex in single precision that touches does not.
+# Triangles of one surface cross if each goes this far [-] through the plane of the other, relative
+# to their size, and they are in each other for as long: a vertex in single precision that touches
+# does not.
 CROSSING = 1e-6
 
 # A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the

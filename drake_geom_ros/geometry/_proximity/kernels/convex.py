@@ -74,6 +74,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
+    ASIDE,
     EPS,
     NEAR_TOUCH,
     ROUNDING,
@@ -196,6 +197,35 @@ def drawn_to(distance, n, a, b):
 
 
 @compiled
+def touching_points(pair, n, depth, size, a, b):
+    """Return points a of A and b of B that touch once B has moved out by ``depth`` along n.
+
+    Where GJK finds none, those given.
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    moved = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
+    _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
+    if gap <= ASIDE * size:
+        a, b = x, add_scaled(y, -depth, n)
+    return a, b
+
+
+@compiled
+def witnesses(pair, n, depth, size, of_gjk, of_epa):
+    """Return the pair of points that is less aside of n, drawn to the depth along it.
+
+    It is EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+    """
+    a, b = of_gjk
+    aside = norm(sub(sub(a, b), scale(depth, n)))
+    if of_epa[2] <= aside:
+        a, b, aside = of_epa
+    if aside > ASIDE * size:
+        a, b = touching_points(pair, n, depth, size, a, b)
+    return drawn_to(-depth, n, a, b)
+
+
+@compiled
 def is_polytope(kind):
     """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
     return kind != CYLINDER and kind != ELLIPSOID
@@ -255,11 +285,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
         distance, lower, n = -depth, max(lower, -depth), n_in
         unique = unique_in or distance > noise
-        # The pair of points that is less aside of n: EPA's where the cores are fat, GJK's
-        # where they are apart or EPA saw a flat from one end.
-        if aside <= norm(sub(sub(a, b), scale(depth, n))):
-            a, b = a_in, b_in
-        a, b = drawn_to(distance, n, a, b)
+        a, b = witnesses(pair, n, depth, size, (a, b), (a_in, b_in, aside))
     elif gap_along(pair, n) < -depth:
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise

@@ -10,6 +10,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
+from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
@@ -97,9 +98,10 @@ def ellipsoid_half_space(
 def half_space_convex(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
 ):
-    """Signed distance of a half space (A) and a convex hull (B): that of its lowest vertices.
+    """Signed distance of a half space (A) and a hull or solid (B): that of its lowest vertices.
 
-    The witness is the mean of the vertices that are lowest to rounding.
+    The witness is the mean of the vertices that are lowest to rounding; of a solid it is the first
+    of them, for between them there may be a hole.
     """
     z_W = column(R_WA, 2)
     n = unrotate(R_WB, z_W)
@@ -115,6 +117,8 @@ def half_space_convex(
         if dot(n, v) <= lowest + RIGHT_ANGLE * size:
             mean = add_scaled(mean, 1.0, v)
             level += 1
+            if kind_B != CONVEX:
+                break
     mean = scale(1.0 / level, mean)
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
     distance = dot(p, z_W) + lowest

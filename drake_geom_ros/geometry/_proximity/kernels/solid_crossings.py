@@ -17,7 +17,14 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     tree_of,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, norm, sub, unit
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    cross,
+    dot,
+    norm,
+    sub,
+    unit,
+)
 from drake_geom_ros.geometry._proximity.tolerances import CROSSING
 
 
@@ -34,21 +41,62 @@ def boxes_meet(shape, tree, i, j):
 
 
 @compiled
-def pierces(p, q, a, b, c):
-    """Tell whether the segment p q goes through the inside of the triangle a b c."""
-    ab, ac = sub(b, a), sub(c, a)
-    n = unit(cross(ab, ac))
-    above, below = dot(sub(p, a), n), dot(sub(q, a), n)
-    enough = CROSSING * (norm(ab) + norm(ac))
-    if above * below >= 0.0 or min(abs(above), abs(below)) <= enough:
+def straddles(heights, enough):
+    """Tell whether a triangle has corners on both sides of a plane, by their heights over it."""
+    x, y, z = heights
+    return min(x, y, z) < -enough and max(x, y, z) > enough
+
+
+@compiled
+def part_of_line(shape, at, heights, along):
+    """Return where the line in which a triangle meets a plane enters and leaves the triangle.
+
+    ``heights`` are those of its corners over the plane; ``along`` is the line's direction.
+    """
+    first, last = math.inf, -math.inf
+    for k in range(3):
+        h, g = heights[k], heights[(k + 1) % 3]
+        if h * g <= 0.0 and h != g:
+            p = vector_at(shape, at + 3 * k)
+            q = vector_at(shape, at + 3 * ((k + 1) % 3))
+            place = dot(add_scaled(p, h / (h - g), sub(q, p)), along)
+            first, last = min(first, place), max(last, place)
+    return first, last
+
+
+@compiled
+def cross_in_line(shape, at, other):
+    """Tell whether two triangles go through each other along a line of some length.
+
+    Each has corners on both sides of the other's plane, and the parts of the common line in them
+    overlap (Moeller, Journal of Graphics Tools 2 (2), 1997). So it is told of two that meet where
+    each has an edge, or a corner, too.
+    """
+    a, b = vector_at(shape, at), vector_at(shape, other)
+    ab, ac = sub(vector_at(shape, at + 3), a), sub(vector_at(shape, at + 6), a)
+    n, near_a = unit(cross(ab, ac)), CROSSING * (norm(ab) + norm(ac))
+    bc, bd = sub(vector_at(shape, other + 3), b), sub(vector_at(shape, other + 6), b)
+    m, near_b = unit(cross(bc, bd)), CROSSING * (norm(bc) + norm(bd))
+    over_b = heights_over(shape, at, b, m)
+    if not straddles(over_b, near_b):
         return False
-    # On which side of each edge the segment passes: three volumes of one sign.
-    pq = sub(q, p)
-    u = dot(pq, cross(sub(a, p), sub(b, p)))
-    v = dot(pq, cross(sub(b, p), sub(c, p)))
-    w = dot(pq, cross(sub(c, p), sub(a, p)))
-    least = CROSSING * abs(u + v + w)
-    return min(u, v, w) > least or max(u, v, w) < -least
+    over_a = heights_over(shape, other, a, n)
+    if not straddles(over_a, near_a):
+        return False
+    along = unit(cross(n, m))
+    first, last = part_of_line(shape, at, over_b, along)
+    begin, end = part_of_line(shape, other, over_a, along)
+    return min(last, end) - max(first, begin) > min(near_a, near_b)
+
+
+@compiled
+def heights_over(shape, at, a, n):
+    """Return the heights of a triangle's corners over the plane through a with unit normal n."""
+    return (
+        dot(sub(vector_at(shape, at), a), n),
+        dot(sub(vector_at(shape, at + 3), a), n),
+        dot(sub(vector_at(shape, at + 6), a), n),
+    )
 
 
 @compiled
@@ -78,22 +126,6 @@ def overlap_in_plane(shape, at, other):
 
 
 @compiled
-def cross_each_other(shape, at, other):
-    """Tell whether two triangles cross; corners that they share do not count."""
-    for turn in range(2):
-        mine, its = (at, other) if turn == 0 else (other, at)
-        a, b, c = vector_at(shape, its), vector_at(shape, its + 3), vector_at(shape, its + 6)
-        for k in range(3):
-            p = vector_at(shape, mine + 3 * k)
-            q = vector_at(shape, mine + 3 * ((k + 1) % 3))
-            if p == a or p == b or p == c or q == a or q == b or q == c:
-                continue
-            if pierces(p, q, a, b, c):
-                return True
-    return overlap_in_plane(shape, at, other)
-
-
-@compiled
 def first_crossing(shape, found):
     """Tell whether triangles of a solid's surface cross; ``found`` (2, 3, 3) gets the first."""
     tree = tree_of(SOLID, shape)
@@ -115,7 +147,9 @@ def first_crossing(shape, found):
         for s in range(first_of_leaf(tree, a), first_of_leaf(tree, a + 1)):
             for t in range(first_of_leaf(tree, b), first_of_leaf(tree, b + 1)):
                 at, other = tree[2] + CORNERS * s, tree[2] + CORNERS * t
-                if (s < t or a != b) and cross_each_other(shape, at, other):
+                if s >= t and a == b:
+                    continue
+                if cross_in_line(shape, at, other) or overlap_in_plane(shape, at, other):
                     for c in range(CORNERS):
                         found[0, c // 3, c % 3] = shape[at + c]
                         found[1, c // 3, c % 3] = shape[other + c]

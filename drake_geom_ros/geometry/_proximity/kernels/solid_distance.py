@@ -26,14 +26,10 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import width_of_hull
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     CORNERS,
     SOLID,
-    box_at,
-    box_of_node,
     edge_of,
     first_of_leaf,
-    gap_of_boxes,
-    is_leaf,
+    next_leaves,
     normal_of,
-    push_children,
     vector_at,
     walk,
 )
@@ -127,9 +123,15 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
     noise = ROUNDING * EPS * size
     if A[0] == SPHERE:
         d, n, b = point_gap(p, B, j, noise)
-        return CLOSED, d, d, n, p, b
+        return (CLOSED if d <= limit else BEYOND_CUTOFF), d, d, n, p, b
     pair = leaf_pair(A, i, B, j, p)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+    if end == CLOSED and upper - lower > max(tolerance, noise):
+        # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
+        # walk goes on.
+        again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
+        if again[0] == CLOSED and again[1] - again[2] < upper - lower:
+            end, upper, lower, n, a, b = again
     if end == OVERLAP or (end == CLOSED and upper <= NEAR_TOUCH * size):
         width, m = widest_slab(A, i, B, j, pair)
         if end == OVERLAP or width > lower:
@@ -157,22 +159,15 @@ def nearest(A, B, p, n, size, tolerance, limit):
     only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. ``unique`` is False
     if other points are as near, along a clearly different n.
     """
-    noise = ROUNDING * EPS * size
-    stack, gaps = walk()
-    stack[0, 0], stack[0, 1], top = 0, 0, 1
-    gaps[0] = gap_of_boxes(box_at(A, 0), A[2], p, box_of_node(B[0], B[1], 0))
+    noise, reach = ROUNDING * EPS * size, limit
+    path, top = walk(A, B, p), 1
     best, least, a, b, unique = math.inf, math.inf, p, p, True
     n_best = n
-    while top > 0:
-        top -= 1
-        i, j, gap = stack[top, 0], stack[top, 1], gaps[top]
-        if gap > limit:
-            least = min(least, gap)
-            continue
-        if not (is_leaf(A[3], i) and is_leaf(B[1], j)):
-            top = push_children(A, B, p, i, j, (stack, gaps), top)
-            continue
-        i, j = i - (A[3][1] - 1), j - (B[1][1] - 1)
+    while True:
+        top, i, j, skipped = next_leaves(A, B, p, path, top, limit)
+        least = min(least, skipped)
+        if i < 0:
+            break
         for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
             for m in range(first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)):
                 end, upper, lower, n, x, y = leaf_gap(
@@ -195,7 +190,8 @@ def nearest(A, B, p, n, size, tolerance, limit):
                 limit = min(limit, best + noise)
                 if nearer:
                     n_best, a, b = n, x, y
-    end = CLOSED if best < math.inf else BEYOND_CUTOFF
+    # What was left out is farther than the reach; so may be what was answered all the same.
+    end = CLOSED if best < math.inf and least <= reach else BEYOND_CUTOFF
     return end, best, min(least, best), n_best, a, b, unique
 
 
@@ -223,19 +219,12 @@ def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
     Whoever asks has room for as many as matter; the rest is left out.
     """
     noise = ROUNDING * EPS * size
-    stack, gaps = walk()
-    stack[0, 0], stack[0, 1], top = 0, 0, 1
-    gaps[0] = 0.0
+    path, top = walk(A, B, p), 1
     count = 0
-    while top > 0:
-        top -= 1
-        i, j = stack[top, 0], stack[top, 1]
-        if gaps[top] > reach:
-            continue
-        if not (is_leaf(A[3], i) and is_leaf(B[1], j)):
-            top = push_children(A, B, p, i, j, (stack, gaps), top)
-            continue
-        i, j = i - (A[3][1] - 1), j - (B[1][1] - 1)
+    while True:
+        top, i, j, _ = next_leaves(A, B, p, path, top, reach)
+        if i < 0:
+            return count
         for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
             for t in range(first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)):
                 found = leaf_gap(A, k, B, t, p, n, size, tolerance, reach + noise)
@@ -244,7 +233,6 @@ def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
                     count += 1
                     if count == pairs.shape[0]:
                         return count
-    return count
 
 
 @compiled

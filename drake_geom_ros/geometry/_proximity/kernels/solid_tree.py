@@ -170,12 +170,6 @@ def box_at(A, i):
     return box_of_node(A[1], A[3], i) if A[0] == SOLID else A[4]
 
 
-@compiled
-def walk():
-    """Return what a walk needs: a stack of pairs of nodes, and the gap of each pair."""
-    return np.empty((DEEPEST, 2), dtype=np.int64), np.empty(DEEPEST)
-
-
 @inlined
 def is_leaf(tree, k):
     """Tell whether node k is a leaf; leaf number k - (leaves - 1)."""
@@ -205,6 +199,38 @@ def push_children(A, B, p, i, j, path, top):
         gaps[top] = second if k == 1 else first
         top += 1
     return top
+
+
+@compiled
+def walk(A, B, p):
+    """Return what a walk over two trees needs: a stack of pairs of nodes, and the gap of each.
+
+    The pair of roots is on it.
+    """
+    stack, gaps = np.zeros((DEEPEST, 2), dtype=np.int64), np.empty(DEEPEST)
+    gaps[0] = gap_of_boxes(box_at(A, 0), A[2], p, box_of_node(B[0], B[1], 0))
+    return stack, gaps
+
+
+@compiled
+def next_leaves(A, B, p, path, top, limit):
+    """Go on to the next pair of leaves within ``limit``; return (top, i, j, skipped).
+
+    ``top`` pairs are left on the stack. i and j number the leaves, and are -1 when none are left;
+    ``skipped`` is the least gap [m] of what was left out, which is beyond the limit.
+    """
+    stack, gaps = path
+    skipped = math.inf
+    while top > 0:
+        top -= 1
+        i, j = stack[top, 0], stack[top, 1]
+        if gaps[top] > limit:
+            skipped = min(skipped, gaps[top])
+        elif is_leaf(A[3], i) and is_leaf(B[1], j):
+            return top, i - (A[3][1] - 1), j - (B[1][1] - 1), skipped
+        else:
+            top = push_children(A, B, p, i, j, path, top)
+    return top, -1, -1, skipped
 
 
 @compiled

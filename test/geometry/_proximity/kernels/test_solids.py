@@ -1,5 +1,7 @@
 """Every shape against solids: unions of boxes, special positions, and the laws of a result row."""
 
+import itertools
+
 import numpy as np
 import pytest
 from numba import config
@@ -11,7 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels import calling
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry.mesh_source import hull_vertices
 
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, CONVEX, SOLID = 1, 2, 3, 4, 5, 7, 8
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID = range(1, 9)
 NAMES = ('L', 'U', 'ring')
 SIZE = 8.0  # of the pairs below [m], about
 ROUNDING = 200 * EPS * SIZE
@@ -225,3 +227,35 @@ def test_edges_that_touch_crosswise(kind, gap):
     assert abs(out[0] - truth) <= out[calling.ERROR_BOUND] + error
     assert out[calling.ERROR_BOUND] <= 1e-8
     assert out[1:4] == pytest.approx(up, abs=1e-4)
+
+
+def test_a_cutoff_does_not_hide_the_nearest_wall():
+    """What is nearer than any wall within the cutoff was left out: the answer was not."""
+    middle = np.array(
+        [0.45, 1.5, 0.5]
+    )  # in a wall of the ring: 0.45 from without, 0.55 from the hole
+    for cuts, radius in itertools.product((1, 2, 5), (0.0, 0.125)):
+        A = Body(SPHERE, np.array([radius]), np.eye(3), middle)
+        B = solid('ring', np.eye(3), np.zeros(3), cuts=cuts)
+        for cutoff in (0.0, 0.1, 0.47, 0.5, np.inf):
+            out = row_of(A, B, cutoff=cutoff)
+            assert out[calling.DISTANCE] == pytest.approx(-0.45 - radius, abs=1e-12)
+
+
+def test_curved_bodies_of_kilometres_are_as_exact():
+    """GJK loses digits by a thin simplex, and goes on with a fresh one."""
+    s = 2.0**13
+    egg = Body(ELLIPSOID, s * np.array([0.25, 0.125, 0.375]), np.eye(3), s * np.full(3, 1.5))
+    out = row_of(egg, solid('ring', np.eye(3), np.array([0.0, 0.0, s]), s))
+    assert out[calling.DISTANCE] == pytest.approx(0.25 * s, abs=out[calling.ERROR_BOUND])
+    assert out[calling.ERROR_BOUND] <= 1e-13 * s
+
+
+def test_a_ring_stands_on_what_it_has():
+    """Its lowest vertices surround a hole, in the middle of which nothing touches the floor."""
+    floor = Body(HALF_SPACE, np.zeros(0), np.eye(3), np.array([0.0, 0.0, -0.25]))
+    out = row_of(floor, solid('ring', np.eye(3), np.zeros(3)))
+    assert out[calling.DISTANCE] == 0.25
+    x, y, z = floor.p + out[calling.WITNESS_B : calling.WITNESS_B + 3]
+    assert z == 0.0
+    assert x in (0.0, 3.0) or y in (0.0, 3.0)
