@@ -37,6 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import (
     support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.hulls import hull_defect
+from drake_geom_ros.geometry._proximity.kernels.inner_balls import deepest, depth_between
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     hold,
@@ -119,6 +120,12 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
         return depth_of_revolution(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
         )
+    newton = nearby_minimum(difference, n, noise)
+    if newton[0] != NOTHING and newton[2] > 0.0 and kind_B != CONVEX:
+        a, b = feet(difference, newton[1])
+        depth, unique, _ = depth_between(pair, a, b, enough)
+        if unique and newton[2] - depth <= enough:
+            return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
         complete, h, n, unique = least_on_creases(difference, n, enough, noise)
         if complete and h > 0.0 and nearby_minimum(difference, n, noise)[0] != NOTHING:
@@ -132,6 +139,10 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
         closed = found[0] - found[1] <= 4.0 * enough or found[0] < -noise
         if closed or most_vertices == MANY_VERTICES:
             return found
+        upper, lower, n_in, a, b, aside, unique = found
+        lower = max(lower, deepest(pair, a, b, size) - noise)
+        if upper - lower <= 4.0 * enough:
+            return upper, min(lower, upper), n_in, a, b, aside, unique
         most_vertices = MANY_VERTICES
 
 
