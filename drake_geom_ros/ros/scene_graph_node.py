@@ -231,16 +231,16 @@ class SceneGraphNode(LifecycleNode):
     # What comes in.
 
     def _listen(
-        self, kind: Any, topic: str, take: Callable[[Any], None], profile: QoSProfile, group: Any
+        self, kind: Any, topic: str, take: Callable[[Any], Any], profile: QoSProfile, group: Any
     ) -> None:
         """Listen to a topic whose messages ``take`` may refuse by an exception."""
         name = topic.removeprefix('~/')
         self._surface.subscription(kind, topic, partial(self._guard, name, take), profile, group)
 
-    def _guard(self, name: str, take: Callable[[Any], None], message: Any) -> None:
+    def _guard(self, name: str, take: Callable[..., Any], *message: Any) -> None:
         """Take a message; count and log, throttled, one that is refused."""
         try:
-            take(message)
+            take(*message)
         except Exception as error:
             reason = str(error)
             if not isinstance(error, RuntimeError):  # what nobody foresaw is a refusal too
@@ -262,6 +262,8 @@ class SceneGraphNode(LifecycleNode):
             frames = self._tf.take(message, static=static) if self._tf is not None else 0
             if frames:
                 self._posed(frames, start)
+        if frames:
+            self._diagnostics.take(time.perf_counter() - start)
 
     def _on_robot(self, message: String) -> None:
         if done := self._robot.take(message.data):
@@ -339,7 +341,7 @@ class SceneGraphNode(LifecycleNode):
         with self._live.lock:
             expired = self._live.expire_filters()
             if self._tf is not None:
-                self._tf.follow_scene()
+                self._guard('/tf', self._tf.follow_scene)
         for filter_id in expired:
             self.get_logger().info(
                 f'the lease of transient filter {filter_id.get_value()} ran out: removed',
