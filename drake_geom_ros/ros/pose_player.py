@@ -46,6 +46,11 @@ class PosePlayer(Node):
     def __init__(self, **kwargs) -> None:
         super().__init__('pose_player', **kwargs)
         scene_file = self._declare('scene_file', '')
+        if not scene_file:
+            raise ParameterRefusedError(
+                'scene_file is empty; it must name a scene (YAML or URDF), as in '
+                '--ros-args -p scene_file:=FILE'
+            )
         trajectory_file = self._declare('trajectory_file', '')
         rate = self._declare('rate', 100.0, FloatingPointRange(from_value=0.1, to_value=1000.0))
         self._loop = self._declare('loop', True)

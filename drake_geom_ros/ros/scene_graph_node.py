@@ -359,7 +359,7 @@ class SceneGraphNode(LifecycleNode):
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; return 2 where its parameters cannot be."""
-    return run_node(SceneGraphNode, ParameterRefusedError, args)
+    return run_node(SceneGraphNode, (ParameterRefusedError,), args)
 
 
 if __name__ == '__main__':
