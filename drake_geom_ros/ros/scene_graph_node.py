@@ -70,6 +70,7 @@ class SceneGraphNode(LifecycleNode):
         self._live.files = FileAccess(values.mesh_roots, values.scene_file)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
         self._surface = Surface(self)
+        self._silent_until: dict[str, float] = {}  # by input, of the steady clock [s]
         self._cycle: Cycle | None = None
         self._tf: TfInput | None = None
         self._cycle_timer = None
@@ -246,9 +247,11 @@ class SceneGraphNode(LifecycleNode):
             if not isinstance(error, RuntimeError):  # what nobody foresaw is a refusal too
                 reason = f'internal error: {error!r}'
             self._diagnostics.refuse(name, reason)
-            self.get_logger().warning(
-                f'a message of {name} was refused: {reason}', throttle_duration_sec=_LOG_PERIOD
-            )
+            # Throttled by input (rclpy does it by line): one must not silence another.
+            now = time.monotonic()
+            if now >= self._silent_until.get(name, now):
+                self._silent_until[name] = now + _LOG_PERIOD
+                self.get_logger().warning(f'a message of {name} was refused: {reason}')
 
     def _on_poses(self, message: messages.FramePoses) -> None:
         start = time.perf_counter()

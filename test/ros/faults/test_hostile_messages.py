@@ -4,8 +4,9 @@ import re
 
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
-from ros.harness import start_node
+from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, add_pair, poses, refused
+from std_msgs.msg import String
 
 from bench.ros.hostile import MANY, pose_messages, ten_million
 
@@ -51,6 +52,12 @@ def test_hostile_messages_are_counted_and_change_nothing(tmp_path, lone_client):
             lambda: refusals(diagnostics, client.server) == 4 * len(messages), 'all refusals'
         )
         assert (where(client, 'stream::a'), where(client, 'stream::b')) == (1.0, 2.0)
+        # One input that is refused without end does not silence another.
+        robots = client.node.create_publisher(String, '/sure/robot_description', LATCHED)
+        robots.publish(String(data='<robot'))
+        client.wait_for(
+            lambda: 'a message of robot_description was refused' in node.output(), 'the reason'
+        )
         # The log is throttled.
         lines = re.findall('a message of frame_poses was refused', node.output())
         assert 1 <= len(lines) <= MOST_LOG_LINES
