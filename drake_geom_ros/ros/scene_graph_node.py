@@ -34,6 +34,7 @@ from drake_geom_ros.ros import level_costs, replays
 from drake_geom_ros.ros.cycle import Cycle
 from drake_geom_ros.ros.diagnostics import Diagnostics
 from drake_geom_ros.ros.file_access import FileAccess
+from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.level_costs import LevelCosts
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.marker_publisher import MarkerPublisher
@@ -69,8 +70,8 @@ class SceneGraphNode(LifecycleNode):
         self._live = LiveScene(values.accuracy, self._now, values.world_frame)
         self._live.files = FileAccess(values.mesh_roots, values.scene_file)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
+        self._guard = Guard(self.get_logger(), self._diagnostics)
         self._surface = Surface(self)
-        self._silent_until: dict[str, float] = {}  # by input, of the steady clock [s]
         self._cycle: Cycle | None = None
         self._tf: TfInput | None = None
         self._cycle_timer = None
@@ -161,11 +162,14 @@ class SceneGraphNode(LifecycleNode):
             for name, kind, handler in services:
                 surface.service(kind, f'~/{name}', partial(self._serve, handler), group)
         self._set_rate(values.rate)
-        surface.timer(1.0 / values.marker_rate, self._draw, self._beside)
-        surface.timer(level_costs.PERIOD, self._costs.measure, self._beside)
-        surface.timer(replays.PERIOD, self._write_replays, self._beside)
-        surface.timer(_HOUSEKEEPING_PERIOD, self._keep_house)
-        surface.timer(_DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+        for period, task, group in (
+            (1.0 / values.marker_rate, self._draw, self._beside),
+            (level_costs.PERIOD, self._costs.measure, self._beside),
+            (replays.PERIOD, self._write_replays, self._beside),
+            (_HOUSEKEEPING_PERIOD, self._keep_house, None),
+            (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
+        ):
+            surface.timer(period, partial(self._guard.attempt, task), group)
 
     def _open_outputs(self) -> None:
         """Open the topics to publish on, and what publishes there."""
@@ -217,7 +221,9 @@ class SceneGraphNode(LifecycleNode):
             self._cycle_timer = None
         if rate > 0.0:
             self._cycle_timer = self.create_timer(
-                1.0 / rate, self._on_timer, callback_group=self._stream
+                1.0 / rate,
+                partial(self._guard.attempt, self._cycle_is_due),
+                callback_group=self._stream,
             )
 
     def _parameters_changed(self, old: NodeParameters, new: NodeParameters) -> None:
@@ -235,23 +241,8 @@ class SceneGraphNode(LifecycleNode):
         self, kind: Any, topic: str, take: Callable[[Any], Any], profile: QoSProfile, group: Any
     ) -> None:
         """Listen to a topic whose messages ``take`` may refuse by an exception."""
-        name = topic.removeprefix('~/')
-        self._surface.subscription(kind, topic, partial(self._guard, name, take), profile, group)
-
-    def _guard(self, name: str, take: Callable[..., Any], *message: Any) -> None:
-        """Take a message; count and log, throttled, one that is refused."""
-        try:
-            take(*message)
-        except Exception as error:
-            reason = str(error)
-            if not isinstance(error, RuntimeError):  # what nobody foresaw is a refusal too
-                reason = f'internal error: {error!r}'
-            self._diagnostics.refuse(name, reason)
-            # Throttled by input (rclpy does it by line): one must not silence another.
-            now = time.monotonic()
-            if now >= self._silent_until.get(name, now):
-                self._silent_until[name] = now + _LOG_PERIOD
-                self.get_logger().warning(f'a message of {name} was refused: {reason}')
+        guarded = partial(self._guard.take, topic.removeprefix('~/'), take)
+        self._surface.subscription(kind, topic, guarded, profile, group)
 
     def _on_poses(self, message: messages.FramePoses) -> None:
         start = time.perf_counter()
@@ -279,7 +270,7 @@ class SceneGraphNode(LifecycleNode):
         if self._settings.values.rate == 0.0:
             self._run_cycle()
 
-    def _on_timer(self) -> None:
+    def _cycle_is_due(self) -> None:
         with self._live.lock:
             self._run_cycle()
 
@@ -292,14 +283,8 @@ class SceneGraphNode(LifecycleNode):
         return response
 
     def _serve(self, handler: Any, request: Any, response: Any) -> Any:
-        """Answer a service call; what no handler foresaw is a refusal too, and logged."""
-        try:
-            answer(handler, self._live, request, response)
-        except Exception as error:
-            self.get_logger().error(f'{handler.__name__} failed: {error!r}')
-            response.success = False
-            response.message = f'internal error in {handler.__name__}: {error!r}'
-        return response
+        """Answer a service call."""
+        return self._guard.answer(partial(answer, handler, self._live), request, response)
 
     # What goes out.
 
@@ -344,7 +329,7 @@ class SceneGraphNode(LifecycleNode):
         with self._live.lock:
             expired = self._live.expire_filters()
             if self._tf is not None:
-                self._guard('/tf', self._tf.follow_scene)
+                self._guard.take('/tf', self._tf.follow_scene)
         for filter_id in expired:
             self.get_logger().info(
                 f'the lease of transient filter {filter_id.get_value()} ran out: removed',

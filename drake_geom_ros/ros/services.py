@@ -79,7 +79,7 @@ SERVICES = (*CHANGES, *LOADING, *BESIDE)
 _LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
 
 
-def _shortened(text: str) -> str:
+def shortened(text: str) -> str:
     """Return a message without its middle where it is too long to be read."""
     half = _LONGEST_MESSAGE // 2
     return text if len(text) <= _LONGEST_MESSAGE else f'{text[:half]} ... {text[-half:]}'
@@ -91,7 +91,7 @@ def answer(handler: Handler, live: LiveScene, request: Any, response: Any) -> An
         handler(live, request, response)
     except RuntimeError as error:
         response.success = False
-        response.message = _shortened(str(error))
+        response.message = shortened(str(error))
     else:
         response.success = True
     return response

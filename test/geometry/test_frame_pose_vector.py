@@ -117,6 +117,6 @@ def test_wrong_kinds_are_refused():
         vector.set_value(GeometryId(1), RigidTransform())
     with pytest.raises(RuntimeError, match='RigidTransform'):
         vector.set_value(FrameId(1), np.eye(4))
-    with pytest.raises(RuntimeError, match='set_value.*beyond'):
+    with pytest.raises(RuntimeError, match=r'set_value.*beyond'):
         vector.set_value(FrameId(1), RigidTransform([0, 0, 1e308]))
     assert vector.size() == 0

@@ -1,9 +1,12 @@
 """Pose messages that are refused whole and counted, and odd ones that are taken."""
 
+import array
 import re
+from random import Random
 
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
+from rclpy.serialization import serialize_message
 from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, add_pair, poses, refused
 from std_msgs.msg import String
@@ -71,7 +74,33 @@ def test_ten_million_numbers_are_refused(client):
     message = ten_million(['many::a', 'many::b'])
     answer = client.call(srv.HasCollisions, 'has_collisions', poses=message)
     refused(answer, f'poses holds {MANY} numbers for 2 frames')
+    # Each point has a distance from each geometry: no answer could hold that.
+    points = array.array('d', bytes(8 * 3 * (MANY // 3)))
+    answer = client.call(
+        srv.ComputeSignedDistanceToPoint, 'compute_signed_distance_to_point', points=points
+    )
+    refused(answer, f'{MANY // 3} points have more than', 'fewer points')
     accepted(client.call(srv.HasCollisions, 'has_collisions'))
+
+
+def test_garbled_bytes_end_nothing(client, node):
+    """What a publisher with another definition of the message, or a broken one, would send."""
+    add_pair(client, 'garbled')
+    publisher = client.publisher(msg.FramePoses, 'frame_poses', 200)
+    good = bytes(serialize_message(poses(FRAMES, [(1, 0, 0), (2, 0, 0)], 'garbled')))
+    random = Random(1)
+    for _ in range(200):
+        garbled = bytearray(good)
+        for _ in range(random.randint(1, 6)):
+            garbled[random.randrange(4, len(good))] = random.randrange(256)
+        publisher.publish(bytes(garbled[: random.choice([len(good), len(good), 5, 21, 60])]))
+
+    def taken():
+        publisher.publish(poses(FRAMES, [(3, 0, 0), (4, 0, 0)], 'garbled'))
+        return (where(client, 'garbled::a'), where(client, 'garbled::b')) == (3.0, 4.0)
+
+    client.wait_for(taken, 'a good message to be taken')
+    assert 'internal error' not in node.output()
 
 
 def test_odd_messages_that_are_legal_are_taken(client):
