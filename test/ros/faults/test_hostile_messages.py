@@ -55,6 +55,11 @@ def test_hostile_messages_are_counted_and_change_nothing(tmp_path, lone_client):
             lambda: refusals(diagnostics, client.server) == 4 * len(messages), 'all refusals'
         )
         assert (where(client, 'stream::a'), where(client, 'stream::b')) == (1.0, 2.0)
+        # 80 MB in one message of the stream.
+        publisher.publish(ten_million(['stream::a', 'stream::b']))
+        client.wait_for(
+            lambda: refusals(diagnostics, client.server) == 4 * len(messages) + 1, 'its refusal'
+        )
         # One input that is refused without end does not silence another.
         robots = client.node.create_publisher(String, '/sure/robot_description', LATCHED)
         robots.publish(String(data='<robot'))
