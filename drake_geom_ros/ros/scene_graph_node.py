@@ -57,7 +57,7 @@ _LOG_PERIOD = 5.0  # [s] at most one line of a kind in this time
 
 
 class SceneGraphNode(LifecycleNode):
-    """The geometry service; see INTERFACE in the docs for topics, services and parameters."""
+    """The geometry service; see docs/reference.md for topics, services and parameters."""
 
     def __init__(self, **kwargs) -> None:
         super().__init__('scene_graph', **kwargs)
@@ -102,9 +102,10 @@ class SceneGraphNode(LifecycleNode):
                 self.get_logger().info(f'loaded {frames} frames and {geometries} geometries')
             kernels = self._live.compile_kernels()
             self._open(values)
-        except (RuntimeError, OSError) as error:
-            # A scene that cannot be loaded, or a QoS override that cannot be.
-            self.get_logger().error(f'not configured: {error}')
+        except Exception as error:
+            # A scene that cannot be loaded, a QoS override or the name of a topic that cannot be;
+            # rclpy would drop it without a word.
+            self.get_logger().error(f'not configured: {str(error) or repr(error)}')
             self._forget()
             return TransitionCallbackReturn.FAILURE
         seconds = time.perf_counter() - start
@@ -116,7 +117,7 @@ class SceneGraphNode(LifecycleNode):
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Publish from now on."""
         self._active = True
-        self._publish_scene()
+        self._guard.attempt(self._publish_scene)
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -141,7 +142,7 @@ class SceneGraphNode(LifecycleNode):
             self._set_rate(0.0)
             self._surface.close()
             self._live.clear()
-            self._tf = None
+            self._cycle = self._tf = None
 
     def _open(self, values: NodeParameters) -> None:
         """Open topics, services and timers."""
@@ -279,7 +280,7 @@ class SceneGraphNode(LifecycleNode):
         with self._live.lock:
             self._serve(handler, request, response)
         if time.monotonic() > self._next_scene:
-            self._publish_scene()
+            self._guard.attempt(self._publish_scene)
         return response
 
     def _serve(self, handler: Any, request: Any, response: Any) -> Any:

@@ -198,6 +198,13 @@ def test_a_player_without_a_scene_says_how_to_give_one(tmp_path):
     assert '-p scene_file:=FILE' in player.output()
 
 
+def test_a_topic_that_cannot_be_is_refused(start):
+    player = start(topic='not a topic')
+    assert player.popen.wait(120.0) == 2
+    assert 'pose_player: Invalid topic name' in player.output()
+    assert 'Traceback' not in player.output()
+
+
 def test_a_file_that_cannot_be_played_is_refused(start):
     player = start(trajectory_file='/absent.yaml')
     assert player.popen.wait(120.0) == 2
