@@ -13,7 +13,7 @@ from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.instances import checked_pose, checked_type
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.math.tolerances import QUATERNION_NORM
+from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -47,7 +47,8 @@ class FramePoseVector:
 
         ``frame_ids`` are ids or, quicker, an array of their values. Quaternions are normalised.
         Raises RuntimeError for another shape, a number that is not finite, a quaternion that is
-        off unit length by more than 1e-3, or a frame that is named twice.
+        off unit length by more than 1e-3, a coordinate beyond 1e301 m, or a frame that is named
+        twice.
         """
         ids = _id_values(frame_ids)
         R_PFs, p_PFs = _matrices(poses)
@@ -154,11 +155,23 @@ def _matrices(poses: ArrayLike) -> tuple[Floats, Floats]:
         n = len(poses)
         Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
         if poses.shape[1] == 7 and read_poses(poses, QUATERNION_NORM, Rs, ps) == n:
-            return Rs, ps
+            return Rs, _not_too_far(ps)
     try:
-        return matrices_from_poses(poses)
+        Rs, ps = matrices_from_poses(poses)
     except RuntimeError as error:
         raise PoseError(f'FramePoseVector.FromArrays: {error}') from None
+    return Rs, _not_too_far(ps)
+
+
+def _not_too_far(ps: Floats) -> Floats:
+    """Return positions (n, 3); raises PoseError where one is beyond FARTHEST."""
+    if np.abs(ps).max(initial=0.0) > FARTHEST:
+        row = int(np.abs(ps).max(axis=1).argmax())
+        raise PoseError(
+            f'FramePoseVector.FromArrays: poses[{row}] lies at {ps[row].tolist()} m; no '
+            f'coordinate may be beyond {FARTHEST:.3g} m'
+        )
+    return ps
 
 
 def _id_values(frame_ids: Sequence[FrameId] | NDArray[np.integer]) -> Indices:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
+import numpy as np
+
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId
 from drake_geom_ros.geometry.properties import (
@@ -13,6 +15,7 @@ from drake_geom_ros.geometry.properties import (
 )
 from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.tolerances import FARTHEST
 
 _T = TypeVar('_T')
 
@@ -151,8 +154,14 @@ def checked_type(value: Any, kind: type[_T], what: str) -> _T:
 
 
 def checked_pose(X: RigidTransform, what: str) -> RigidTransform:
-    """Return a copy of the pose: one that the caller cannot change."""
-    return RigidTransform(checked_type(X, RigidTransform, what))
+    """Return a copy of the pose: one that the caller cannot change, and not beyond FARTHEST."""
+    pose = RigidTransform(checked_type(X, RigidTransform, what))
+    if (np.abs(pose.translation()) > FARTHEST).any():
+        raise ArgumentError(
+            f'{what} lies at {pose.translation().tolist()} m; no coordinate may be beyond '
+            f'{FARTHEST:.3g} m'
+        )
+    return pose
 
 
 def _copied(properties: Any, kind: type[_T]) -> _T:

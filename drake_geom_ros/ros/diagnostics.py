@@ -34,6 +34,7 @@ class Diagnostics:
         self._taken = 0
         self._refused: Counter[str] = Counter()
         self._reasons: Counter[str] = Counter()
+        self._latest = 'none'
         self._delays: list[float] = []
         self._last = (0.0, 0)
 
@@ -47,6 +48,7 @@ class Diagnostics:
         """Count a message that was refused; ``what`` names the input."""
         key = f'{what}: {reason[:_REASON_LENGTH]}'
         with self._lock:
+            self._latest = key
             self._refused[what] += 1
             # The kinds of reasons are few; texts with ever new names in them must not pile up.
             if len(self._reasons) < _KINDS_OF_REASONS or key in self._reasons:
@@ -60,7 +62,7 @@ class Diagnostics:
             taken, delays, self._delays = self._taken, sorted(self._delays), []
             refused = self._refused['frame_poses']
             inputs = {f'refused from {name}': n for name, n in sorted(self._refused.items())}
-            reasons = self._reasons.most_common(_SHOWN_REASONS)
+            reasons, latest = self._reasons.most_common(_SHOWN_REASONS), self._latest
         stale = sorted(name for name, age in ages.items() if age > stale_after)
         status = DiagnosticStatus(name=self._name, hardware_id=self._name)
         status.level = DiagnosticStatus.WARN if stale else DiagnosticStatus.OK
@@ -79,6 +81,7 @@ class Diagnostics:
             'delay worst [ms]': _milliseconds(delays, 1.0),
             'pose messages taken': taken,
             'pose messages refused': refused,
+            'latest refusal': latest,
             'frames': len(ages),
             'stale frames': len(stale),
             'names of stale frames': _some(stale, _NAMES_IN_VALUE),

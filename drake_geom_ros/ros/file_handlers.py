@@ -6,7 +6,10 @@ only while they take the scene down or put it up. RuntimeError refuses. No ROS i
 
 from __future__ import annotations
 
+import contextlib
+import os
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
@@ -41,7 +44,17 @@ def save_scene(live: LiveScene, request: Any, response: Any) -> None:
         description = live.description()
     response.text = to_yaml(description)
     if target is not None:
-        try:
-            target.write_text(response.text)
-        except OSError as error:
-            raise ArgumentError(f'the scene cannot be written to {target}: {error}') from None
+        _write(response.text, target)
+
+
+def _write(text: str, target: Path) -> None:
+    """Write a file whole: one who is killed meanwhile leaves what was there before."""
+    path = target.resolve()  # what a link stands for lies in the folders; it itself may not
+    part = path.with_name(f'{path.name}.part')
+    try:
+        part.write_text(text)
+        os.replace(part, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            part.unlink()
+        raise ArgumentError(f'the scene cannot be written to {target}: {error}') from None

@@ -5,6 +5,7 @@ No ROS here: a table made from an inspector, so that it is tested without.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 
 from drake_geom_ros.geometry import (
@@ -16,6 +17,7 @@ from drake_geom_ros.geometry import (
 )
 
 WORLD = 'world'
+_ID = re.compile('#[0-9]{1,20}')  # uint64 has no more digits
 
 
 class UnknownNameError(GeometryError):
@@ -61,8 +63,8 @@ class NameTable:
         if name in self._sources:
             return self._sources[name]
         by_value = {s.get_value(): s for s in self._sources.values()}
-        if name.startswith('#') and name[1:].isdigit() and int(name[1:]) in by_value:
-            return by_value[int(name[1:])]
+        if (value := _value(name)) in by_value:
+            return by_value[value]
         raise UnknownNameError(
             f'There is no source {name[:80]!r}. Sources: {_some(self._sources)}. '
             'See register_source and the topic ~/scene.'
@@ -75,8 +77,8 @@ class NameTable:
         """
         if name in self._world_names:
             return self.world
-        if name.startswith('#') and name[1:].isdigit():
-            return self.frame_of_value(int(name[1:]))
+        if (value := _value(name)) is not None:
+            return self.frame_of_value(value)
         key = f'{source}::{name}' if source and '::' not in name else name
         found = self._frames.get(key, [])
         if len(found) == 1:
@@ -89,8 +91,8 @@ class NameTable:
 
     def geometry(self, name: str) -> GeometryId:
         """Return the geometry of that name or ``#<id>``."""
-        if name.startswith('#') and name[1:].isdigit():
-            return self.geometry_of_value(int(name[1:]))
+        if (value := _value(name)) is not None:
+            return self.geometry_of_value(value)
         found = self._geometries.get(name, [])
         if len(found) == 1:
             return found[0]
@@ -121,6 +123,11 @@ class NameTable:
             f'There is no {kind} {shown!r} in the scene. It holds {len(names)}: '
             f'{_some(names.values())}. See the topic ~/scene.'
         )
+
+
+def _value(name: str) -> int | None:
+    """Return the id that ``#<id>`` stands for; None for what is a name."""
+    return int(name[1:]) if _ID.fullmatch(name) else None
 
 
 def _some(names, count: int = 4) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 import importlib.util
 import math
 from collections.abc import Callable, Sequence
@@ -14,7 +15,6 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -90,6 +90,13 @@ _RANGES = {
 
 
 _DEFAULTS = {entry.name: entry.default for entry in fields(NodeParameters)}
+_KINDS = {
+    bool: 'true or false',
+    int: 'a whole number',
+    float: 'a number',
+    str: 'a text',
+    tuple: 'a list of texts',
+}
 
 
 class ParameterRefusedError(ValueError):
@@ -141,32 +148,36 @@ class ParameterStore:
 def declared(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Any:
     """Declare a parameter and return its value, of the type of ``default``.
 
-    A number may be given without its decimal point: ROS by itself would not take 1 for 1.0.
-    Raises ParameterRefusedError for what was given and cannot be.
+    A number may be given without its decimal point: ROS by itself would not take 1 for 1.0, nor
+    an empty list for a list of texts. Raises ParameterRefusedError for what was given and cannot
+    be.
     """
-    descriptor.dynamic_typing = isinstance(default, float)
     start = list(default) if isinstance(default, tuple) else default
-    try:
-        value = _plain(node.declare_parameter(name, start, descriptor).value, default)
-    except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-        raise ParameterRefusedError(str(error)) from None
-    limits = [(each.from_value, each.to_value) for each in descriptor.floating_point_range]
+    # Whatever was given is let in, to be refused in words that say what is allowed.
+    anything = ParameterDescriptor(dynamic_typing=True)
+    given = node.declare_parameter(name, start, anything).value
+    value = () if given is None and isinstance(default, tuple) else _plain(given, default)
+    ranges = [*descriptor.floating_point_range, *descriptor.integer_range]
+    limits = [(each.from_value, each.to_value) for each in ranges]
     if reason := _wrong_type(name, value, default) or _out_of_range(name, value, limits):
         raise ParameterRefusedError(reason)
+    descriptor.dynamic_typing = True
+    node.set_descriptor(name, descriptor)
     return value
 
 
 def _plain(value: Any, default: object) -> Any:
-    """Return the value of a parameter: an array as a tuple, a whole number as a float."""
-    if isinstance(default, tuple):
-        return tuple(value or ())  # an empty array has no type, and comes as None
+    """Return the value of a parameter: a list as a tuple, a whole number as a float."""
+    if isinstance(default, tuple) and isinstance(value, list | tuple | array.array):
+        return tuple(value)
     return float(value) if isinstance(default, float) and type(value) is int else value
 
 
 def _wrong_type(name: str, value: object, default: object) -> str:
-    if type(value) is type(default):
-        return ''
-    return f'{name} is {value!r}; it must be a {type(default).__name__}'
+    fits = type(value) is type(default)
+    if isinstance(value, tuple):
+        fits = fits and all(isinstance(each, str) for each in value)
+    return '' if fits else f'{name} is {value!r}; it must be {_KINDS[type(default)]}'
 
 
 def _out_of_range(name: str, value: Any, limits: Sequence[tuple[float, float]]) -> str:

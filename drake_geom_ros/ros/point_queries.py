@@ -11,13 +11,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from drake_geom_ros.geometry import ArgumentError, PointDistanceResults, QueryObject
 from drake_geom_ros.ros.conversions import fill_point_distances
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.point_cloud import points_from_cloud
 
 # The query has room for each point and geometry; that many rows of 100 bytes at a time.
 _ROWS_AT_ONCE = 1_000_000
+_MOST_ROWS = 2_000_000  # of an answer, whose message then has 160 MB
 
 
 class PointQueries:
@@ -50,12 +53,36 @@ class PointQueries:
             frame = view.names.frame(cloud.header.frame_id)
             points = view.query.X_WF(frame).multiply(points.T).T
         finite = np.flatnonzero(np.isfinite(points).all(axis=1))
-        geometries = view.query.inspector().num_geometries()
-        step = max(1, _ROWS_AT_ONCE // max(1, geometries))
-        blocks = [finite[k : k + step] for k in range(0, max(1, len(finite)), step)]
-        parts = [view.query.ComputeSignedDistanceToPoint(points[b], threshold) for b in blocks]
+        parts, blocks = distances_to(view.query, points, finite, threshold)
         message = self._message_class()
         fill_point_distances(message, parts, threshold, blocks)
         view.moment.stamp(message)
         message.query_stamp = cloud.header.stamp
         return message
+
+
+def distances_to(
+    query: QueryObject,
+    points: NDArray[np.float64],
+    numbers: NDArray[np.int64],
+    threshold: float,
+    accuracy: str | None = None,
+) -> tuple[list[PointDistanceResults], list[NDArray[np.int64]]]:
+    """Return the distances [m] to ``points[numbers]``, in blocks, and the numbers of each block.
+
+    Raises ArgumentError when there are more than an answer can hold.
+    """
+    step = max(1, _ROWS_AT_ONCE // max(1, query.inspector().num_geometries()))
+    blocks = [numbers[k : k + step] for k in range(0, max(1, len(numbers)), step)]
+    parts: list[PointDistanceResults] = []
+    for block in blocks:
+        parts.append(
+            query.ComputeSignedDistanceToPoint(points[block], threshold, accuracy=accuracy)
+        )
+        if sum(map(len, parts)) > _MOST_ROWS:
+            raise ArgumentError(
+                f'{len(numbers)} points have more than {_MOST_ROWS} distances up to '
+                f'{threshold} m; an answer holds no more: ask for fewer points, or a smaller '
+                'threshold'
+            )
+    return parts, blocks

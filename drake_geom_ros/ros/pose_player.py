@@ -19,6 +19,7 @@ from drake_geom_msgs.msg import (
     GeometrySet,
 )
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
@@ -30,6 +31,8 @@ from drake_geom_ros.trajectories.motion import Grasp, Motion
 from drake_geom_ros.trajectories.motion_file import load_motion
 
 _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# A file, a parameter or the name of a topic that cannot be.
+_REFUSALS = (SceneFileError, ParameterRefusedError, NameValidationException)
 _TEXTS = {
     'scene_file': 'Scene (YAML or URDF) whose robots and frames are played.',
     'trajectory_file': 'Motion (YAML) or timed poses (CSV); empty: everything stands still.',
@@ -46,6 +49,11 @@ class PosePlayer(Node):
     def __init__(self, **kwargs) -> None:
         super().__init__('pose_player', **kwargs)
         scene_file = self._declare('scene_file', '')
+        if not scene_file:
+            raise ParameterRefusedError(
+                'scene_file is empty; it must name a scene (YAML or URDF), as in '
+                '--ros-args -p scene_file:=FILE'
+            )
         trajectory_file = self._declare('trajectory_file', '')
         rate = self._declare('rate', 100.0, FloatingPointRange(from_value=0.1, to_value=1000.0))
         self._loop = self._declare('loop', True)
@@ -114,8 +122,8 @@ def _statement(grasp: Grasp) -> CollisionFilterStatement:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the player until it is interrupted; return 2 where it is given files it cannot play."""
-    return run_node(PosePlayer, (SceneFileError, ParameterRefusedError), args)
+    """Run the player until it is interrupted; return 2 where it is given what it cannot play."""
+    return run_node(PosePlayer, _REFUSALS, args)
 
 
 if __name__ == '__main__':

@@ -20,6 +20,7 @@ from drake_geom_ros.ros.conversions import (
     unsigned,
 )
 from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.point_queries import distances_to
 
 
 def _accuracy(request: Any) -> str | None:
@@ -68,10 +69,14 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     if points.size % 3:
         raise ArgumentError(f'points holds {points.size} numbers; it must hold x y z a point')
     view = live.view(request.poses)
-    results = view.query.ComputeSignedDistanceToPoint(
-        points.reshape(-1, 3), limit, accuracy=_accuracy(request)
+    parts, blocks = distances_to(
+        view.query,
+        points.reshape(-1, 3),
+        np.arange(points.size // 3),
+        limit,
+        accuracy=_accuracy(request),
     )
-    fill_point_distances(response.result, [results], limit, [np.arange(points.size // 3)])
+    fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
 
 

@@ -34,6 +34,7 @@ from drake_geom_ros.ros import level_costs, replays
 from drake_geom_ros.ros.cycle import Cycle
 from drake_geom_ros.ros.diagnostics import Diagnostics
 from drake_geom_ros.ros.file_access import FileAccess
+from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.level_costs import LevelCosts
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.marker_publisher import MarkerPublisher
@@ -56,7 +57,7 @@ _LOG_PERIOD = 5.0  # [s] at most one line of a kind in this time
 
 
 class SceneGraphNode(LifecycleNode):
-    """The geometry service; see INTERFACE in the docs for topics, services and parameters."""
+    """The geometry service; see docs/reference.md for topics, services and parameters."""
 
     def __init__(self, **kwargs) -> None:
         super().__init__('scene_graph', **kwargs)
@@ -69,6 +70,7 @@ class SceneGraphNode(LifecycleNode):
         self._live = LiveScene(values.accuracy, self._now, values.world_frame)
         self._live.files = FileAccess(values.mesh_roots, values.scene_file)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
+        self._guard = Guard(self.get_logger(), self._diagnostics)
         self._surface = Surface(self)
         self._cycle: Cycle | None = None
         self._tf: TfInput | None = None
@@ -100,9 +102,10 @@ class SceneGraphNode(LifecycleNode):
                 self.get_logger().info(f'loaded {frames} frames and {geometries} geometries')
             kernels = self._live.compile_kernels()
             self._open(values)
-        except (RuntimeError, OSError) as error:
-            # A scene that cannot be loaded, or a QoS override that cannot be.
-            self.get_logger().error(f'not configured: {error}')
+        except Exception as error:
+            # A scene that cannot be loaded, a QoS override or the name of a topic that cannot be;
+            # rclpy would drop it without a word.
+            self.get_logger().error(f'not configured: {str(error) or repr(error)}')
             self._forget()
             return TransitionCallbackReturn.FAILURE
         seconds = time.perf_counter() - start
@@ -114,7 +117,7 @@ class SceneGraphNode(LifecycleNode):
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Publish from now on."""
         self._active = True
-        self._publish_scene()
+        self._guard.attempt(self._publish_scene)
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -139,7 +142,7 @@ class SceneGraphNode(LifecycleNode):
             self._set_rate(0.0)
             self._surface.close()
             self._live.clear()
-            self._tf = None
+            self._cycle = self._tf = None
 
     def _open(self, values: NodeParameters) -> None:
         """Open topics, services and timers."""
@@ -160,11 +163,14 @@ class SceneGraphNode(LifecycleNode):
             for name, kind, handler in services:
                 surface.service(kind, f'~/{name}', partial(self._serve, handler), group)
         self._set_rate(values.rate)
-        surface.timer(1.0 / values.marker_rate, self._draw, self._beside)
-        surface.timer(level_costs.PERIOD, self._costs.measure, self._beside)
-        surface.timer(replays.PERIOD, self._write_replays, self._beside)
-        surface.timer(_HOUSEKEEPING_PERIOD, self._keep_house)
-        surface.timer(_DIAGNOSTICS_PERIOD, self._publish_diagnostics)
+        for period, task, group in (
+            (1.0 / values.marker_rate, self._draw, self._beside),
+            (level_costs.PERIOD, self._costs.measure, self._beside),
+            (replays.PERIOD, self._write_replays, self._beside),
+            (_HOUSEKEEPING_PERIOD, self._keep_house, None),
+            (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
+        ):
+            surface.timer(period, partial(self._guard.attempt, task), group)
 
     def _open_outputs(self) -> None:
         """Open the topics to publish on, and what publishes there."""
@@ -216,7 +222,9 @@ class SceneGraphNode(LifecycleNode):
             self._cycle_timer = None
         if rate > 0.0:
             self._cycle_timer = self.create_timer(
-                1.0 / rate, self._on_timer, callback_group=self._stream
+                1.0 / rate,
+                partial(self._guard.attempt, self._cycle_is_due),
+                callback_group=self._stream,
             )
 
     def _parameters_changed(self, old: NodeParameters, new: NodeParameters) -> None:
@@ -231,24 +239,11 @@ class SceneGraphNode(LifecycleNode):
     # What comes in.
 
     def _listen(
-        self, kind: Any, topic: str, take: Callable[[Any], None], profile: QoSProfile, group: Any
+        self, kind: Any, topic: str, take: Callable[[Any], Any], profile: QoSProfile, group: Any
     ) -> None:
         """Listen to a topic whose messages ``take`` may refuse by an exception."""
-        name = topic.removeprefix('~/')
-        self._surface.subscription(kind, topic, partial(self._guard, name, take), profile, group)
-
-    def _guard(self, name: str, take: Callable[[Any], None], message: Any) -> None:
-        """Take a message; count and log, throttled, one that is refused."""
-        try:
-            take(message)
-        except Exception as error:
-            reason = str(error)
-            if not isinstance(error, RuntimeError):  # what nobody foresaw is a refusal too
-                reason = f'internal error: {error!r}'
-            self._diagnostics.refuse(name, reason)
-            self.get_logger().warning(
-                f'a message of {name} was refused: {reason}', throttle_duration_sec=_LOG_PERIOD
-            )
+        guarded = partial(self._guard.take, topic.removeprefix('~/'), take)
+        self._surface.subscription(kind, topic, guarded, profile, group)
 
     def _on_poses(self, message: messages.FramePoses) -> None:
         start = time.perf_counter()
@@ -262,6 +257,8 @@ class SceneGraphNode(LifecycleNode):
             frames = self._tf.take(message, static=static) if self._tf is not None else 0
             if frames:
                 self._posed(frames, start)
+        if frames:
+            self._diagnostics.take(time.perf_counter() - start)
 
     def _on_robot(self, message: String) -> None:
         if done := self._robot.take(message.data):
@@ -274,7 +271,7 @@ class SceneGraphNode(LifecycleNode):
         if self._settings.values.rate == 0.0:
             self._run_cycle()
 
-    def _on_timer(self) -> None:
+    def _cycle_is_due(self) -> None:
         with self._live.lock:
             self._run_cycle()
 
@@ -283,18 +280,12 @@ class SceneGraphNode(LifecycleNode):
         with self._live.lock:
             self._serve(handler, request, response)
         if time.monotonic() > self._next_scene:
-            self._publish_scene()
+            self._guard.attempt(self._publish_scene)
         return response
 
     def _serve(self, handler: Any, request: Any, response: Any) -> Any:
-        """Answer a service call; what no handler foresaw is a refusal too, and logged."""
-        try:
-            answer(handler, self._live, request, response)
-        except Exception as error:
-            self.get_logger().error(f'{handler.__name__} failed: {error!r}')
-            response.success = False
-            response.message = f'internal error in {handler.__name__}: {error!r}'
-        return response
+        """Answer a service call."""
+        return self._guard.answer(partial(answer, handler, self._live), request, response)
 
     # What goes out.
 
@@ -339,7 +330,7 @@ class SceneGraphNode(LifecycleNode):
         with self._live.lock:
             expired = self._live.expire_filters()
             if self._tf is not None:
-                self._tf.follow_scene()
+                self._guard.take('/tf', self._tf.follow_scene)
         for filter_id in expired:
             self.get_logger().info(
                 f'the lease of transient filter {filter_id.get_value()} ran out: removed',
@@ -357,7 +348,7 @@ class SceneGraphNode(LifecycleNode):
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; return 2 where its parameters cannot be."""
-    return run_node(SceneGraphNode, ParameterRefusedError, args)
+    return run_node(SceneGraphNode, (ParameterRefusedError,), args)
 
 
 if __name__ == '__main__':

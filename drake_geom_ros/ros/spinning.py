@@ -30,6 +30,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Python runs its signal handlers between two waits of the executor, so this [s] is how long a
@@ -41,10 +42,15 @@ _SWITCH_INTERVAL = 0.0005
 
 
 class StopSignals:
-    """While entered, SIGINT and SIGTERM only make ``received`` true."""
+    """While entered, SIGINT and SIGTERM only make ``received`` true.
 
-    def __init__(self) -> None:
+    With ``once`` the second of them ends the process: what runs may take long, such as the
+    compilation of a scene's kernels.
+    """
+
+    def __init__(self, *, once: bool = False) -> None:
         self.received = False
+        self._once = once
 
     def __enter__(self) -> StopSignals:
         self._before = {number: signal.signal(number, self._receive) for number in _SIGNALS}
@@ -55,6 +61,9 @@ class StopSignals:
             signal.signal(number, handler)
 
     def _receive(self, number: int, frame: FrameType | None) -> None:
+        if self.received and self._once:
+            signal.signal(number, signal.SIG_DFL)
+            signal.raise_signal(number)
         self.received = True
 
 
@@ -145,23 +154,42 @@ def spin_until_stopped(
 
 def run_node(
     make_node: Callable[[], Node],
-    refusal: type[Exception] | tuple[type[Exception], ...],
+    refusals: tuple[type[Exception], ...],
     args: list[str] | None = None,
 ) -> int:
     """Run a node as a process until it is told to stop, and return the exit code.
 
-    That is 2 where making the node raises ``refusal``, for what it was given cannot be. A node
-    names the callback groups that get threads of their own in its ``threaded_groups``.
+    That is 2 where arguments are none of ROS, or where making the node raises one of
+    ``refusals``, for what it was given cannot be. A node names the callback groups that get
+    threads of their own in its ``threaded_groups``.
     """
-    with StopSignals() as signals:
-        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    with StopSignals(once=True) as signals:
         try:
+            _initialise(sys.argv[1:] if args is None else args)
             node = make_node()
             spin_until_stopped(node, signals, groups=getattr(node, 'threaded_groups', ()))
             node.destroy_node()
-        except refusal as error:
+        except (_BadArgumentsError, *refusals) as error:
             print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)
             return 2
         finally:
             rclpy.try_shutdown()
     return 0
+
+
+class _BadArgumentsError(ValueError):
+    """Arguments of a process that are none, or that ROS cannot read."""
+
+
+def _initialise(args: list[str]) -> None:
+    """Initialise rclpy without its signal handler; raise _BadArgumentsError for bad arguments."""
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        others = remove_ros_args(args)
+    except RuntimeError as error:  # rcl's, which are not exported
+        raise _BadArgumentsError(error) from None
+    if others:
+        raise _BadArgumentsError(
+            f'given {" ".join(others)!r}; arguments of ROS are all that is taken, such as '
+            '--ros-args -p scene_file:=FILE'
+        )

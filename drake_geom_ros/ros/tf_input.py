@@ -25,7 +25,9 @@ from drake_geom_ros.ros.conversions import seconds_of
 from drake_geom_ros.ros.live_scene import LiveScene
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
-
+_MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
+# [m] longest translation: chains of so many stay within what a scene takes, 2**1000 m.
+_FARTHEST = 2.0**900
 
 Floats = NDArray[np.float64]
 
@@ -65,15 +67,20 @@ class TfInput:
     def take(self, message: Any, *, static: bool) -> int:
         """Take a TFMessage whole and pose what hangs on it; return how many frames were posed.
 
-        Raises RuntimeError, and nothing is taken, for a transform that is none. The caller holds
-        the lock of the scene.
+        Raises RuntimeError, and nothing is taken, for a transform that is none and for too many
+        frames. The caller holds the lock of the scene.
         """
         fresh = self._read(message.transforms, static)
+        self._refuse_too_many(fresh)
         if not static:
             self._notice_rewind(fresh)
-        changed = {child for child, edge in fresh if self._is_news(child, edge)}
-        self._edges |= {child: edge for child, edge in fresh if child in changed}
-        if changed:
+        changed = set()
+        for child, edge in fresh:
+            if self._is_news(child, edge):
+                self._edges[child] = edge
+                changed.add(child)
+        # What is static holds at any time: its own does not tell how new the poses are.
+        if changed and (not static or self._stamp is None):
             self._stamp = message.transforms[-1].header.stamp
         return self._pose(changed)
 
@@ -91,6 +98,12 @@ class TfInput:
             p, q = entry.transform.translation, entry.transform.rotation
             row[:] = p.x, p.y, p.z, q.x, q.y, q.z, q.w
         R_PCs, p_PCs = matrices_from_poses(rows, 'transforms')
+        if np.abs(p_PCs).max(initial=0.0) > _FARTHEST:
+            far = transforms[int(np.abs(p_PCs).max(axis=1).argmax())]
+            raise ArgumentError(
+                f'the translation of {far.child_frame_id[:80]!r} in {far.header.frame_id[:80]!r} '
+                f'has a coordinate beyond {_FARTHEST:.3g} m'
+            )
         stamp = received = math.inf
         if not static:
             received = self._now()
@@ -106,6 +119,16 @@ class TfInput:
                 stamp = seconds_of(entry.header.stamp)
             edges.append((child, _Edge(parent, R_PC, p_PC, stamp, received)))
         return edges
+
+    def _refuse_too_many(self, fresh: list[tuple[str, _Edge]]) -> None:
+        """Raise ArgumentError where more frames would be known than are kept."""
+        if len(self._edges) + len(fresh) > _MOST_FRAMES:
+            count = len(self._edges.keys() | {child for child, _ in fresh})
+            if count > _MOST_FRAMES:
+                raise ArgumentError(
+                    f'{len(fresh)} transforms would make {count} TF frames known; at most '
+                    f'{_MOST_FRAMES} are kept'
+                )
 
     def _notice_rewind(self, fresh: list[tuple[str, _Edge]]) -> None:
         """Forget all moving transforms when time has gone back."""

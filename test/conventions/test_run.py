@@ -17,6 +17,7 @@ check_system() { :; }
 make_venv() { echo venv >>"$root/calls"; mkdir -p "$venv"; }
 install_packages() { echo packages >>"$root/calls"; }
 build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
+build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
 """
 
 
@@ -25,7 +26,8 @@ def folder(tmp_path):
     """Return a folder with what the keys of the steps are computed from."""
     shutil.copy(ROOT / 'run', tmp_path)
     shutil.copytree(ROOT / 'requirements', tmp_path / 'requirements')
-    shutil.copytree(ROOT / 'msg_defs', tmp_path / 'msg_defs')
+    for definitions in ('msg_defs', 'test/msg_defs'):
+        shutil.copytree(ROOT / definitions, tmp_path / definitions)
     return tmp_path
 
 
@@ -51,7 +53,7 @@ def shell(folder, script, **variables):
 
 
 def keys(folder, **variables):
-    script = 'compute_keys; echo "$venv_key" "$packages_key" "$messages_key"'
+    script = 'compute_keys; echo "$venv_key" "$packages_key" "$messages_key" "$tf2_msgs_key"'
     code, output, errors = shell(folder, script, **variables)
     assert code == 0, errors
     return output.split()
@@ -90,13 +92,14 @@ def test_an_unknown_command_is_named():
 @pytest.mark.parametrize(
     ('file', 'changed'),
     [
-        ('requirements/core.txt', [False, True, False]),
-        ('requirements/lock.txt', [False, True, False]),
-        ('requirements/peers.txt', [False, False, False]),
-        ('requirements/ros.txt', [False, True, True]),
-        ('requirements/build.txt', [False, True, True]),
-        ('msg_defs/msg/Shape.msg', [False, False, True]),
-        ('msg_defs/CMakeLists.txt', [False, False, True]),
+        ('requirements/core.txt', [False, True, False, False]),
+        ('requirements/lock.txt', [False, True, False, False]),
+        ('requirements/peers.txt', [False, False, False, False]),
+        ('requirements/ros.txt', [False, True, True, True]),
+        ('requirements/build.txt', [False, True, True, True]),
+        ('msg_defs/msg/Shape.msg', [False, False, True, True]),
+        ('msg_defs/CMakeLists.txt', [False, False, True, True]),
+        ('test/msg_defs/tf2_msgs/package.xml', [False, False, False, True]),
     ],
 )
 def test_a_changed_input_changes_the_keys_of_what_depends_on_it(folder, file, changed):
@@ -122,7 +125,7 @@ def test_a_sourced_distribution_changes_all_keys(folder, tmp_path_factory):
     (distribution / 'share/rclpy').mkdir(parents=True)
     (distribution / 'share/rclpy/package.xml').touch()
     plain, sourced = keys(folder), keys(folder, AMENT_PREFIX_PATH=f'/nowhere:{distribution}')
-    assert [a != b for a, b in zip(plain, sourced, strict=True)] == [True, True, True]
+    assert [a != b for a, b in zip(plain, sourced, strict=True)] == [True] * 4
 
 
 def test_the_own_environment_is_no_distribution(folder):
@@ -136,6 +139,13 @@ def test_steps_run_once_and_in_order(folder):
         code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
         assert code == 0, errors
     assert calls(folder) == ['venv', 'packages', 'messages']
+
+
+def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
+    for _ in range(2):
+        code, _, errors = shell(folder, FAKE_STEPS + 'set_up; prepare_tests')
+        assert code == 0, errors
+    assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 
 
 def test_what_was_deleted_is_made_again(folder):

@@ -96,6 +96,7 @@ def with_row(row):
         (VALUES, POSES[:19], '20 frame_ids for 19 poses'),
         (VALUES, with_row([0, 0, math.nan, 0, 0, 0, 1]), r'poses\[7\].*not finite'),
         (VALUES, with_row([0, 0, math.inf, 0, 0, 0, 1]), r'poses\[7\].*not finite'),
+        (VALUES, with_row([0, -2e301, 0, 0, 0, 0, 1]), r'poses\[7\].*beyond 1.07e\+301 m'),
         (VALUES, with_row([0, 0, 0, 1, 0, 0, 1]), r'poses\[7\].*norm 1.414'),
         (VALUES, with_row([0, 0, 0, 0, 0, 0, 0]), r'poses\[7\].*norm 0'),
         (VALUES // 8, POSES, 'frame 0 is named more than once'),
@@ -116,4 +117,6 @@ def test_wrong_kinds_are_refused():
         vector.set_value(GeometryId(1), RigidTransform())
     with pytest.raises(RuntimeError, match='RigidTransform'):
         vector.set_value(FrameId(1), np.eye(4))
+    with pytest.raises(RuntimeError, match=r'set_value.*beyond'):
+        vector.set_value(FrameId(1), RigidTransform([0, 0, 1e308]))
     assert vector.size() == 0

@@ -53,6 +53,11 @@ def test_names_are_trimmed_of_spaces_and_tabs_only(given, canonical):
     assert instance.name() == canonical
 
 
+def test_a_pose_whose_sums_would_leave_float64_is_refused():
+    with pytest.raises(RuntimeError, match=r'X_PG lies at \[0.0, 1e\+308, 0.0\] m; .* beyond'):
+        GeometryInstance(RigidTransform([0, 1e308, 0]), Sphere(1), 'ball')
+
+
 def test_an_empty_name_is_refused_and_the_old_one_stays():
     with pytest.raises(RuntimeError, match='empty'):
         GeometryInstance(X, Sphere(1), ' \t')

@@ -63,8 +63,15 @@ def test_twice_through_the_life_of_a_node(client):
     assert state(client) == State.PRIMARY_STATE_FINALIZED
 
 
-def test_a_qos_override_that_cannot_be_leaves_it_unconfigured(tmp_path, lone_client):
-    bad = {'qos_overrides./scene_graph/frame_poses.subscription.reliability': 'sometimes'}
+@pytest.mark.parametrize(
+    ('parameter', 'value'),
+    [
+        ('qos_overrides./scene_graph/frame_poses.subscription.reliability', 'sometimes'),
+        ('robot_description_topic', 'sometimes-not'),
+    ],
+)
+def test_what_cannot_be_opened_leaves_it_unconfigured(tmp_path, lone_client, parameter, value):
+    bad = {parameter: value}
     node = start_node(tmp_path / 'bad', scene_file=SCENE, **bad)
     try:
         lone_client.wait_for(lambda: 'sometimes' in node.output(), 'the reason in the log')

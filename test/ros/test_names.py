@@ -45,7 +45,7 @@ def test_the_name_of_the_world_is_the_world_whoever_else_bears_it(scene, names, 
 def test_ids(names):
     tool = names.frame('tool')
     assert names.frame(f'#{tool.get_value()}') == tool
-    for name in ('#0', '#-1', '#', '#99999999999999999999', '#x'):
+    for name in ('#0', '#-1', '#', '#99999999999999999999', '#x', '#²', f'#{"9" * 5000}'):
         with pytest.raises(UnknownNameError, match='There is no frame'):
             names.frame(name)
 

@@ -58,18 +58,25 @@ def test_no_roots_at_all(start):
     assert store.values.mesh_roots == ()
     assert put(node, 'mesh_roots', ['here']).successful
     assert store.values.mesh_roots == ('here',)
+    # `ros2 param set` sends an empty list as one of truth values.
+    empty = Parameter('mesh_roots', Parameter.Type.BOOL_ARRAY, [])
+    assert node.set_parameters([empty])[0].successful
+    assert store.values.mesh_roots == ()
 
 
 @pytest.mark.parametrize(
     ('name', 'value', 'words'),
     [
-        ('max_distance', 'far', "max_distance is 'far'; it must be a float"),
-        ('max_distance', True, 'max_distance is True; it must be a float'),
+        ('max_distance', 'far', "max_distance is 'far'; it must be a number"),
+        ('max_distance', True, 'max_distance is True; it must be a number'),
         ('max_distance', -1, 'max_distance is -1.0; it must lie in [0.0, inf]'),
-        ('max_distance', -1.0, 'max_distance'),
-        ('max_distance', math.nan, 'max_distance'),
-        ('mesh_roots', 'here', 'mesh_roots'),
-        ('publish_markers', 1, 'publish_markers'),
+        ('max_distance', math.nan, 'max_distance is nan; it must lie in'),
+        ('mesh_roots', 'here', "mesh_roots is 'here'; it must be a list of texts"),
+        ('mesh_roots', [1, 2], 'mesh_roots is (1, 2); it must be a list of texts'),
+        ('publish_markers', 1, 'publish_markers is 1; it must be true or false'),
+        ('replay_limit', 2.0, 'replay_limit is 2.0; it must be a whole number'),
+        ('replay_limit', -2, 'replay_limit is -2; it must lie in [0, 10000]'),
+        ('scene_file', 3, 'scene_file is 3; it must be a text'),
         ('accuracy', 'best', "accuracy is 'best'; it must be one of bound, fast"),
         ('world_frame', '/map', "world_frame is '/map'"),
     ],
@@ -81,14 +88,24 @@ def test_what_cannot_be_is_refused_at_the_start(start, name, value, words):
 
 
 @pytest.mark.parametrize(
-    ('name', 'value'),
-    [('rate', 'fast'), ('rate', -1), ('rate', 10**6), ('max_distance', None), ('accuracy', 'x')],
+    ('name', 'value', 'words'),
+    [
+        ('rate', 'fast', 'it must be a number'),
+        ('rate', -1, 'it must lie in [0.0, 10000.0]'),
+        ('rate', 1e6, '10000.0'),
+        ('max_distance', None, 'it must be a number'),
+        ('accuracy', 'x', 'bound, fast, balanced, exact'),
+        ('publish_markers', 1, 'publish_markers is 1; it must be true or false'),
+        ('mesh_roots', [1], 'it must be a list of texts'),
+        ('mesh_roots', None, 'it must be a list of texts'),
+        ('scene_file', 'other.yaml', 'read-only'),
+    ],
 )
-def test_what_cannot_be_is_refused_while_it_runs(start, name, value):
+def test_what_cannot_be_is_refused_while_it_runs(start, name, value, words):
     node, store = start()
     changes = []
     store._on_change = lambda *both: changes.append(both)
     result = put(node, name, value)
     assert not result.successful
-    assert result.reason
+    assert words in result.reason
     assert (store.values, changes) == (NodeParameters(), [])

@@ -118,3 +118,12 @@ def test_nothing_is_computed_for_nobody(live):
 def test_an_answer_is_published(queries):
     queries.take(cloud(np.zeros((1, 3))))
     assert len(queries._publisher.messages) == 1
+
+
+def test_more_distances_than_an_answer_holds_are_refused(queries, monkeypatch):
+    monkeypatch.setattr(point_queries, '_ROWS_AT_ONCE', 4)
+    monkeypatch.setattr(point_queries, '_MOST_ROWS', 6)
+    queries._threshold = lambda: 100.0
+    assert len(queries.answer(cloud(np.zeros((3, 3)))).distance) == 6
+    with pytest.raises(RuntimeError, match=r'4 points have more than 6 distances up to 100.0 m'):
+        queries.answer(cloud(np.zeros((4, 3))))

@@ -1,5 +1,8 @@
 """Callback groups in threads of their own: none waits for another, and none fails unseen."""
 
+import signal
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -75,3 +78,79 @@ def test_what_is_made_later_is_served_too(node):
     first = node.create_timer(0.01, make)
     run()
     assert done.done()
+
+
+SLOW = """
+import sys, time
+from rclpy.node import Node
+from drake_geom_ros.ros.spinning import run_node
+
+class Slow(Node):
+    def __init__(self):
+        super().__init__('slow')
+        self.create_timer(0.0, self.work)
+
+    def work(self):
+        print('working', flush=True)
+        end = time.monotonic() + float(sys.argv.pop())
+        while time.monotonic() < end:
+            time.sleep(0.01)
+        print('done', flush=True)
+
+sys.exit(run_node(Slow, (), []))
+"""
+
+
+def start_slow(seconds):
+    return subprocess.Popen(
+        [sys.executable, '-c', SLOW, str(seconds)],
+        env=environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_what_runs_when_a_signal_comes_may_finish():
+    process = start_slow(1.0)
+    assert process.stdout.readline() == 'working\n'
+    process.send_signal(signal.SIGINT)
+    assert process.communicate(timeout=30.0) == ('done\n', '')
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize('second', [signal.SIGINT, signal.SIGTERM])
+def test_a_second_signal_ends_what_takes_too_long(second):
+    """So `ros2 launch` ends it: SIGTERM follows the SIGINT of Ctrl-C after 5 s."""
+    process = start_slow(1000.0)
+    assert process.stdout.readline() == 'working\n'
+    process.send_signal(signal.SIGINT)
+    with pytest.raises(subprocess.TimeoutExpired):
+        process.wait(0.5)
+    process.send_signal(second)
+    assert process.wait(30.0) == -second
+    assert process.communicate() == ('', '')
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'words'),
+    [
+        (['--help'], "given '--help'; arguments of ROS are all that is taken"),
+        (['-p', 'rate:=1'], '--ros-args -p'),
+        (['--ros-args', '-p', 'rate'], "'-p rate'"),
+        (['--ros-args', '--log-level', 'loud'], '--log-level loud'),
+    ],
+)
+def test_arguments_that_are_none_are_refused_in_a_line(arguments, words):
+    done = subprocess.run(
+        [sys.executable, '-m', 'drake_geom_ros.ros.scene_graph_node', *arguments],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert 'scene_graph_node: ' in done.stderr
+    assert words in done.stderr
+    assert 'Traceback' not in done.stderr

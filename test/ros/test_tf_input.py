@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.ros import tf_input
 from drake_geom_ros.ros.live_scene import LiveScene
 from drake_geom_ros.ros.tf_input import TfInput
 from drake_geom_ros.scene_files import read_scene
@@ -137,6 +138,31 @@ def test_a_late_transform_is_ignored(live, tf):
     assert position(live, 'tool') == [1, 0, 0]
 
 
+def test_of_two_transforms_of_a_frame_in_a_message_the_newer_one_counts(live, tf):
+    both = transform('world', 'tool', at(1), 10.5), transform('world', 'tool', at(2), 10.2)
+    assert tf.take(message(*both), static=False) == 1
+    assert position(live, 'tool') == [1, 0, 0]
+
+
+def test_what_is_static_leaves_the_stamp_of_what_moves(live, tf):
+    tf.take(message(transform('world', 'map', at(1), 3.0)), static=True)
+    tf.take(message(transform('map', 'tool', at(1), 50.0)), static=False)
+    tf.take(message(transform('world', 'map', at(2), 4.0)), static=True)
+    assert position(live, 'tool') == [3, 0, 0]
+    assert live.newest_stamp.sec == 50
+
+
+def test_more_frames_than_are_kept_are_refused(live, tf, monkeypatch):
+    monkeypatch.setattr(tf_input, '_MOST_FRAMES', 3)
+    three = [transform('world', f'link{k}', at(k)) for k in range(3)]
+    tf.take(message(*three), static=False)
+    tf.take(message(*three), static=False)  # nothing new
+    # Refused whole: neither is the frame known, nor has time gone back.
+    with pytest.raises(RuntimeError, match='make 4 TF frames known; at most 3'):
+        tf.take(message(transform('world', 'tool', at(1))), static=False)
+    assert position(live, 'right::tool') == [0, 0, 0]
+
+
 def test_time_that_goes_back_forgets_what_moved(live, tf):
     tf.take(message(transform('world', 'map', at(1))), static=True)
     chain = transform('map', 'cart', at(1), 50.0), transform('cart', 'tool', at(1), 50.0)
@@ -161,6 +187,7 @@ def test_a_changed_scene_is_posed_by_what_is_known(live, tf):
     [
         (transform('world', '', at(1)), 'named'),
         (transform('tool', 'tool', at(1)), 'differ'),
+        (transform('world', 'tool', at(-1e300)), "'tool' in 'world' has a coordinate beyond"),
         (transform('world', 'tool', None), 'norm'),
         (transform('world', 'tool', None), 'finite'),
     ],

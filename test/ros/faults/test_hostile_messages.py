@@ -1,11 +1,15 @@
 """Pose messages that are refused whole and counted, and odd ones that are taken."""
 
+import array
 import re
+from random import Random
 
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
-from ros.harness import start_node
+from rclpy.serialization import serialize_message
+from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, add_pair, poses, refused
+from std_msgs.msg import String
 
 from bench.ros.hostile import MANY, pose_messages, ten_million
 
@@ -51,6 +55,17 @@ def test_hostile_messages_are_counted_and_change_nothing(tmp_path, lone_client):
             lambda: refusals(diagnostics, client.server) == 4 * len(messages), 'all refusals'
         )
         assert (where(client, 'stream::a'), where(client, 'stream::b')) == (1.0, 2.0)
+        # 80 MB in one message of the stream.
+        publisher.publish(ten_million(['stream::a', 'stream::b']))
+        client.wait_for(
+            lambda: refusals(diagnostics, client.server) == 4 * len(messages) + 1, 'its refusal'
+        )
+        # One input that is refused without end does not silence another.
+        robots = client.node.create_publisher(String, '/sure/robot_description', LATCHED)
+        robots.publish(String(data='<robot'))
+        client.wait_for(
+            lambda: 'a message of robot_description was refused' in node.output(), 'the reason'
+        )
         # The log is throttled.
         lines = re.findall('a message of frame_poses was refused', node.output())
         assert 1 <= len(lines) <= MOST_LOG_LINES
@@ -64,7 +79,33 @@ def test_ten_million_numbers_are_refused(client):
     message = ten_million(['many::a', 'many::b'])
     answer = client.call(srv.HasCollisions, 'has_collisions', poses=message)
     refused(answer, f'poses holds {MANY} numbers for 2 frames')
+    # Each point has a distance from each geometry: no answer could hold that.
+    points = array.array('d', bytes(8 * 3 * (MANY // 3)))
+    answer = client.call(
+        srv.ComputeSignedDistanceToPoint, 'compute_signed_distance_to_point', points=points
+    )
+    refused(answer, f'{MANY // 3} points have more than', 'fewer points')
     accepted(client.call(srv.HasCollisions, 'has_collisions'))
+
+
+def test_garbled_bytes_end_nothing(client, node):
+    """What a publisher with another definition of the message, or a broken one, would send."""
+    add_pair(client, 'garbled')
+    publisher = client.publisher(msg.FramePoses, 'frame_poses', 200)
+    good = bytes(serialize_message(poses(FRAMES, [(1, 0, 0), (2, 0, 0)], 'garbled')))
+    random = Random(1)
+    for _ in range(200):
+        garbled = bytearray(good)
+        for _ in range(random.randint(1, 6)):
+            garbled[random.randrange(4, len(good))] = random.randrange(256)
+        publisher.publish(bytes(garbled[: random.choice([len(good), len(good), 5, 21, 60])]))
+
+    def taken():
+        publisher.publish(poses(FRAMES, [(3, 0, 0), (4, 0, 0)], 'garbled'))
+        return (where(client, 'garbled::a'), where(client, 'garbled::b')) == (3.0, 4.0)
+
+    client.wait_for(taken, 'a good message to be taken')
+    assert 'internal error' not in node.output()
 
 
 def test_odd_messages_that_are_legal_are_taken(client):

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 from drake_geom_msgs import msg, srv
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from ros.harness import start_node
-from ros.scene_calls import accepted, add_pair, refused
+from ros.scene_calls import accepted, add_pair, poses, refused
 
-from bench.ros.hostile import requests
+from bench.ros.hostile import LONG_NAME, requests
 
 OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n'
 
@@ -76,3 +78,34 @@ def test_a_mesh_that_may_not_be_read(meshes, lone_client):
     (meshes / 'secret.obj').write_text(OBJ)
     (meshes / 'secret.obj').chmod(0)
     refused(register(lone_client, meshes / 'secret.obj'), 'secret.obj')
+
+
+def test_a_mesh_that_cannot_be_read(meshes, lone_client):
+    """Not even by root: the first page of a process is not mapped, so reading it fails."""
+    roots = Parameter('mesh_roots', value=[str(meshes), f'/proc/{os.getpid()}'])
+    request = {'parameters': [roots.to_parameter_msg()]}
+    (result,) = lone_client.call(SetParameters, 'set_parameters', **request).results
+    assert result.successful, result.reason
+    (meshes / 'broken.obj').symlink_to(f'/proc/{os.getpid()}/mem')
+    refused(register(lone_client, meshes / 'broken.obj'), 'broken.obj', 'cannot be read')
+
+
+def test_a_name_of_a_megabyte(client, node):
+    """It is a name like any other; what is said of it is short."""
+    accepted(client.call(srv.RegisterSource, 'register_source', name=LONG_NAME))
+    frame = {'source': LONG_NAME, 'name': LONG_NAME}
+    accepted(client.call(srv.RegisterFrame, 'register_frame', **frame))
+    said = refused(client.call(srv.RegisterFrame, 'register_frame', **frame))
+    assert len(said) < 2000
+    pose = client.call(srv.GetPose, 'get_pose', frame=f'{LONG_NAME}::{LONG_NAME}').pose
+    assert pose.header.frame_id == 'world'
+    said = refused(client.call(srv.GetPose, 'get_pose', frame='nobody'))
+    assert len(said) < 2000
+    publisher = client.publisher(msg.FramePoses, 'frame_poses')
+
+    def told():
+        publisher.publish(poses(['nobody'], [(0, 0, 0)]))
+        return 'a message of frame_poses was refused' in node.output()
+
+    client.wait_for(told, 'the refusal in the log')
+    assert max(map(len, node.output().splitlines())) < 2000

@@ -1,0 +1,80 @@
+"""The owner of a transient filter dies: the filter lives on while it was renewed, then goes."""
+
+import signal
+import subprocess
+import sys
+
+import pytest
+from drake_geom_msgs import srv
+from ros.harness import environment, start_node
+from ros.scene_calls import accepted, add_pair, exclude, refused
+
+LEASE = 1.0  # [s]
+PAIR = {'geometry_a': 's::a/ball', 'geometry_b': 's::b/ball'}
+# Applies a filter with a lease, and renews it ten times in the time of the lease.
+OWNER = f"""
+import time
+import rclpy
+from drake_geom_msgs import srv
+from ros.scene_calls import exclude
+rclpy.init()
+node = rclpy.create_node('owner')
+def ask(kind, name, **fields):
+    client = node.create_client(kind, f'/scene_graph/{{name}}')
+    client.wait_for_service()
+    future = client.call_async(kind.Request(**fields))
+    rclpy.spin_until_future_complete(node, future)
+    node.destroy_client(client)
+    return future.result()
+pair = exclude('s::a/ball', 's::b/ball')
+answer = ask(srv.ApplyTransientFilter, 'apply_transient_filter', declaration=pair, lease={LEASE},
+             owner='owner')
+print(answer.filter_id, flush=True)
+while True:
+    time.sleep({LEASE / 10})
+    print(ask(srv.RenewFilter, 'renew_filter', filter_id=answer.filter_id, lease={LEASE}).active,
+          flush=True)
+"""
+
+
+@pytest.fixture
+def node(tmp_path):
+    process = start_node(tmp_path / 'log')
+    yield process
+    assert process.end() == 0, process.output()
+
+
+@pytest.fixture
+def owner(client):
+    add_pair(client, 's')
+    env = environment()
+    env['PYTHONPATH'] += ':test'
+    process = subprocess.Popen(
+        [sys.executable, '-c', OWNER], env=env, stdout=subprocess.PIPE, text=True
+    )
+    yield process
+    process.kill()
+    process.communicate()
+
+
+def test_a_filter_outlives_its_owner_by_its_lease(node, owner, client):
+    def reasons():
+        return list(accepted(client.call(srv.ExplainFilter, 'explain_filter', **PAIR)).reasons)
+
+    number = int(owner.stdout.readline())
+    # Renewed, it outlives its lease three times over.
+    for _ in range(30):
+        assert owner.stdout.readline() == 'True\n'
+    assert reasons() == [f'transient declaration {number}']
+    # Meanwhile the persistent layer cannot change.
+    apply = {'declaration': exclude(*PAIR.values())}
+    refused(client.call(srv.ApplyFilter, 'apply_filter', **apply), 'transient')
+    owner.send_signal(signal.SIGKILL)
+    client.wait_for(lambda: not reasons(), 'the filter to vanish')
+    line = f'the lease of transient filter {number} ran out'
+    client.wait_for(lambda: line in node.output(), 'the reason in the log')
+    renewal = client.call(srv.RenewFilter, 'renew_filter', filter_id=number, lease=LEASE)
+    assert not accepted(renewal).active
+    assert reasons() == []
+    accepted(client.call(srv.ApplyFilter, 'apply_filter', **apply))
+    assert reasons() == ['persistent declaration 0']

@@ -1,0 +1,104 @@
+"""Nothing that fails reaches the executor; without a node."""
+
+import time
+from types import SimpleNamespace as Plain
+
+import pytest
+
+from drake_geom_ros.ros.diagnostics import Diagnostics
+from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.live_scene import LiveScene
+
+
+class Log:
+    def __init__(self):
+        self.lines = []
+
+    def warning(self, text):
+        self.lines.append(('warning', text))
+
+    def error(self, text):
+        self.lines.append(('error', text))
+
+
+@pytest.fixture
+def log():
+    return Log()
+
+
+@pytest.fixture
+def diagnostics():
+    return Diagnostics('/node')
+
+
+@pytest.fixture
+def guard(log, diagnostics):
+    return Guard(log, diagnostics)
+
+
+def told(diagnostics):
+    live = LiveScene('exact', time.monotonic)
+    cycle = Plain(count=0, worst_error_bound=0.0)
+    return {v.key: v.value for v in diagnostics.message(live, 1.0, cycle, 1.0).status[0].values}
+
+
+def refuse(message):
+    raise RuntimeError(f'{message} is none')
+
+
+def break_down(*_):
+    return [][0]
+
+
+def test_what_is_taken_leaves_no_trace(guard, log, diagnostics):
+    taken = []
+    guard.take('poses', taken.append, 'message')
+    guard.attempt(lambda: taken.append('due'))
+    assert (taken, log.lines) == (['message', 'due'], [])
+    assert told(diagnostics)['latest refusal'] == 'none'
+
+
+def test_a_refusal_is_counted_each_time_and_told_now_and_then(guard, log, diagnostics):
+    for number in range(10):
+        guard.take('poses', refuse, number)
+    guard.take('/tf', break_down, 'message')
+    assert log.lines == [
+        ('warning', 'a message of poses was refused: 0 is none'),
+        (
+            'warning',
+            "a message of /tf was refused: internal error: IndexError('list index out of range')",
+        ),
+    ]
+    values = told(diagnostics)
+    assert (values['refused from poses'], values['refused from /tf']) == ('10', '1')
+    assert values['latest refusal'].startswith('/tf: internal error')
+
+
+def test_it_is_told_again_after_a_while(guard, log, monkeypatch):
+    now = [100.0]
+    monkeypatch.setattr(time, 'monotonic', lambda: now[0])
+    for step in (0.0, 4.9, 0.2):
+        now[0] += step
+        guard.take('poses', refuse, now[0])
+    assert [text.split()[6] for _, text in log.lines] == ['100.0', '105.10000000000001']
+
+
+def test_a_task_that_fails_is_done_again_the_next_time(guard, log, diagnostics):
+    guard.attempt(break_down)
+    guard.attempt(break_down)
+    assert log.lines == [
+        ('error', "internal error in break_down: IndexError('list index out of range')")
+    ]
+    assert told(diagnostics)['refused from break_down'] == '2'
+
+
+def test_a_request_is_answered_whatever_happens(guard, log):
+    response = guard.answer(break_down, Plain(), Plain(success=True, message=''))
+    assert not response.success
+    assert 'internal error: IndexError' in response.message
+    assert log.lines == [('error', f'SimpleNamespace: {response.message}')]
+
+
+def test_long_reasons_are_shortened(guard, log):
+    guard.take('poses', refuse, 'n' * 10**6)
+    assert len(log.lines[0][1]) < 2000
