@@ -155,23 +155,20 @@ def _matrices(poses: ArrayLike) -> tuple[Floats, Floats]:
         n = len(poses)
         Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
         if poses.shape[1] == 7 and read_poses(poses, QUATERNION_NORM, Rs, ps) == n:
-            return Rs, _not_too_far(ps)
+            return Rs, ps
+    # Whatever the compiled code does not take is named here.
     try:
         Rs, ps = matrices_from_poses(poses)
     except RuntimeError as error:
         raise PoseError(f'FramePoseVector.FromArrays: {error}') from None
-    return Rs, _not_too_far(ps)
-
-
-def _not_too_far(ps: Floats) -> Floats:
-    """Return positions (n, 3); raises PoseError where one is beyond FARTHEST."""
-    if np.abs(ps).max(initial=0.0) > FARTHEST:
-        row = int(np.abs(ps).max(axis=1).argmax())
+    too_far = np.flatnonzero((np.abs(ps) > FARTHEST).any(axis=1))
+    if len(too_far):
+        row = int(too_far[0])
         raise PoseError(
             f'FramePoseVector.FromArrays: poses[{row}] lies at {ps[row].tolist()} m; no '
             f'coordinate may be beyond {FARTHEST:.3g} m'
         )
-    return ps
+    return Rs, ps
 
 
 def _id_values(frame_ids: Sequence[FrameId] | NDArray[np.integer]) -> Indices:

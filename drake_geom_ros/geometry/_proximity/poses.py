@@ -9,17 +9,21 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.math.tolerances import FARTHEST
 
 
 @compiled
 def read_poses(poses, norm_tolerance, Rs, ps):  # type: ignore[no-untyped-def]
     """Write R (n, 3, 3) and p (n, 3) [m] of ``poses`` (n, 7), x y z qx qy qz qw, normalised.
 
-    Returns the first row that has a number that is not finite or a quaternion that is off unit
-    length by more than ``norm_tolerance``; n if there is none.
+    Returns the first row that has a number that is not finite, a coordinate beyond ``FARTHEST`` or
+    a quaternion that is off unit length by more than ``norm_tolerance``; n if there is none.
     """
     for k in range(poses.shape[0]):
-        for c in range(7):
+        for c in range(3):
+            if not abs(poses[k, c]) <= FARTHEST:
+                return k
+        for c in range(3, 7):
             if not math.isfinite(poses[k, c]):
                 return k
         x, y, z, w = poses[k, 3], poses[k, 4], poses[k, 5], poses[k, 6]
