@@ -22,9 +22,10 @@ measure is generous, for it is the same for all. Ours are held to far more by
 `test/hard_cases`: the certificate, both orders, rigid motions, scales, every query and accuracy
 level. `signed_distance` asks for one pair, `penetration` for contacts of the pair at the library's
 own settings. python-fcl reports no normal with a distance and no witness points with a contact.
-A Solid is a mesh as the body within its surface: python-fcl and Coal are given its triangles
-(BVHModel), of which python-fcl knows an unsigned distance only (-1 where surfaces cross) and
-neither an inside; pydrake and MuJoCo take its hull. All are held to the signed distance.
+A Solid is a mesh as the body within its surface. python-fcl and Coal are given its triangles
+(BVHModel), which have no inside, and of which python-fcl tells an unsigned distance (-1 where they
+are crossed); pydrake and MuJoCo are given its hull. All are held to the signed distance all the
+same.
 Every peer is asked in a process that may be lost: `crash` is one that ended, `hang` one that took
 more than 3 s of processor time. The totals leave out the family `extremes`, sizes of 1e-324 to
 1e300 m."""

@@ -5,9 +5,9 @@ caught between two bounds, and the same steps serve every kind of A:
 
 - *Above*: a translation t after which the two are apart, which is verified by their distance
   there. The first ones come from the triangles in contact, one from the hulls, which always
-  separates. From where it got, A then slides back: along its gap until it touches, and along the
-  plane of contact to where t is shortest, t' = (m . t) m for the normal m there, as long as that
-  is verified to be apart too. Between convex surfaces this walks to the nearest minimum.
+  separates. From where it got, A then slides along the plane of contact to where t is shortest,
+  t' = (m . t) m for the normal m there, as long as that is verified to be apart too, and is drawn
+  back along t until it touches. Between convex surfaces this walks to the nearest minimum.
 - *Below*: a ball of A around a point that lies at depth d in B moves at least its radius plus d.
   The deepest points of A in the contacts found above are tried, and its middle.
 
@@ -73,6 +73,7 @@ MOST_ROUNDS = 4  # pushes one after the other
 MOST_SLIDES = 16
 MOST_FLUSH = 1000  # pairs of leaves that touch, when bodies may be in each other all the same
 MOST_MIDDLES = 16  # of touching triangles that are tried
+STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 
 
@@ -233,6 +234,29 @@ def escape(A, B, p, t, size, tolerance, radius, most):
 
 
 @compiled
+def draw_back(A, B, p, t, found, size, tolerance, radius):
+    """Return (t, found): t shortened along itself until A touches, and what is near then.
+
+    So it is drawn into a hole that it rests on from several sides. Newton's method on the gap; a
+    step that leads too far is cut to the gap, within which A goes anywhere.
+    """
+    back_off = BACK_OFF * ROUNDING * EPS * size
+    u = unit(t)
+    for _ in range(MOST_SLIDES):
+        gap, slope = found[2] - radius - back_off, -dot(found[3], u)
+        if gap <= max(0.25 * tolerance, back_off):
+            break
+        step = min(gap / max(slope, STEEPEST), 0.5 * norm(t))
+        ahead = add_scaled(t, -step, u)
+        clear, there = look(A, B, add(p, ahead), found[3], size, tolerance, radius)
+        if not clear:
+            ahead = add_scaled(t, -min(gap, 0.5 * norm(t)), u)
+            there = look(A, B, add(p, ahead), found[3], size, tolerance, radius)[1]
+        t, found = ahead, there
+    return t, found
+
+
+@compiled
 def slide(A, B, p, t, found, size, tolerance, radius):
     """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
 
@@ -247,11 +271,7 @@ def slide(A, B, p, t, found, size, tolerance, radius):
             if clear:
                 t, found = scale(s, m), ahead
                 continue
-        # Within the gap A goes anywhere.
-        nearer = add_scaled(t, -max(gap - back_off, 0.0), m)
-        if 0.0 < norm(nearer) < norm(t):
-            t = nearer
-            found = look(A, B, add(p, t), found[3], size, tolerance, radius)[1]
+        t, found = draw_back(A, B, p, t, found, size, tolerance, radius)
         break
     return t, scale(-1.0, found[3]), found[4], found[5]
 
