@@ -47,7 +47,7 @@ class FramePoseVector:
 
         ``frame_ids`` are ids or, quicker, an array of their values. Quaternions are normalised.
         Raises RuntimeError for another shape, a number that is not finite, a quaternion that is
-        off unit length by more than 1e-3, a coordinate beyond 1e301 m, or a frame that is named
+        off unit length by more than 1e-3, a coordinate beyond 1e302 m, or a frame that is named
         twice.
         """
         ids = _id_values(frame_ids)
@@ -154,7 +154,7 @@ def _matrices(poses: ArrayLike) -> tuple[Floats, Floats]:
     if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.ndim == 2:
         n = len(poses)
         Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
-        if poses.shape[1] == 7 and read_poses(poses, QUATERNION_NORM, Rs, ps) == n:
+        if poses.shape[1] == 7 and read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps) == n:
             return Rs, ps
     # Whatever the compiled code does not take is named here.
     try:

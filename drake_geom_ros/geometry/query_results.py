@@ -200,7 +200,7 @@ class _PairSequence(ResultSequence[Record]):
     def promised_error_bound(self) -> Floats:
         """What the accuracy level promises of each error bound (k,) [m]; see ``breaks_promise``.
 
-        Infinite where bounds alone answered (METHOD_BOUND_ONLY).
+        Infinite where bounds alone answered (METHOD_BOUND_ONLY) and for overlapping solids.
         """
         return self._rows[:, PROMISED]
 

@@ -8,8 +8,8 @@ They are here because ``math`` imports nothing of ours.
 QUATERNION_NORM = 1e-3
 
 # A pose that a scene takes in may have no coordinate beyond this [m]: the sums over a chain of
-# poses, ten million of them, then stay within float64.
-FARTHEST = 2.0**1000
+# poses, a million of them, then stay within float64.
+FARTHEST = 2.0**1004
 
 # max |R R^T - I| [-] of a matrix that is taken as a rotation: what the results promise of their
 # unit vectors. A product of thousands of rotations stays below it, float32 numbers do not.

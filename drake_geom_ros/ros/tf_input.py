@@ -26,7 +26,7 @@ from drake_geom_ros.ros.live_scene import LiveScene
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
-# [m] longest translation: chains of so many stay within what a scene takes, 2**1000 m.
+# [m] longest translation: chains of so many stay within what a scene takes, 2**1004 m.
 _FARTHEST = 2.0**900
 
 Floats = NDArray[np.float64]

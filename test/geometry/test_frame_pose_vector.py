@@ -96,7 +96,7 @@ def with_row(row):
         (VALUES, POSES[:19], '20 frame_ids for 19 poses'),
         (VALUES, with_row([0, 0, math.nan, 0, 0, 0, 1]), r'poses\[7\].*not finite'),
         (VALUES, with_row([0, 0, math.inf, 0, 0, 0, 1]), r'poses\[7\].*not finite'),
-        (VALUES, with_row([0, -2e301, 0, 0, 0, 0, 1]), r'poses\[7\].*beyond 1.07e\+301 m'),
+        (VALUES, with_row([0, -2e302, 0, 0, 0, 0, 1]), r'poses\[7\].*beyond 1.71e\+302 m'),
         (VALUES, with_row([0, 0, 0, 1, 0, 0, 1]), r'poses\[7\].*norm 1.414'),
         (VALUES, with_row([0, 0, 0, 0, 0, 0, 0]), r'poses\[7\].*norm 0'),
         (VALUES // 8, POSES, 'frame 0 is named more than once'),

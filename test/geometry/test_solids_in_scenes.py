@@ -100,6 +100,19 @@ def test_all_queries_agree(other, p):
     assert len(near) == (pair.distance <= 0.01)
 
 
+def test_overlapping_solids_promise_only_that_their_interval_holds():
+    query = Scene(L, RING).at(at(0, 0, 0), at(0.8, 0.9, 0.1))
+    inside = query.ComputeSignedDistancePairwiseClosestPoints()
+    assert inside.distance[0] < 0.0
+    assert inside.error_bound[0] > 1e-3
+    assert inside.promised_error_bound[0] == np.inf
+    assert not inside.breaks_promise().any()
+    apart = (
+        Scene(L, RING).at(at(0, 0, 0), at(9, 0, 0)).ComputeSignedDistancePairwiseClosestPoints()
+    )
+    assert apart.error_bound[0] <= apart.promised_error_bound[0] < 1e-8
+
+
 def test_levels_contain_the_answer():
     rng = np.random.default_rng(4)
     for other in (Sphere(0.2), Box(0.2, 0.5, 0.3), RING):

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
+    MESH,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -118,6 +119,8 @@ def _gather(  # type: ignore[no-untyped-def]
         least, promised = answers[s, DISTANCE], promised_bound(gap, a, b, types, outer, p_WGs)
         if answers[s, METHOD] == BOUND_ONLY:
             least, promised = least - answers[s, ERROR_BOUND], math.inf
+        elif answers[s, METHOD] == MESH and least < 0.0:
+            promised = math.inf  # of overlapping solids: see ``kernels.solid_overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
         rows[k, OVERLAPS] = 1.0 if least < touching else 0.0
         rows[k, PROMISED] = promised

@@ -9,19 +9,18 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.math.tolerances import FARTHEST
 
 
 @compiled
-def read_poses(poses, norm_tolerance, Rs, ps):  # type: ignore[no-untyped-def]
+def read_poses(poses, norm_tolerance, farthest, Rs, ps):  # type: ignore[no-untyped-def]
     """Write R (n, 3, 3) and p (n, 3) [m] of ``poses`` (n, 7), x y z qx qy qz qw, normalised.
 
-    Returns the first row that has a number that is not finite, a coordinate beyond ``FARTHEST`` or
-    a quaternion that is off unit length by more than ``norm_tolerance``; n if there is none.
+    Returns the first row that has a number that is not finite, a coordinate beyond ``farthest``
+    [m] or a quaternion that is off unit length by more than ``norm_tolerance``; n if there is none.
     """
     for k in range(poses.shape[0]):
         for c in range(3):
-            if not abs(poses[k, c]) <= FARTHEST:
+            if not abs(poses[k, c]) <= farthest:
                 return k
         for c in range(3, 7):
             if not math.isfinite(poses[k, c]):

@@ -2,7 +2,8 @@
 
 THE rule, for kernels and for those who check them: the gap of the level
 (``tolerances.LEVEL_GAPS``) times the radius of the smaller body, or 1 m where both are larger, and
-what rounding adds. Bounds alone (BOUND_ONLY) promise nothing but that they hold.
+what rounding adds. Bounds alone (BOUND_ONLY) and overlapping solids promise nothing but that they
+hold.
 """
 
 import math

@@ -41,7 +41,7 @@ def rehearse() -> None:
     for step in (0.1, 0.2, 0.2, 50.0):
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
         Rs, ps = np.empty((count - 1, 3, 3)), np.empty((count - 1, 3))
-        read_poses(poses, 0.1, Rs, ps)
+        read_poses(poses, 0.1, math.inf, Rs, ps)
         ascending(rows)
         world.set_poses(rows, Rs, ps)
         for reach in (0.0, math.inf):

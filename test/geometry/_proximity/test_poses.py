@@ -5,7 +5,7 @@ import pytest
 
 from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.math.tolerances import QUATERNION_NORM
+from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 
 def random_poses(n):
@@ -20,7 +20,7 @@ def random_poses(n):
 def test_the_same_as_in_numpy(n):
     poses = random_poses(n)
     Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
-    assert read_poses(poses, QUATERNION_NORM, Rs, ps) == n
+    assert read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps) == n
     expected_Rs, expected_ps = matrices_from_poses(poses)
     np.testing.assert_allclose(Rs, expected_Rs, atol=1e-15)
     np.testing.assert_array_equal(ps, expected_ps)
@@ -31,14 +31,15 @@ def test_the_same_as_in_numpy(n):
 def test_the_first_bad_row_is_named(value, column):
     poses = random_poses(9)
     poses[4:, 3:], poses[4:, column] = 0.0, value
-    assert read_poses(poses, QUATERNION_NORM, np.empty((9, 3, 3)), np.empty((9, 3))) == 4
+    assert read_poses(poses, QUATERNION_NORM, FARTHEST, np.empty((9, 3, 3)), np.empty((9, 3))) == 4
 
 
 @pytest.mark.parametrize('column', [0, 1, 2])
-def test_positions_must_be_finite(column):
+@pytest.mark.parametrize('value', [-np.inf, np.nan, 2.0 * FARTHEST, -2.0 * FARTHEST])
+def test_positions_must_be_finite_and_not_too_far(column, value):
     poses = random_poses(3)
-    poses[1, column] = -np.inf
-    assert read_poses(poses, QUATERNION_NORM, np.empty((3, 3, 3)), np.empty((3, 3))) == 1
+    poses[1, column] = value
+    assert read_poses(poses, QUATERNION_NORM, FARTHEST, np.empty((3, 3, 3)), np.empty((3, 3))) == 1
 
 
 def test_ascending():
