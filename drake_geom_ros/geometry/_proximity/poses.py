@@ -16,7 +16,7 @@ def read_poses(poses, norm_tolerance, farthest, Rs, ps):  # type: ignore[no-unty
     """Write R (n, 3, 3) and p (n, 3) [m] of ``poses`` (n, 7), x y z qx qy qz qw, normalised.
 
     Returns the first row that has a number that is not finite, a coordinate beyond ``farthest``
-    [m] or a quaternion that is off unit length by more than ``norm_tolerance``; n if there is none.
+    [m] or a quaternion off unit length by more than ``norm_tolerance``; n if there is none.
     """
     for k in range(poses.shape[0]):
         for c in range(3):
