@@ -16,8 +16,10 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
 )
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels import inner_balls
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]
@@ -36,6 +38,13 @@ def rotation(rng):
     )
 
 
+@compiled
+def width(pair, n):
+    """Return the width of the overlap along n."""
+    a, b = support_points(pair, n, 0.0)
+    return dot(sub(a, b), n)
+
+
 @pytest.mark.parametrize('A', SHAPES, ids=lambda shape: type(shape).__name__)
 @pytest.mark.parametrize('B', SHAPES, ids=lambda shape: type(shape).__name__)
 def test_no_point_is_deeper_than_any_width_of_the_overlap(A, B):
@@ -47,8 +56,7 @@ def test_no_point_is_deeper_than_any_width_of_the_overlap(A, B):
         directions /= np.linalg.norm(directions, axis=1)[:, None]
         least = math.inf
         for n in directions:
-            a, b = support_points.py_func(pair, tuple(n), 0.0)
-            least = min(least, float(np.subtract(a, b) @ n))
+            least = min(least, width(pair, tuple(n)))
         for c in rng.uniform(-0.3, 0.3, (20, 3)):
             assert inner_balls.depth_in_both(pair, tuple(c), 0.0)[0] <= least + 1e-15
         assert inner_balls.deepest(pair, (0.1, 0.0, 0.0), tuple(p), 1.0) <= least + 1e-15
