@@ -120,12 +120,13 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
         return depth_of_revolution(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
         )
-    newton = nearby_minimum(difference, n, noise)
-    if newton[0] != NOTHING and newton[2] > 0.0 and kind_B != CONVEX:
-        a, b = feet(difference, newton[1])
-        depth, unique, _ = depth_between(pair, a, b, enough)
-        if unique and newton[2] - depth <= enough:
-            return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
+    if kind_B != CONVEX:  # of a hull no closed form tells how deep a point is
+        newton = nearby_minimum(difference, n, noise)
+        if newton[0] != NOTHING and newton[2] > 0.0:
+            a, b = feet(difference, newton[1])
+            depth, unique, _ = depth_between(pair, a, b, enough)
+            if unique and newton[2] - depth <= enough:
+                return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
         complete, h, n, unique = least_on_creases(difference, n, enough, noise)
         if complete and h > 0.0 and nearby_minimum(difference, n, noise)[0] != NOTHING:
