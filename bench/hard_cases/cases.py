@@ -74,7 +74,7 @@ class Body:
         with_area: Floats = corners[np.cross(sides[:, 0], sides[:, 1]).any(axis=1)]
         return with_area
 
-    @property
+    @cached_property
     def pose(self) -> RigidTransform:
         """X_WG, with the rotation matrix as it stands."""
         return RigidTransform(RotationMatrix(self.R), self.p)

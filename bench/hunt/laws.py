@@ -1,0 +1,188 @@
+"""The laws that answers must keep, as defect over what is allowed: above 1 a law is broken.
+
+No truth is asked: an independent plane proves a certificate false from below, and answers must
+agree with each other. Where no plane attains the distance either the search was too coarse or
+the certificate is false from above: ``suspects`` says where, ``exact`` tells.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from bench.hard_cases.cases import Body, Case, Floats
+from bench.hard_cases.surfaces import height
+from bench.hunt import planes
+from bench.hunt.scene import Distances, Replies
+
+EPS = float(np.finfo(float).eps)
+# Of the extent: what a gap along a direction is rounded by, positions and identities.
+PLANE_ROUNDING, ROUNDING = 16.0 * EPS, 64.0 * EPS
+UNIT = 1e-12
+# Of the extent: how far a normal may be from attaining the distance. Next to touching nothing but
+# the distance stops an iteration between hulls, so that its normal may be coarse.
+COARSE_NORMAL = 1e-4
+TOUCHING = 2e-14  # of the extent: what may or may not count as a contact
+ORIGIN = np.eye(3), np.zeros(3)
+TINY = math.ulp(0.0)
+APART = 0.02  # one minus the cosine of two normals that cannot both be unique
+
+LAWS = (
+    *('certificate', 'promise', 'surface', 'normal', 'identity', 'unit', 'finite', 'levels'),
+    *('history', 'hint', 'contact', 'point', 'order', 'motion', 'scale', 'unique'),
+)
+
+Ratios = dict[str, Floats]  # of each law, for n pairs
+
+
+class Judged:
+    """Some pairs as posed, the answers about them, and how they keep the laws."""
+
+    def __init__(
+        self,
+        cases: Sequence[Case],
+        origins: Floats,
+        replies: Replies,
+        nhats: Floats | None = None,
+    ) -> None:
+        """``origins`` (n, 3) [m] is where A's are, ``nhats`` (n, 3) the normals, if known."""
+        self.cases, self.replies = cases, replies
+        self.extent = np.array([case.extent for case in cases])
+        self.away = self.extent + np.abs(origins).max(axis=1).astype(float)
+        self.pairs = planes.packed(cases)
+        self._at_origin = [
+            tuple(Body(one.kind, one.size, *ORIGIN) for one in (case.a, case.b)) for case in cases
+        ]
+        if nhats is None:
+            normals = np.stack(
+                [replies.levels['exact'].nhat_BA_W, replies.fresh.nhat_BA_W], axis=1
+            )
+            normals = np.where(np.isfinite(normals), normals, 0.0)
+            self.gap, n = planes.widest(self.pairs, normals)
+            self.nhats = -n
+        else:
+            self.gap, self.nhats = planes.gaps(self.pairs, nhats), nhats
+        self.ratios = self._ratios()
+
+    def _answers(self) -> list[Distances]:
+        return [*self.replies.levels.values(), self.replies.fresh]
+
+    def suspects(self) -> Floats:
+        """Return how far (n,) the distances, less all that is allowed, exceed every plane found.
+
+        Relative to what is allowed; above 1 a certificate may be false from above.
+        """
+        exact, noise = self.replies.levels['exact'], PLANE_ROUNDING * self.extent
+        return (exact.distance - self.gap) / (exact.error_bound + noise)
+
+    def _ratios(self) -> Ratios:
+        levels = self.replies.levels
+        exact, fresh = levels['exact'], self.replies.fresh
+        computed = [x for level, x in levels.items() if level != 'bound'] + [fresh]
+        ratios = {
+            'finite': _most(np.where(_finite(x), 0.0, np.inf) for x in self._answers()),
+            'certificate': _most(map(self._beyond, self._answers())),
+            'promise': _most(x.error_bound / x.promised for x in computed),
+            'identity': _most(map(self._identity, computed)),
+            'unit': _most(
+                np.abs(np.linalg.norm(x.nhat_BA_W, axis=1) - 1.0) / UNIT for x in computed
+            ),
+            'surface': _most(map(self._off_surfaces, (exact, fresh))),
+            'normal': _most(map(self._not_attained, (exact, fresh))),
+            'levels': _most(agreement(exact, x, TOUCHING * self.extent) for x in levels.values()),
+            'history': agreement(exact, fresh),
+            'unique': turned(exact, fresh),
+            'contact': _most([*map(self._contacts, levels), self._collisions()]),
+        }
+        return {law: np.where(np.isnan(ratio), np.inf, ratio) for law, ratio in ratios.items()}
+
+    def of_hints(self, hinted: Distances) -> Ratios:
+        """Return how answers that started from hints keep the laws."""
+        exact = self.replies.levels['exact']
+        worst = [agreement(exact, hinted), self._beyond(hinted),
+                 hinted.error_bound / hinted.promised]  # fmt: skip
+        return {'hint': np.max(worst, axis=0)}
+
+    def _beyond(self, x: Distances) -> Floats:
+        """Return by how much of its bound a plane is wider than an answer."""
+        noise = PLANE_ROUNDING * self.extent
+        return (self.gap - x.distance) / (x.error_bound + noise)
+
+    def _identity(self, x: Distances) -> Floats:
+        spans = x.p_WCa - x.p_WCb - x.distance[:, None] * x.nhat_BA_W
+        return np.linalg.norm(spans, axis=1) / (ROUNDING * self.away)
+
+    def _off_surfaces(self, x: Distances) -> Floats:
+        seen = zip(self._at_origin, x.p_ACa, x.p_BCb, strict=True)
+        off = np.array([
+            max(abs(height(a, p_ACa)), abs(height(b, p_BCb))) for (a, b), p_ACa, p_BCb in seen
+        ])  # fmt: skip
+        return off / (x.error_bound + ROUNDING * self.extent)
+
+    def _not_attained(self, x: Distances) -> Floats:
+        lacking = x.distance - planes.gaps(self.pairs, x.nhat_BA_W)
+        return lacking / (x.error_bound + (ROUNDING + COARSE_NORMAL) * self.extent)
+
+    def _contacts(self, level: str) -> Floats:
+        """Return whether penetrations and distances of a level tell of the same contacts."""
+        x, depths = self.replies.levels[level], self.replies.depths[level]
+        noise, reported = TOUCHING * self.extent, ~np.isnan(depths.depth)
+        # What overlaps by more than the level may be off is reported; where bounds alone answer,
+        # whatever overlaps.
+        exact = self.replies.levels['exact']
+        allowed = exact.error_bound + noise + (0.0 if level == 'bound' else x.promised)
+        missed = np.where(~reported & (exact.distance < -allowed), np.inf, 0.0)
+        # The true depth is at most that of any plane; none is reported of what is surely apart.
+        proven = (self.gap + depths.depth) / (depths.error_bound + noise)
+        apart = np.abs(x.distance + depths.depth) / (x.error_bound + depths.error_bound + noise)
+        if level == 'bound':
+            apart = np.zeros_like(apart)  # two intervals that hold the truth, not one
+        return np.fmax(missed, np.fmax(proven, apart))
+
+    def _collisions(self) -> Floats:
+        """Return whether HasCollisions and the candidates miss a contact, or make one up."""
+        exact, depths = self.replies.levels['exact'], self.replies.depths['exact']
+        broken = ~np.isnan(depths.depth) & ~self.replies.candidates
+        allowed = exact.error_bound + exact.promised
+        if self.replies.collides:
+            broken |= (exact.distance > allowed).all()
+        else:
+            broken |= exact.distance < -allowed
+        return np.where(broken, np.inf, 0.0)
+
+    def of_points(self, offsets: Floats, answers: tuple[Floats, Floats]) -> Ratios:
+        """Return how answers about points, ``offsets`` (n, 3) from A, keep what planes prove."""
+        distance, bound = answers
+        gap, _ = planes.widest(self._with_points(offsets), -self.nhats[:, None])
+        return {'point': (gap - distance) / (bound + PLANE_ROUNDING * self.extent)}
+
+    def _with_points(self, offsets: Floats) -> planes.Packed:
+        """Return the pairs, points instead of B."""
+        vertices, counts, radii, flats = (x.copy() for x in self.pairs[:4])
+        for x in (vertices, radii, flats):
+            x[:, 1] = 0.0
+        counts[:, 1] = 1
+        of_a = np.where(self.pairs.half_spaces == 1, 1, 0)
+        return planes.Packed(vertices, counts, radii, flats, self.pairs.Rs, offsets, of_a)
+
+
+def agreement(x: Distances, y: Distances, slack: Floats | float = 0.0, s: float = 1.0) -> Floats:
+    """Return how far y, of lengths s times as large, is from x, over the sum of their bounds."""
+    return np.abs(y.distance - s * x.distance) / (s * x.error_bound + y.error_bound + slack)
+
+
+def turned(x: Distances, y: Distances, sign: float = 1.0) -> Floats:
+    """Return how far two normals, both said to be unique, are apart."""
+    cosine = sign * np.einsum('ij,ij->i', x.nhat_BA_W, y.nhat_BA_W)
+    return np.where(x.unique & y.unique, (1.0 - cosine) / APART, 0.0)
+
+
+def _finite(x: Distances) -> Floats:
+    columns = (x.distance, x.error_bound, x.nhat_BA_W, x.p_WCa, x.p_WCb, x.p_ACa, x.p_BCb)
+    return np.all([np.isfinite(c.reshape(len(c), -1)).all(axis=1) for c in columns], axis=0)
+
+
+def _most(ratios) -> Floats:
+    return np.max(list(ratios), axis=0)

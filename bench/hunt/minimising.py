@@ -1,0 +1,77 @@
+"""What was found, made as simple as it stays broken."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bench.hard_cases.cases import Body, Case, Floats
+from bench.hunt.asking import Scenes, merged
+from bench.hunt.starts import valid
+
+DIGITS = (1, 2, 3, 6, 9)
+ROUNDS = 30
+KEPT = 0.5  # part of the ratio that a simpler pair must keep
+
+
+def minimised(case: Case, law: str, seed: int = 0) -> tuple[Case, float]:
+    """Return a pair of plainer numbers that breaks a law still, and its ratio.
+
+    A ratio of 1 or less says that the law was broken by what was asked before, or on a chain.
+    """
+    (ratio,) = ratios([case], law, seed)
+    for _ in range(ROUNDS if ratio > 1.0 else 0):
+        simpler = [each for each in _simpler(case) if valid(each)]
+        found = ratios(simpler, law, seed) if simpler else np.zeros(0)
+        as_bad = np.flatnonzero(found > max(1.0, KEPT * min(ratio, 10.0)))
+        if not len(as_bad):
+            break
+        case, ratio = simpler[as_bad[0]], found[as_bad[0]]
+    return case, float(ratio)
+
+
+def ratios(cases: Sequence[Case], law: str, seed: int) -> Floats:
+    """Return how badly pairs break a law, each asked for the first time."""
+    scenes = Scenes(cases, np.random.default_rng(seed), chains=False)
+    worst: Floats = merged(scenes.ask(cases, np.zeros((len(cases), 3))))[law]
+    return worst
+
+
+def _simpler(case: Case) -> Iterator[Case]:
+    """Yield simpler pairs, the simplest first: fewer digits, no rotations, fewer vertices."""
+    a, b = case.a, case.b
+    if a.p.any():
+        yield replace(case, a=replace(a, p=np.zeros(3)), b=replace(b, p=b.p - a.p))
+    if not np.array_equal(a.R, np.eye(3)):
+        yield case.moved(a.R.T, np.zeros(3))
+    for simpler in _simpler_bodies(a):
+        yield replace(case, a=simpler)
+    for simpler in _simpler_bodies(b):
+        yield replace(case, b=simpler)
+
+
+def _simpler_bodies(one: Body) -> Iterator[Body]:
+    if not np.array_equal(one.R, np.eye(3)):
+        yield replace(one, R=np.eye(3))
+        rounded = np.round(one.R, 2)
+        if np.abs(rounded @ rounded.T - np.eye(3)).max() < 1e-14 and (rounded != one.R).any():
+            yield replace(one, R=rounded)
+    if one.kind == 'Convex' and len(one.size) > 4:
+        for k in range(len(one.size)):
+            yield replace(one, size=one.size[:k] + one.size[k + 1 :])
+    for digits in DIGITS:
+        size = tuple(
+            tuple(_short(x, digits) for x in v) if isinstance(v, tuple) else _short(v, digits)
+            for v in one.size
+        )
+        if size != one.size:
+            yield replace(one, size=size)
+        p = np.array([_short(x, digits) for x in one.p])
+        if not np.array_equal(p, one.p):
+            yield replace(one, p=p)
+
+
+def _short(x: float, digits: int) -> float:
+    return float(f'{x:.{digits}g}')
