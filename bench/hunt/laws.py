@@ -130,9 +130,10 @@ class Judged:
         x, depths = self.replies.levels[level], self.replies.depths[level]
         noise, reported = TOUCHING * self.extent, ~np.isnan(depths.depth)
         # What overlaps by more than the level may be off is reported; where bounds alone answer,
-        # whatever overlaps.
-        exact = self.replies.levels['exact']
-        allowed = exact.error_bound + noise + (0.0 if level == 'bound' else x.promised)
+        # whatever overlaps. At their level what is known of a pair from another one counts too.
+        exact, coarsest = self.replies.levels['exact'], self.replies.levels['fast']
+        off = coarsest.promised if level == 'bound' else x.promised
+        allowed = exact.error_bound + noise + np.where(x.by_bounds, 0.0, off)
         missed = np.where(~reported & (exact.distance < -allowed), np.inf, 0.0)
         # The true depth is at most that of any plane; none is reported of what is surely apart.
         proven = (self.gap + depths.depth) / (depths.error_bound + noise)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bench.hard_cases.cases import Body, Case, Floats
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
+    METHODS,
     CollisionFilterDeclaration,
     FrameId,
     FramePoseVector,
@@ -38,6 +39,7 @@ class Distances(NamedTuple):
     p_ACa: Floats
     p_BCb: Floats
     unique: NDArray[np.bool_]
+    by_bounds: NDArray[np.bool_]  # answered from bounding volumes alone
 
 
 class Depths(NamedTuple):
@@ -149,7 +151,7 @@ def distances(found: SignedDistanceResults) -> Distances:
             for column in (
                 *(found.distance, found.error_bound, found.promised_error_bound),
                 *(found.nhat_BA_W, found.p_WCa, found.p_WCb, found.p_ACa, found.p_BCb),
-                found.is_nhat_BA_W_unique,
+                *(found.is_nhat_BA_W_unique, found.method == METHODS['bound_only']),
             )
         )
     )

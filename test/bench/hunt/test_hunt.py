@@ -1,6 +1,7 @@
 """The hunt: it finds nothing in our answers, and whatever is wrong with answers made wrong."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -106,7 +107,7 @@ def test_an_entry_is_simple_true_and_read_by_the_catalogue(broken_certificate):
     assert ratio > 1.0
     assert all(len(f'{x:g}') <= 4 for one in (case.a, case.b) for x in (*one.size, *one.p))
     made = report.entry(case, 'certificate', ratio, 'hunt-0-0', 0)
-    read = case_of(__import__('json').loads(text_of([made]))[0], 'found')
+    read = case_of(json.loads(text_of([made]))[0], 'found')
     assert read.distance == made.distance
     # The engine is not asked for the distance of an entry.
     gap = scene.PairsScene([case])
