@@ -6,7 +6,8 @@ from numba import config
 
 from bench.hunt import exact, planes, starts
 
-COUNT = 4 if config.DISABLE_JIT else 40
+COUNT = 40
+SEEDS = 1 if config.DISABLE_JIT else 3
 
 
 def pairs(seed):
@@ -15,7 +16,7 @@ def pairs(seed):
     return [case for case in made if starts.valid(case)][:COUNT]
 
 
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(SEEDS))
 def test_no_plane_is_wider_than_the_truth_and_most_attain_it(seed):
     cases = pairs(seed)
     gaps, normals = planes.widest(planes.packed(cases), np.zeros((len(cases), 1, 3)))
@@ -27,7 +28,7 @@ def test_no_plane_is_wider_than_the_truth_and_most_attain_it(seed):
 
 
 def test_the_gap_along_a_normal_is_that_of_the_direction_found():
-    cases = pairs(3)
+    cases = pairs(3)[:8]
     packed = planes.packed(cases)
     gaps, normals = planes.widest(packed, np.zeros((len(cases), 1, 3)))
     np.testing.assert_allclose(planes.gaps(packed, -normals), gaps, rtol=1e-12)
