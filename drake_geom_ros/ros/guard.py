@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from drake_geom_ros.ros.diagnostics import Diagnostics
-from drake_geom_ros.ros.services import shortened
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.services.table import shortened
 
 _LOG_PERIOD = 5.0  # [s] at most one line about the same thing in this time
 

@@ -30,23 +30,23 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from drake_geom_ros.ros import level_costs, replays
-from drake_geom_ros.ros.cycle import Cycle
-from drake_geom_ros.ros.diagnostics import Diagnostics
-from drake_geom_ros.ros.file_access import FileAccess
+from drake_geom_ros.ros.conversions.file_access import FileAccess
+from drake_geom_ros.ros.conversions.scene import fill_scene
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.level_costs import LevelCosts
-from drake_geom_ros.ros.live_scene import LiveScene
-from drake_geom_ros.ros.marker_publisher import MarkerPublisher
+from drake_geom_ros.ros.inputs.point_queries import PointQueries
+from drake_geom_ros.ros.inputs.robot_description import RobotInput
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.outputs import level_costs, replays
+from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.outputs.level_costs import LevelCosts
+from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
-from drake_geom_ros.ros.point_queries import PointQueries
-from drake_geom_ros.ros.replays import Replays
-from drake_geom_ros.ros.robot_description import RobotInput
-from drake_geom_ros.ros.scene_conversions import fill_scene
-from drake_geom_ros.ros.services import BESIDE, CHANGES, LOADING, answer
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, answer
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
-from drake_geom_ros.ros.tf_input import TfInput
 from drake_geom_ros.scene_files import read_scene
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet

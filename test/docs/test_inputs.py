@@ -11,8 +11,8 @@ import pytest
 from conventions.source_tree import ROOT
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
-from drake_geom_ros.ros.live_scene import LiveScene
-from drake_geom_ros.ros.tf_input import TfInput
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = (ROOT / 'docs/inputs.md').read_text()

@@ -5,9 +5,9 @@ from types import SimpleNamespace as Plain
 
 import pytest
 
-from drake_geom_ros.ros.diagnostics import Diagnostics
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 
 class Log:

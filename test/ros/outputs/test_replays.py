@@ -1,0 +1,169 @@
+"""Replay files of a node: of what, how many, and that they reproduce what was published."""
+
+import os
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.command_line.program import main
+from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.replay import read, recorded, reproduce
+from drake_geom_ros.ros.outputs import replays as replays_module
+from drake_geom_ros.ros.outputs.replays import Replays
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import read_scene
+
+TEXT = """
+sources: [s]
+frames: [{name: a, source: s}, {name: b, source: s}]
+geometries:
+- {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
+- {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}
+- {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+- {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+@pytest.fixture
+def live():
+    live = LiveScene('exact', lambda: 0.0)
+    live.add(read_scene(TEXT))
+    return live
+
+
+@pytest.fixture
+def broken(monkeypatch):
+    """Make every answer break its promise, from a set of indices on."""
+    monkeypatch.setattr(
+        SignedDistanceResults, 'breaks_promise', lambda results: np.ones(len(results), dtype=bool)
+    )
+
+
+def cycle(live, replays, x):
+    """Pose the balls, ask, and let the replays look."""
+    names = live.names
+    poses = {names.frame('a'): RigidTransform([0.5, 0, 0]), names.frame('b'): _at(x)}
+    live.context.UpdateFramePoses(FramePoseVector(poses))
+    results = live.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
+    replays.look_at(results, 10.0)
+    return results
+
+
+def _at(x):
+    return RigidTransform([x, 0.3, 0])
+
+
+def test_one_file_for_each_pair_of_shape_types(live, broken, tmp_path):
+    folder = tmp_path / 'new' / 'folder'
+    replays = Replays(live, lambda: (str(folder), 20))
+    for x in (0.6, 0.7, 0.8):
+        cycle(live, replays, x)
+        told = replays.write()
+    assert told == []
+    files = sorted(path.name for path in folder.iterdir())
+    assert [name.rpartition('_')[0] for name in files] == [
+        'replay_box_sphere',
+        'replay_halfspace_sphere',
+        'replay_sphere_sphere',
+    ]
+
+
+def test_the_file_holds_the_scene_of_that_cycle(live, broken, tmp_path):
+    replays = Replays(live, lambda: (str(tmp_path), 20))
+    results = cycle(live, replays, 0.6)
+    cycle(live, replays, 0.9)  # before it is written the scene has moved on
+    told = replays.write()
+    assert len(told) == 3
+    for path in tmp_path.iterdir():
+        assert any(text.endswith(f'python -m drake_geom_ros replay {path}') for text in told)
+        replay = read(path)
+        pairs = list(zip(results.id_A.tolist(), results.id_B.tolist(), strict=True))
+        index = pairs.index(replay.ids)
+        assert replay.answer.distance == results.distance[index]
+        assert replay.question.max_distance == 10.0
+        assert replay.question.hint is None
+        assert repr(reproduce(replay)) == repr(replay.answer)
+
+
+def test_the_hint_is_the_normal_of_the_last_cycle(live, tmp_path, monkeypatch):
+    hints = {}
+
+    def kept(query, results, index, accuracy, max_distance, hint):
+        hints[results.id_A[index], results.id_B[index]] = hint
+        return recorded(query, results, index, accuracy, max_distance, hint)
+
+    monkeypatch.setattr(replays_module, 'recorded', kept)
+    replays = Replays(live, lambda: (str(tmp_path), 20))
+    before = cycle(live, replays, 0.6)
+    monkeypatch.setattr(
+        SignedDistanceResults, 'breaks_promise', lambda results: np.ones(len(results), dtype=bool)
+    )
+    cycle(live, replays, 0.7)
+    replays.write()
+    assert len(hints) == 3
+    for ids, hint in hints.items():
+        pairs = list(zip(before.id_A, before.id_B, strict=True))
+        assert hint == tuple(before.nhat_BA_W[pairs.index(ids)].tolist())
+
+
+def test_a_promise_that_is_kept_leaves_no_file(live, tmp_path):
+    replays = Replays(live, lambda: (str(tmp_path), 20))
+    cycle(live, replays, 0.6)
+    assert replays.write() == []
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_a_folder_nothing_is_looked_at(live, monkeypatch):
+    def forbidden(results):
+        raise AssertionError('looked at')
+
+    monkeypatch.setattr(SignedDistanceResults, 'breaks_promise', forbidden)
+    replays = Replays(live, lambda: ('', 20))
+    cycle(live, replays, 0.6)
+    assert replays.write() == []
+
+
+def test_a_limit_and_a_folder_that_cannot_be_are_told(live, broken, tmp_path):
+    replays = Replays(live, lambda: (str(tmp_path), 1))
+    cycle(live, replays, 0.6)
+    told = replays.write()
+    assert len(list(tmp_path.iterdir())) == 1
+    assert ['replay_limit' in text for text in told] == [False, True, True]
+    (tmp_path / 'file').touch()
+    elsewhere = Replays(live, lambda: (str(tmp_path / 'file'), 20))
+    cycle(live, elsewhere, 0.6)
+    assert all('no replay file could be written' in text for text in elsewhere.write())
+
+
+def test_the_node_writes_files_that_reproduce(tmp_path, lone_client, monkeypatch, capsys):
+    from drake_geom_msgs import msg
+    from ros.harness import ROOT, Process
+    from ros.scene_calls import poses
+
+    folder = tmp_path / 'replays'
+    paths = [str(ROOT / 'test' / 'ros'), os.environ.get('PYTHONPATH', '')]
+    monkeypatch.setenv('PYTHONPATH', os.pathsep.join(paths))
+    parameters = {'scene_file': ROOT / 'scenes' / 'minimal.yaml', 'max_distance': 1.0}
+    parameters |= {'replay_dir': folder, 'replay_limit': 1}
+    arguments = [part for name, value in parameters.items() for part in ('-p', f'{name}:={value}')]
+    node = Process(tmp_path / 'log', 'narrowed_node', '--ros-args', *arguments)
+    try:
+        results = lone_client.listen(msg.SignedDistancePairs, 'signed_distances')
+        publisher = lone_client.publisher(msg.FramePoses, 'frame_poses')
+
+        def told():
+            publisher.publish(poses(['ball'], [(0.5, 0, 0.3)]))
+            return 'replay_limit (1 files) is reached' in node.output()
+
+        lone_client.wait_for(told, 'two findings and one file')
+        (path,) = folder.iterdir()
+        replay = read(path)
+        pairs = list(zip(results[0].id_a, results[0].id_b, strict=True))
+        assert replay.answer.distance == results[0].distance[pairs.index(replay.ids)]
+        assert f'python -m drake_geom_ros replay {path}' in node.output()
+    finally:
+        assert node.end() == 0
+    # Offline the promise is what it is, and kept.
+    assert main(['replay', str(path)]) == 0
+    assert 'the promise is kept' in capsys.readouterr().out
