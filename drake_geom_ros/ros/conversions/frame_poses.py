@@ -25,6 +25,12 @@ class FramePosesReader:
 
     def read(self, message: Any) -> FramePoseVector:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
+        world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
+        if frame_id not in ('', world_frame):
+            raise ArgumentError(
+                f'header.frame_id is {frame_id[:80]!r}; it must be the world frame, '
+                f'{world_frame!r}, or empty'
+            )
         frames = self._frames(message)
         poses = np.asarray(message.poses, dtype=np.float64)
         if poses.size != _POSE_WIDTH * len(frames):

@@ -11,9 +11,9 @@ properties, poses and persistent filters, but ids are new and transient filters 
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
-from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import (
     DeclarationDescription,
@@ -21,7 +21,6 @@ from drake_geom_ros.scene_files import (
     SceneDescription,
     Statement,
     read_scene,
-    register,
     rehearse,
 )
 
@@ -36,20 +35,19 @@ class RobotInput:
 
     def take(self, text: str) -> str:
         """Take a URDF and return what became of it, for the log; raises RuntimeError for none."""
-        with self._live.lock:
-            if text == self._text and self._is_there():
+        with self._live.reading() as scene:
+            if text == self._text and self._is_in(scene):
                 return ''
         # A line break tells a text from a path.
         robot = read_scene(f'{text}\n', 'urdf', allowed_roots=self._live.files.folders)
         (source,) = robot.sources
         self._make_ready(robot)
-        with self._live.lock:
-            if self._is_there():
-                rest = without_source(self._live.description(), self._source)
-                self._live.replace(joined(rest, robot))
+        with self._live.editing() as scene:
+            if self._is_in(scene):
+                scene.replace(prepared(self._in_its_place(robot, scene)))
                 done = f'in the place of {self._source!r}'
             else:
-                self._live.add(robot)
+                scene.add(robot)
                 done = 'added'
             self._text, self._source = text, source
         return (
@@ -58,18 +56,19 @@ class RobotInput:
 
     def _make_ready(self, robot: SceneDescription) -> None:
         """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it."""
-        with self._live.lock:
-            there = self._is_there()
-            rest = without_source(self._live.description(), self._source) if there else None
-        if rest is None:
-            self._live.make_ready(partial(rehearse, self._live.scene_graph, robot))
+        with self._live.reading() as scene:
+            whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
+        if whole is not None:
+            prepared(whole)
         else:
-            scene_graph = SceneGraph()
-            register(scene_graph, joined(rest, robot))
-            scene_graph.CreateSharedContext().compile_kernels()
+            self._live.make_ready(lambda graph, context: rehearse(graph, robot, context))
 
-    def _is_there(self) -> bool:
-        inspector = self._live.inspector
+    def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
+        """Return the scene with another robot in the place of the one before."""
+        return joined(without_source(scene.description(), self._source), robot)
+
+    def _is_in(self, scene: HeldScene) -> bool:
+        inspector = scene.inspector
         return self._source in map(inspector.GetName, inspector.GetAllSourceIds())
 
 

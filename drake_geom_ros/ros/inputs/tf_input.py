@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import seconds_of
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
@@ -56,19 +56,19 @@ _WORLD = _Placed(np.eye(3), np.zeros(3), math.inf)
 class TfInput:
     """Keeps the tree of TF, and poses the frames of a live scene by it."""
 
-    def __init__(self, live: LiveScene, now: Callable[[], float]) -> None:
-        self._live = live
+    def __init__(self, now: Callable[[], float]) -> None:
+        """``now`` [s] is the clock that tells when a transform came."""
         self._now = now
         self._edges: dict[str, _Edge] = {}
         self._stamp: Any = None
         self._version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
 
-    def take(self, message: Any, *, static: bool) -> int:
+    def take(self, scene: EditableScene, message: Any, *, static: bool) -> int:
         """Take a TFMessage whole and pose what hangs on it; return how many frames were posed.
 
         Raises RuntimeError, and nothing is taken, for a transform that is none and for too many
-        frames. The caller holds the lock of the scene.
+        frames.
         """
         fresh = self._read(message.transforms, static)
         self._refuse_too_many(fresh)
@@ -82,14 +82,11 @@ class TfInput:
         # What is static holds at any time: its own does not tell how new the poses are.
         if changed and (not static or self._stamp is None):
             self._stamp = message.transforms[-1].header.stamp
-        return self._pose(changed)
+        return self._pose(scene, changed)
 
-    def follow_scene(self) -> int:
-        """Pose the frames of a changed scene by what is known; return how many were posed.
-
-        The caller holds the lock of the scene.
-        """
-        return self._pose(set()) if self._version != self._live.version else 0
+    def follow(self, scene: EditableScene) -> int:
+        """Pose the frames of a changed scene by what is known; return how many were posed."""
+        return self._pose(scene, set()) if self._version != scene.version else 0
 
     def _read(self, transforms: Any, static: bool) -> list[tuple[str, _Edge]]:
         """Return TransformStamped messages as child's name and edge each."""
@@ -142,50 +139,37 @@ class TfInput:
         known = self._edges.get(child)
         return known is None or known.stamp == math.inf or edge.stamp >= known.stamp
 
-    def _pose(self, changed: set[str]) -> int:
+    def _pose(self, scene: EditableScene, changed: set[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
-        if self._version != self._live.version:
+        if self._version != scene.version:
             changed = set(self._edges)
-        placed: dict[str, _Placed | None] = {self._live.world_frame: _WORLD}
+        placed: dict[str, _Placed | None] = {scene.world_frame: _WORLD}
         moved: dict[str, bool] = {}
         found: dict[FrameId, _Placed] = {}
         affected = set()
-        for frame, names in self._names_of_frames():
+        for frame, names in self._names_of_frames(scene):
             name = next((n for n in names if n in self._edges), None)
             if name is not None and (here := self._place(name, placed)) is not None:
                 found[frame] = here
                 if self._hangs_on(name, changed, moved):
                     affected.add(frame)
-        inspector = self._live.inspector
+        inspector = scene.inspector
         # Of a nested frame the pose in its parent changes when either moves.
         to_pose = [f for f in found if affected & {f, inspector.GetParentFrame(f)}]
         if to_pose:
             X_PFs = [
-                self._in_parent(inspector.GetParentFrame(f), found[f], found) for f in to_pose
+                _in_parent(scene, inspector.GetParentFrame(f), found[f], found) for f in to_pose
             ]
             ids = np.array([frame.get_value() for frame in to_pose], dtype=np.int64)
             rows = poses_from_matrices([R for R, _ in X_PFs], [p for _, p in X_PFs])
             posed_at = {frame.get_value(): found[frame].received for frame in to_pose}
-            self._live.pose(FramePoseVector.FromArrays(ids, rows), posed_at, self._stamp)
+            scene.pose(FramePoseVector.FromArrays(ids, rows), posed_at, self._stamp)
         return len(to_pose)
 
-    def _in_parent(
-        self, parent: FrameId, here: _Placed, found: dict[FrameId, _Placed]
-    ) -> tuple[Floats, Floats]:
-        """Return R_PF, p_PF: TF tells where P is, or else the live scene does."""
-        if parent == self._live.names.world:
-            return here.R_WF, here.p_WF
-        if parent in found:
-            R_WP, p_WP = found[parent].R_WF, found[parent].p_WF
-        else:
-            X_WP = self._live.query.X_WF(parent)
-            R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
-        return R_WP.T @ here.R_WF, R_WP.T @ (here.p_WF - p_WP)
-
-    def _names_of_frames(self) -> list[tuple[FrameId, tuple[str, ...]]]:
+    def _names_of_frames(self, scene: EditableScene) -> list[tuple[FrameId, tuple[str, ...]]]:
         """Return the frames of the scene and the TF names that each answers to."""
-        if self._version != self._live.version:
-            names = self._live.names
+        if self._version != scene.version:
+            names = scene.names
             self._scene_frames = []
             for frame, full in names.frame_names.items():
                 if frame != names.world:
@@ -193,7 +177,7 @@ class TfInput:
                     unique = names.frames_called(short) == [frame]
                     tf_names = (f'{source}/{short}', short) if unique else (f'{source}/{short}',)
                     self._scene_frames.append((frame, tf_names))
-            self._version = self._live.version
+            self._version = scene.version
         return self._scene_frames
 
     def _place(self, name: str, placed: dict[str, _Placed | None]) -> _Placed | None:
@@ -228,6 +212,20 @@ class TfInput:
         found = known.get(name, False)
         known |= dict.fromkeys(chain, found)
         return found
+
+
+def _in_parent(
+    scene: EditableScene, parent: FrameId, here: _Placed, found: dict[FrameId, _Placed]
+) -> tuple[Floats, Floats]:
+    """Return R_PF, p_PF: TF tells where P is, or else the live scene does."""
+    if parent == scene.names.world:
+        return here.R_WF, here.p_WF
+    if parent in found:
+        R_WP, p_WP = found[parent].R_WF, found[parent].p_WF
+    else:
+        X_WP = scene.query.X_WF(parent)
+        R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
+    return R_WP.T @ here.R_WF, R_WP.T @ (here.p_WF - p_WP)
 
 
 def _plain(name: str) -> str:

@@ -11,7 +11,7 @@ from drake_geom_ros.ros.conversions.fields import floats
 from drake_geom_ros.ros.conversions.results import fill_penetrations, fill_signed_distances
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import Moment
 
 NO_SUBSCRIBER = 'no subscriber'
@@ -33,11 +33,10 @@ class Effect:
 
 
 class Cycle:
-    """Runs cycles of a live scene over three publishers; nothing is computed for nobody."""
+    """Runs cycles over three publishers; nothing is computed for nobody."""
 
     def __init__(
         self,
-        live: LiveScene,
         messages: Any,
         publishers: dict[str, Any],
         costs: LevelCosts,
@@ -47,7 +46,6 @@ class Cycle:
 
         ``costs`` are told what was computed, ``replays`` what was answered.
         """
-        self._live = live
         self._costs = costs
         self._replays = replays
         self._publishers = publishers
@@ -61,12 +59,16 @@ class Cycle:
         self.worst_error_bound = 0.0  # [m] of the last cycle that computed anything
 
     def run(
-        self, poses_taken: int, poses_seconds: float, max_distance: float, time_budget: float
+        self,
+        scene: HeldScene,
+        poses_taken: int,
+        poses_seconds: float,
+        max_distance: float,
+        time_budget: float,
     ) -> None:
         """Answer for the poses of now; ``poses_seconds`` is what taking them cost.
 
-        ``time_budget`` [s] limits the narrow phase; 0: it has none. The caller holds the scene's
-        lock.
+        ``time_budget`` [s] limits the narrow phase; 0: it has none.
         """
         start = time.perf_counter()
         self.count += 1
@@ -76,11 +78,11 @@ class Cycle:
         }
         if not any(wanted.values()):
             return
-        moment = self._live.moment()
+        moment = scene.moment()
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
         if wanted['signed_distances'] or wanted['penetrations']:
-            computed, published = self._answer(moment, wanted, max_distance, time_budget)
+            computed, published = self._answer(scene, moment, wanted, max_distance, time_budget)
         else:
             published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['cycle_report']:
@@ -89,20 +91,25 @@ class Cycle:
             self._report(moment, effects, computed, seconds, time_budget)
 
     def _answer(
-        self, moment: Moment, wanted: dict[str, bool], max_distance: float, time_budget: float
+        self,
+        scene: HeldScene,
+        moment: Moment,
+        wanted: dict[str, bool],
+        max_distance: float,
+        time_budget: float,
     ) -> tuple[Effects, list[Effect]]:
         """Compute, publish what is wanted, and return what that took.
 
         One narrow phase serves both: a pair's depth is minus its signed distance.
         """
-        query = self._live.query
+        query = scene.query
         reach = max_distance if wanted['signed_distances'] else 0.0
         distances = query.ComputeSignedDistancePairwiseClosestPoints(
             reach, time_budget=time_budget
         )
         computed = query.effects()
         self._costs.count(computed.narrowphase_pairs, reach)
-        self._replays.look_at(distances, reach)
+        self._replays.look_at(scene, distances, reach)
         self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
         published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['penetrations']:

@@ -7,12 +7,10 @@ import resource
 import threading
 from collections import Counter
 from pathlib import Path
-from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 _REASON_LENGTH = 120
 _KINDS_OF_REASONS = 50
@@ -54,10 +52,13 @@ class Diagnostics:
             if len(self._reasons) < _KINDS_OF_REASONS or key in self._reasons:
                 self._reasons[key] += 1
 
-    def message(self, live: LiveScene, stale_after: float, cycle: Cycle, now: float) -> Any:
-        """Return the DiagnosticArray of now; ``now`` [s] is of any steady clock."""
-        with live.lock:
-            ages, version = live.pose_ages(), live.version
+    def message(
+        self, ages: dict[str, float], version: int, stale_after: float, cycle: Cycle, now: float
+    ) -> DiagnosticArray:
+        """Return what is to be said of now; ``now`` [s] is of any steady clock.
+
+        ``ages`` [s] are those of all frames' poses by name, ``version`` is the scene's.
+        """
         with self._lock:
             taken, delays, self._delays = self._taken, sorted(self._delays), []
             refused = self._refused['frame_poses']

@@ -7,6 +7,7 @@ cycles; what a pair of it takes, times the pairs that the cycles computed, is th
 
 from __future__ import annotations
 
+import threading
 import time
 from dataclasses import dataclass, field
 from typing import Any
@@ -35,19 +36,21 @@ class LevelCosts:
         """Measure while ``publisher``, that of the report, has a subscriber."""
         self._live = live
         self._publisher = publisher
+        self._lock = threading.Lock()  # of what is counted
         self._pairs, self._reach = 0, 0.0
         self._since = time.perf_counter()
         self._number = 0
         self.last = Costs()
 
     def count(self, pairs: int, reach: float) -> None:
-        """Count pairs that a cycle computed, within ``reach`` [m]; the scene's lock is held."""
-        self._pairs += pairs
-        self._reach = reach
+        """Count pairs that a cycle computed, within ``reach`` [m]."""
+        with self._lock:
+            self._pairs += pairs
+            self._reach = reach
 
     def measure(self) -> None:
         """Bring ``last`` up to date; to be called every ``PERIOD``."""
-        with self._live.lock:
+        with self._lock:
             pairs, self._pairs = self._pairs, 0
             now = time.perf_counter()
             since, self._since = self._since, now

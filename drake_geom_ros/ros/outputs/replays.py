@@ -6,6 +6,7 @@ shape types that breaks it the scene is kept as it was, and written down by anot
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from pathlib import Path
 
 from drake_geom_ros.geometry import QueryObject, SignedDistanceResults
 from drake_geom_ros.replay import recorded, write
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 
 PERIOD = 0.5  # [s] between two looks at what waits to be written
 _NAME = 'replay_{kinds}_{stamp}.json'
@@ -35,38 +36,43 @@ class _Finding:
 class Replays:
     """Looks at what cycles answer, and writes one file for each pair of shape types."""
 
-    def __init__(self, live: LiveScene, settings: Callable[[], tuple[str, int]]) -> None:
+    def __init__(self, settings: Callable[[], tuple[str, int]]) -> None:
         """Write to the folder (empty: none) of ``settings()``, no more files than its limit."""
-        self._live = live
         self._settings = settings
         self._previous: SignedDistanceResults | None = None
         self._seen: set[str] = set()
+        self._lock = threading.Lock()  # of what waits
         self._waiting: list[_Finding] = []
 
-    def look_at(self, results: SignedDistanceResults, max_distance: float) -> None:
-        """Keep what breaks a promise and is the first of its kind; the scene's lock is held."""
+    def look_at(
+        self, scene: HeldScene, results: SignedDistanceResults, max_distance: float
+    ) -> None:
+        """Keep what breaks a promise and is the first of its kind, with the scene as it is."""
         if not self._settings()[0]:
             self._previous = None
             return
         broken = results.breaks_promise()
         if broken.any():
             for index in broken.nonzero()[0].tolist():
-                self._keep(results, index, max_distance)
+                self._keep(scene, results, index, max_distance)
         # The last normal of a pair is where its next computation starts.
         self._previous = results
 
-    def _keep(self, results: SignedDistanceResults, index: int, max_distance: float) -> None:
+    def _keep(
+        self, scene: HeldScene, results: SignedDistanceResults, index: int, max_distance: float
+    ) -> None:
         pair = results[index]
-        inspector = self._live.inspector
+        inspector = scene.inspector
         shapes = [type(inspector.GetShape(id)).__name__ for id in (pair.id_A, pair.id_B)]
         kinds = '_'.join(sorted(shapes)).lower()
         if kinds in self._seen:
             return
         self._seen.add(kinds)
         hint = self._hint(results, index)
-        query, accuracy = self._live.view().query, self._live.accuracy
-        finding = _Finding(query, results, index, kinds, accuracy, max_distance, hint)
-        self._waiting.append(finding)
+        query = scene.view().query
+        finding = _Finding(query, results, index, kinds, scene.accuracy, max_distance, hint)
+        with self._lock:
+            self._waiting.append(finding)
 
     def _hint(self, results: SignedDistanceResults, index: int) -> tuple[float, ...] | None:
         """Return the normal of the same pair in the last cycle, if it was there."""
@@ -79,7 +85,7 @@ class Replays:
 
     def write(self) -> list[str]:
         """Write what waits; return what happened, in words. Errors are told, not raised."""
-        with self._live.lock:
+        with self._lock:
             waiting, self._waiting = self._waiting, []
         folder, limit = self._settings()
         return [self._write(finding, Path(folder), limit) for finding in waiting if folder]

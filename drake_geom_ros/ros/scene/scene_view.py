@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import CollisionFilterManager, QueryObject
+from drake_geom_ros.geometry import CollisionFilterManager, QueryObject, SceneGraphContext
 from drake_geom_ros.ros.conversions.names import NameTable
 
 
@@ -32,7 +32,12 @@ class Moment:
 class SceneView:
     """The scene at a moment: nobody changes it, so that any thread may ask it, for any time."""
 
-    query: QueryObject
+    context: SceneGraphContext
     filters: CollisionFilterManager
     names: NameTable
     moment: Moment
+
+    @property
+    def query(self) -> QueryObject:
+        """The query object of this moment."""
+        return QueryObject(self.context)

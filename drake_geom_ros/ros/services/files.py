@@ -1,18 +1,18 @@
 """Services that read or write scene files.
 
-They take long, so they run in the thread of those that bring shapes, and hold the scene's lock
-only while they take the scene down or put it up. RuntimeError refuses. No ROS import here.
+They take long, so they run in the thread of those that bring shapes, and hold the scene only
+while they take it down or put it up. RuntimeError refuses. No ROS import here.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene, rehearse, to_yaml
 
@@ -23,25 +23,27 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         raise ArgumentError('path and text are both given or both empty; give exactly one')
     files = live.files
     # A line break tells a text from a path; an ending one changes neither YAML nor URDF.
-    scene = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
+    told = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
     srdf = request.srdf
     if srdf and not srdf.lstrip().startswith('<'):
         srdf = str(files.file(srdf, 'srdf'))
-    description = read_scene(scene, request.format, srdf, allowed_roots=files.folders)
+    description = read_scene(told, request.format, srdf, allowed_roots=files.folders)
     if request.replace:
-        added = live.replace(description)
+        other = prepared(description)
+        with live.editing() as scene:
+            added = scene.replace(other)
     else:
-        live.make_ready(partial(rehearse, live.scene_graph, description))
-        with live.lock:
-            added = live.add(description)
+        live.make_ready(lambda graph, context: rehearse(graph, description, context))
+        with live.editing() as scene:
+            added = scene.add(description)
     response.frames, response.geometries = added
 
 
 def save_scene(live: LiveScene, request: Any, response: Any) -> None:
     """Write the scene down."""
     target = live.files.new_file(request.path, 'path') if request.path else None
-    with live.lock:
-        description = live.description()
+    with live.reading() as scene:
+        description = scene.description()
     response.text = to_yaml(description)
     if target is not None:
         _write(response.text, target)

@@ -1,6 +1,6 @@
-"""Services that change the collision filters: a request, the live scene, a response.
+"""Services that change the collision filters: the scene, a request, a response.
 
-As in ``scene``: RuntimeError refuses, the caller holds the lock, no ROS import.
+As in ``scene``: RuntimeError refuses, no ROS import.
 """
 
 from __future__ import annotations
@@ -10,18 +10,18 @@ from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError, FilterId
 from drake_geom_ros.ros.conversions.filters import declaration_from_message
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
 
 
-def apply_filter(live: LiveScene, request: Any, response: Any) -> None:
+def apply_filter(scene: EditableScene, request: Any, response: Any) -> None:
     """Apply a persistent declaration."""
-    declaration = declaration_from_message(request.declaration, live.names)
-    live.scene_graph.collision_filter_manager().Apply(declaration)
+    declaration = declaration_from_message(request.declaration, scene.names)
+    scene.scene_graph.collision_filter_manager().Apply(declaration)
 
 
-def flatten_filters(live: LiveScene, request: Any, response: Any) -> None:
+def flatten_filters(scene: EditableScene, request: Any, response: Any) -> None:
     """Make the current configuration the persistent one."""
-    live.scene_graph.collision_filter_manager().Flatten()
+    scene.scene_graph.collision_filter_manager().Flatten()
 
 
 def _lease(request: Any) -> float:
@@ -31,26 +31,26 @@ def _lease(request: Any) -> float:
     return float(request.lease)
 
 
-def apply_transient_filter(live: LiveScene, request: Any, response: Any) -> None:
+def apply_transient_filter(scene: EditableScene, request: Any, response: Any) -> None:
     """Apply a declaration that can be taken back, or that ends with its lease."""
     lease = _lease(request)
-    declaration = declaration_from_message(request.declaration, live.names)
-    filter_id = live.scene_graph.collision_filter_manager().ApplyTransient(declaration)
-    live.lease(filter_id, lease)
+    declaration = declaration_from_message(request.declaration, scene.names)
+    filter_id = scene.scene_graph.collision_filter_manager().ApplyTransient(declaration)
+    scene.lease(filter_id, lease)
     response.filter_id = filter_id.get_value()
 
 
-def renew_filter(live: LiveScene, request: Any, response: Any) -> None:
+def renew_filter(scene: EditableScene, request: Any, response: Any) -> None:
     """Prolong the lease of a transient declaration."""
     lease, filter_id = _lease(request), FilterId(request.filter_id)
-    response.active = live.scene_graph.collision_filter_manager().IsActive(filter_id)
+    response.active = scene.scene_graph.collision_filter_manager().IsActive(filter_id)
     if response.active:
-        live.lease(filter_id, lease)
+        scene.lease(filter_id, lease)
 
 
-def remove_filter(live: LiveScene, request: Any, response: Any) -> None:
+def remove_filter(scene: EditableScene, request: Any, response: Any) -> None:
     """Take a transient declaration back."""
-    manager = live.scene_graph.collision_filter_manager()
+    manager = scene.scene_graph.collision_filter_manager()
     filter_id = FilterId(request.filter_id)
     response.removed = manager.RemoveDeclaration(filter_id)
-    live.lease(filter_id, 0.0)
+    scene.lease(filter_id, 0.0)

@@ -1,7 +1,7 @@
-"""Services that only read the scene: a request, the live scene, a response.
+"""Services that only read the scene: the live scene, a request, a response.
 
-They run beside the cycle, in a thread of their own: each takes a view of the scene, which holds
-the lock for a moment, and computes without it. RuntimeError refuses. No ROS import here.
+They run beside the cycle, in a thread of their own: each takes a view of the scene, which is held
+for a moment, and computes on that. RuntimeError refuses. No ROS import here.
 """
 
 from __future__ import annotations

@@ -8,13 +8,15 @@ from typing import Any
 from drake_geom_msgs import srv
 from std_srvs.srv import Trigger
 
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services import files, filters, queries, scene, shapes
 
 Handler = Callable[[LiveScene, Any, Any], None]
+Change = Callable[[EditableScene, Any, Any], None]
 
 # What changes the scene: one after the other, between two cycles.
-CHANGES: tuple[tuple[str, Any, Handler], ...] = (
+CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('register_source', srv.RegisterSource, scene.register_source),
     ('register_frame', srv.RegisterFrame, scene.register_frame),
     ('remove_role', srv.RemoveRole, scene.remove_role),
@@ -72,23 +74,3 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
 )
 
 SERVICES = (*CHANGES, *LOADING, *BESIDE)
-
-_LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
-
-
-def shortened(text: str) -> str:
-    """Return a message without its middle where it is too long to be read."""
-    half = _LONGEST_MESSAGE // 2
-    return text if len(text) <= _LONGEST_MESSAGE else f'{text[:half]} ... {text[-half:]}'
-
-
-def answer(handler: Handler, live: LiveScene, request: Any, response: Any) -> Any:
-    """Run a handler and say in the response whether it did what was asked."""
-    try:
-        handler(live, request, response)
-    except RuntimeError as error:
-        response.success = False
-        response.message = shortened(str(error))
-    else:
-        response.success = True
-    return response

@@ -9,9 +9,12 @@ from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
 
 
-def plain_poses(names=(), ids=(), rows=(), source=''):
+def plain_poses(names=(), ids=(), rows=(), source='', frame_id=''):
     flat = [float(x) for row in rows for x in row]
-    return Plain(source=source, frame_names=list(names), frame_ids=list(ids), poses=flat)
+    header = Plain(frame_id=frame_id)
+    return Plain(
+        header=header, source=source, frame_names=list(names), frame_ids=list(ids), poses=flat
+    )
 
 
 def test_frame_poses_by_name_and_by_id(scene, names):
@@ -49,6 +52,7 @@ def test_frame_poses_by_name_and_by_id(scene, names):
         (plain_poses(ids=[10**15], rows=[[0] * 7]), '#1000000000000000'),
         (plain_poses(['hand'], rows=[[0, 0, math.inf, 0, 0, 0, 1]]), 'not finite'),
         (plain_poses(['hand'], rows=[[0, 0, 0, 0, 0, 0, 1.01]]), 'norm 1.01'),
+        (plain_poses(['hand'], rows=[[0] * 7], frame_id='map'), "frame_id is 'map'; .* 'world'"),
     ],
 )
 def test_frame_poses_that_are_none_are_refused(names, message, words):

@@ -1,16 +1,14 @@
 """Clouds to distances on a live scene, without ROS."""
 
-import time
 from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
 from ros.conversions.test_point_cloud import cloud
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.ros.inputs import point_queries
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 frames:
@@ -41,9 +39,7 @@ def empty_result():
 
 @pytest.fixture
 def live():
-    live = LiveScene('exact', time.monotonic, 'map')
-    live.add(read_scene(TEXT))
-    return live
+    return live_scene(TEXT, world_frame='map')
 
 
 @pytest.fixture
@@ -51,19 +47,19 @@ def queries(live):
     return PointQueries(live, Listened(1), empty_result, lambda: 0.5)
 
 
-def distances(live, message):
+def distances(scene, message):
     """Return {(point, geometry): distance} by names."""
-    names = {id.get_value(): name for id, name in live.names.geometry_names.items()}
+    names = {id.get_value(): name for id, name in scene.names.geometry_names.items()}
     pairs = zip(message.point_index, message.id_g, message.distance, strict=True)
     return {(k, names[g].split('/')[1]): pytest.approx(d, abs=1e-12) for k, g, d in pairs}
 
 
-def test_points_in_the_world(live, queries):
+def test_points_in_the_world(scene, queries):
     message = queries.answer(cloud(np.array([[1, 0, 0.3], [5, 5, 5], [9, 9, -0.1]]), kind='f8'))
-    assert distances(live, message) == {(0, 'ball'): 0.2, (0, 'floor'): 0.3, (2, 'floor'): -0.1}
+    assert distances(scene, message) == {(0, 'ball'): 0.2, (0, 'floor'): 0.3, (2, 'floor'): -0.1}
     assert message.threshold == 0.5
     assert message.header.frame_id == 'map'
-    assert message.scene_version == live.version
+    assert message.scene_version == scene.version
 
 
 def test_an_answer_bears_the_stamp_of_its_cloud(queries):
@@ -72,22 +68,22 @@ def test_an_answer_bears_the_stamp_of_its_cloud(queries):
     assert queries.answer(points).query_stamp is points.header.stamp
 
 
-def test_points_in_a_frame(live, queries):
+def test_points_in_a_frame(scene, queries):
     points = cloud(np.array([[0.2, 0, 0.2]]), kind='f8')
     points.header.frame_id = 'hand'
-    found = distances(live, queries.answer(points))
+    found = distances(scene, queries.answer(points))
     assert found == {(0, 'ball'): np.hypot(0.2, 0.2) - 0.1, (0, 'floor'): 0.2}
     points.header.frame_id = 'map'
-    assert distances(live, queries.answer(points)) == {(0, 'floor'): 0.2}
+    assert distances(scene, queries.answer(points)) == {(0, 'floor'): 0.2}
 
 
-def test_points_that_are_not_finite_are_skipped_and_counted(live, queries):
+def test_points_that_are_not_finite_are_skipped_and_counted(scene, queries):
     points = np.array([[np.nan, 0, 0], [1, 0, 0.3], [np.inf, 0, 0], [0, 0, 0.1]])
-    found = distances(live, queries.answer(cloud(points)))
+    found = distances(scene, queries.answer(cloud(points)))
     assert {point for point, _ in found} == {1, 3}
 
 
-def test_blocks_of_points_answer_as_all_at_once(live, queries, monkeypatch):
+def test_blocks_of_points_answer_as_all_at_once(scene, queries, monkeypatch):
     points = cloud(np.random.default_rng(4).uniform(-1, 1, (50, 3)))
     whole = queries.answer(points)
     monkeypatch.setattr(point_queries, '_ROWS_AT_ONCE', 7)

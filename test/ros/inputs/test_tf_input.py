@@ -5,11 +5,11 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.inputs import tf_input
 from drake_geom_ros.ros.inputs.tf_input import TfInput
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
@@ -37,14 +37,12 @@ def clock():
 
 @pytest.fixture
 def live(clock):
-    live = LiveScene('exact', clock)
-    live.add(read_scene(TEXT))
-    return live
+    return live_scene(TEXT, clock)
 
 
 @pytest.fixture
-def tf(live, clock):
-    return TfInput(live, clock)
+def tf(clock):
+    return TfInput(clock)
 
 
 def transform(parent, child, X=None, stamp=0.0):
@@ -64,122 +62,126 @@ def at(x):
     return RigidTransform([x, 0.0, 0.0])
 
 
-def position(live, name):
-    return live.query.X_WF(live.names.frame(name)).translation().tolist()
+def position(scene, name):
+    return scene.query.X_WF(scene.names.frame(name)).translation().tolist()
 
 
-def test_a_frame_takes_the_transform_of_its_name(live, tf):
-    assert tf.take(message(transform('world', 'tool', at(1))), static=False) == 1
-    assert position(live, 'tool') == [1, 0, 0]
+def test_a_frame_takes_the_transform_of_its_name(scene, tf):
+    assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 1
+    assert position(scene, 'tool') == [1, 0, 0]
 
 
-def test_a_name_that_two_sources_have_needs_the_source(live, tf):
-    assert tf.take(message(transform('world', 'base', at(1))), static=False) == 0
-    assert tf.take(message(transform('world', 'right/base', at(2))), static=False) == 1
-    assert position(live, 'right::base') == [2, 0, 0]
-    assert position(live, 'left::base') == [0, 0, 0]
+def test_a_name_that_two_sources_have_needs_the_source(scene, tf):
+    assert tf.take(scene, message(transform('world', 'base', at(1))), static=False) == 0
+    assert tf.take(scene, message(transform('world', 'right/base', at(2))), static=False) == 1
+    assert position(scene, 'right::base') == [2, 0, 0]
+    assert position(scene, 'left::base') == [0, 0, 0]
 
 
-def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(live, tf):
+def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
     X_AB = RigidTransform(RollPitchYaw(0.1, 0.2, 0.3).ToRotationMatrix(), [1.0, 2.0, 3.0])
-    assert tf.take(message(transform('/odom', 'tool', X_AB)), static=False) == 0
-    assert tf.take(message(transform('map', 'odom', X_AB)), static=True) == 0
-    assert tf.take(message(transform('world', 'map', X_AB)), static=True) == 1
-    X_WF = live.query.X_WF(live.names.frame('tool'))
+    assert tf.take(scene, message(transform('/odom', 'tool', X_AB)), static=False) == 0
+    assert tf.take(scene, message(transform('map', 'odom', X_AB)), static=True) == 0
+    assert tf.take(scene, message(transform('world', 'map', X_AB)), static=True) == 1
+    X_WF = scene.query.X_WF(scene.names.frame('tool'))
     expected = (X_AB @ X_AB @ X_AB).GetAsMatrix4()
     np.testing.assert_allclose(X_WF.GetAsMatrix4(), expected, atol=1e-14)
 
 
-def test_a_nested_frame_is_posed_in_its_parent(live, tf):
+def test_a_nested_frame_is_posed_in_its_parent(scene, tf):
     both = transform('world', 'left/base', at(1)), transform('left/base', 'hand', at(2))
-    assert tf.take(message(*both), static=False) == 2
-    assert position(live, 'hand') == [3, 0, 0]
-    assert live.query.X_PF(live.names.frame('hand')).translation().tolist() == [2, 0, 0]
+    assert tf.take(scene, message(*both), static=False) == 2
+    assert position(scene, 'hand') == [3, 0, 0]
+    assert scene.query.X_PF(scene.names.frame('hand')).translation().tolist() == [2, 0, 0]
     # The parent moves alone: both must follow, and the hand goes with it.
-    assert tf.take(message(transform('world', 'left/base', at(5))), static=False) == 2
-    assert position(live, 'hand') == [7, 0, 0]
+    assert tf.take(scene, message(transform('world', 'left/base', at(5))), static=False) == 2
+    assert position(scene, 'hand') == [7, 0, 0]
     # TF knows the hand in the world, and nothing of its base, which stays.
-    fresh = LiveScene('exact', lambda: 0.0)
-    fresh.add(read_scene(TEXT))
-    TfInput(fresh, lambda: 0.0).take(message(transform('world', 'hand', at(4))), static=False)
-    assert position(fresh, 'hand') == [4, 0, 0]
+    with live_scene(TEXT).editing() as fresh:
+        tf = TfInput(lambda: 0.0)
+        tf.take(fresh, message(transform('world', 'hand', at(4))), static=False)
+        assert position(fresh, 'hand') == [4, 0, 0]
 
 
-def test_a_loop_of_frames_leads_nowhere(live, tf):
+def test_a_loop_of_frames_leads_nowhere(scene, tf):
     loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
-    assert tf.take(message(*loop), static=False) == 0
-    assert tf.take(message(transform('world', 'a', at(1))), static=False) == 1
-    assert position(live, 'tool') == [2, 0, 0]
+    assert tf.take(scene, message(*loop), static=False) == 0
+    assert tf.take(scene, message(transform('world', 'a', at(1))), static=False) == 1
+    assert position(scene, 'tool') == [2, 0, 0]
 
 
-def test_a_gap_makes_poses_stale_not_wrong(live, tf, clock):
+def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
     tf.take(
-        message(transform('world', 'cart', at(1)), transform('cart', 'tool', at(1))), static=False
+        scene,
+        message(transform('world', 'cart', at(1)), transform('cart', 'tool', at(1))),
+        static=False,
     )
     clock.now += 3.0
     # One link of the chain goes on, the other is silent: the pose is as old as the silent one.
-    tf.take(message(transform('cart', 'tool', at(2))), static=False)
-    assert position(live, 'tool') == [3, 0, 0]
-    assert live.pose_ages()['right::tool'] == pytest.approx(3.0)
-    tf.take(message(transform('world', 'cart', at(1))), static=False)
-    assert live.pose_ages()['right::tool'] == 0.0
+    tf.take(scene, message(transform('cart', 'tool', at(2))), static=False)
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert scene.pose_ages()['right::tool'] == pytest.approx(3.0)
+    tf.take(scene, message(transform('world', 'cart', at(1))), static=False)
+    assert scene.pose_ages()['right::tool'] == 0.0
 
 
-def test_what_is_static_does_not_grow_old(live, tf, clock):
-    tf.take(message(transform('world', 'tool', at(1))), static=True)
+def test_what_is_static_does_not_grow_old(scene, tf, clock):
+    tf.take(scene, message(transform('world', 'tool', at(1))), static=True)
     clock.now += 1e6
-    assert live.pose_ages()['right::tool'] == 0.0
-    assert math.isinf(live.pose_ages()['left::hand'])
+    assert scene.pose_ages()['right::tool'] == 0.0
+    assert math.isinf(scene.pose_ages()['left::hand'])
 
 
-def test_a_late_transform_is_ignored(live, tf):
-    tf.take(message(transform('world', 'tool', at(1), stamp=10.5)), static=False)
-    assert tf.take(message(transform('world', 'tool', at(2), stamp=10.2)), static=False) == 0
-    assert position(live, 'tool') == [1, 0, 0]
+def test_a_late_transform_is_ignored(scene, tf):
+    tf.take(scene, message(transform('world', 'tool', at(1), stamp=10.5)), static=False)
+    assert (
+        tf.take(scene, message(transform('world', 'tool', at(2), stamp=10.2)), static=False) == 0
+    )
+    assert position(scene, 'tool') == [1, 0, 0]
 
 
-def test_of_two_transforms_of_a_frame_in_a_message_the_newer_one_counts(live, tf):
+def test_of_two_transforms_of_a_frame_in_a_message_the_newer_one_counts(scene, tf):
     both = transform('world', 'tool', at(1), 10.5), transform('world', 'tool', at(2), 10.2)
-    assert tf.take(message(*both), static=False) == 1
-    assert position(live, 'tool') == [1, 0, 0]
+    assert tf.take(scene, message(*both), static=False) == 1
+    assert position(scene, 'tool') == [1, 0, 0]
 
 
-def test_what_is_static_leaves_the_stamp_of_what_moves(live, tf):
-    tf.take(message(transform('world', 'map', at(1), 3.0)), static=True)
-    tf.take(message(transform('map', 'tool', at(1), 50.0)), static=False)
-    tf.take(message(transform('world', 'map', at(2), 4.0)), static=True)
-    assert position(live, 'tool') == [3, 0, 0]
-    assert live.newest_stamp.sec == 50
+def test_what_is_static_leaves_the_stamp_of_what_moves(scene, tf):
+    tf.take(scene, message(transform('world', 'map', at(1), 3.0)), static=True)
+    tf.take(scene, message(transform('map', 'tool', at(1), 50.0)), static=False)
+    tf.take(scene, message(transform('world', 'map', at(2), 4.0)), static=True)
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert scene.newest_stamp.sec == 50
 
 
-def test_more_frames_than_are_kept_are_refused(live, tf, monkeypatch):
+def test_more_frames_than_are_kept_are_refused(scene, tf, monkeypatch):
     monkeypatch.setattr(tf_input, '_MOST_FRAMES', 3)
     three = [transform('world', f'link{k}', at(k)) for k in range(3)]
-    tf.take(message(*three), static=False)
-    tf.take(message(*three), static=False)  # nothing new
+    tf.take(scene, message(*three), static=False)
+    tf.take(scene, message(*three), static=False)  # nothing new
     # Refused whole: neither is the frame known, nor has time gone back.
     with pytest.raises(RuntimeError, match='make 4 TF frames known; at most 3'):
-        tf.take(message(transform('world', 'tool', at(1))), static=False)
-    assert position(live, 'right::tool') == [0, 0, 0]
+        tf.take(scene, message(transform('world', 'tool', at(1))), static=False)
+    assert position(scene, 'right::tool') == [0, 0, 0]
 
 
-def test_time_that_goes_back_forgets_what_moved(live, tf):
-    tf.take(message(transform('world', 'map', at(1))), static=True)
+def test_time_that_goes_back_forgets_what_moved(scene, tf):
+    tf.take(scene, message(transform('world', 'map', at(1))), static=True)
     chain = transform('map', 'cart', at(1), 50.0), transform('cart', 'tool', at(1), 50.0)
-    tf.take(message(*chain), static=False)
+    tf.take(scene, message(*chain), static=False)
     # The bag begins anew: the old cart must not carry the new tool.
-    assert tf.take(message(transform('cart', 'tool', at(7), 3.0)), static=False) == 0
-    assert position(live, 'tool') == [3, 0, 0]
-    assert tf.take(message(transform('map', 'cart', at(0), 3.0)), static=False) == 1
-    assert position(live, 'tool') == [8, 0, 0]
+    assert tf.take(scene, message(transform('cart', 'tool', at(7), 3.0)), static=False) == 0
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert tf.take(scene, message(transform('map', 'cart', at(0), 3.0)), static=False) == 1
+    assert position(scene, 'tool') == [8, 0, 0]
 
 
-def test_a_changed_scene_is_posed_by_what_is_known(live, tf):
-    tf.take(message(transform('world', 'late', at(3))), static=True)
-    live.add(read_scene('frames:\n- {name: late}'))
-    assert tf.follow_scene() == 1
-    assert position(live, 'late') == [3, 0, 0]
-    assert tf.follow_scene() == 0
+def test_a_changed_scene_is_posed_by_what_is_known(scene, tf):
+    tf.take(scene, message(transform('world', 'late', at(3))), static=True)
+    scene.add(read_scene('frames:\n- {name: late}'))
+    assert tf.follow(scene) == 1
+    assert position(scene, 'late') == [3, 0, 0]
+    assert tf.follow(scene) == 0
 
 
 @pytest.mark.parametrize(
@@ -192,20 +194,19 @@ def test_a_changed_scene_is_posed_by_what_is_known(live, tf):
         (transform('world', 'tool', None), 'finite'),
     ],
 )
-def test_a_bad_transform_refuses_the_message(live, tf, bad, words):
+def test_a_bad_transform_refuses_the_message(scene, tf, bad, words):
     if words == 'norm':
         bad.transform.rotation.w = 2.0
     if words == 'finite':
         bad.transform.translation.x = math.nan
     good = transform('world', 'left/base', at(1))
     with pytest.raises(RuntimeError, match=words):
-        tf.take(message(good, bad), static=False)
-    assert position(live, 'left::base') == [0, 0, 0]
+        tf.take(scene, message(good, bad), static=False)
+    assert position(scene, 'left::base') == [0, 0, 0]
 
 
 def test_the_world_may_have_another_name(clock):
-    live = LiveScene('exact', clock, 'map')
-    live.add(read_scene(TEXT))
-    tf = TfInput(live, clock)
-    assert tf.take(message(transform('world', 'tool', at(1))), static=False) == 0
-    assert tf.take(message(transform('map', 'tool', at(2))), static=False) == 1
+    tf = TfInput(clock)
+    with live_scene(TEXT, clock, 'map').editing() as scene:
+        assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 0
+        assert tf.take(scene, message(transform('map', 'tool', at(2))), static=False) == 1

@@ -1,15 +1,13 @@
 """A cycle computes what somebody listens to, and reports the rest with reasons; without ROS."""
 
-import time
 from types import SimpleNamespace as Plain
 
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.ros.outputs.cycle import NO_SUBSCRIBER, Cycle
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 frames:
@@ -44,26 +42,29 @@ class Topic:
 
 
 class Asked:
-    """A live scene that counts how often it is asked for its query object."""
+    """A scene that counts how often it is asked for its query object."""
 
-    def __init__(self, live):
-        self._live = live
+    def __init__(self, scene):
+        self._scene = scene
         self.times = 0
 
     def moment(self):
-        return self._live.moment()
+        return self._scene.moment()
 
     @property
     def query(self):
         self.times += 1
-        return self._live.query
+        return self._scene.query
 
 
 @pytest.fixture
 def live():
-    live = LiveScene('exact', time.monotonic)
-    live.add(read_scene(TEXT))
-    return Asked(live)
+    return live_scene(TEXT)
+
+
+@pytest.fixture
+def asked(scene):
+    return Asked(scene)
 
 
 @pytest.fixture
@@ -75,14 +76,14 @@ def topics():
 def cycle(live, topics):
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
-    return Cycle(live, Plain(**kinds), topics, costs, Replays(live, lambda: ('', 0)))
+    return Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)))
 
 
-def run(cycle, topics, *names):
+def run(asked, cycle, topics, *names):
     """Run a cycle with listeners to these topics; return the report."""
     for name, topic in topics.items():
         topic.listeners = int(name in names)
-    cycle.run(2, 1e-4, 0.1, 0.0)
+    cycle.run(asked, 2, 1e-4, 0.1, 0.0)
     return topics['cycle_report'].published[-1] if 'cycle_report' in names else None
 
 
@@ -91,17 +92,17 @@ def effects(report):
     return [name for name, yes in ran if yes]
 
 
-def test_without_subscribers_nothing_is_asked_or_published(live, cycle, topics):
+def test_without_subscribers_nothing_is_asked_or_published(asked, cycle, topics):
     for _ in range(3):
-        run(cycle, topics)
+        run(asked, cycle, topics)
     assert cycle.count == 3
-    assert live.times == 0
+    assert asked.times == 0
     assert [topic.published for topic in topics.values()] == [[], [], []]
 
 
-def test_a_report_alone_asks_for_nothing(live, cycle, topics):
-    report = run(cycle, topics, 'cycle_report')
-    assert live.times == 0
+def test_a_report_alone_asks_for_nothing(asked, cycle, topics):
+    report = run(asked, cycle, topics, 'cycle_report')
+    assert asked.times == 0
     assert effects(report) == ['poses']
     reasons = dict(zip(report['effects'], report['effect_reasons'], strict=True))
     assert [reasons[name] for name in COMPUTED] == [NO_SUBSCRIBER] * len(COMPUTED)
@@ -109,28 +110,28 @@ def test_a_report_alone_asks_for_nothing(live, cycle, topics):
     assert report['broadphase_pairs'] == report['geometries_updated'] == 0
 
 
-def test_only_what_somebody_listens_to_is_published(live, cycle, topics):
-    report = run(cycle, topics, 'cycle_report', 'penetrations')
-    assert live.times == 1
+def test_only_what_somebody_listens_to_is_published(asked, cycle, topics):
+    report = run(asked, cycle, topics, 'cycle_report', 'penetrations')
+    assert asked.times == 1
     assert 'publish ~/penetrations' in effects(report)
     assert topics['signed_distances'].published == []
     assert report['unpublished_messages'] == 1
     # 0.05 m apart: penetrations alone do not look that far, distances do.
     assert (report['broadphase_pairs'], sum(report['method_pairs'])) == (0, 0)
-    report = run(cycle, topics, 'cycle_report', 'signed_distances')
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
     assert (report['broadphase_pairs'], sum(report['method_pairs'])) == (1, 1)
 
 
-def test_both_results_are_one_narrow_phase(live, cycle, topics):
-    report = run(cycle, topics, 'cycle_report', 'penetrations', 'signed_distances')
-    assert live.times == 1
+def test_both_results_are_one_narrow_phase(asked, cycle, topics):
+    report = run(asked, cycle, topics, 'cycle_report', 'penetrations', 'signed_distances')
+    assert asked.times == 1
     assert sum(report['method_pairs']) == 1
     assert [len(topics[name].published) for name in topics] == [1, 1, 1]
 
 
-def test_what_rests_is_published_again_and_not_computed(cycle, topics):
-    run(cycle, topics, 'cycle_report', 'signed_distances')
-    report = run(cycle, topics, 'cycle_report', 'signed_distances')
+def test_what_rests_is_published_again_and_not_computed(asked, cycle, topics):
+    run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
     assert (report['cached_pairs'], report['method_pairs']) == (1, [])
     assert 'narrowphase' not in effects(report)
     first, second = (list(m['distance']) for m in topics['signed_distances'].published)

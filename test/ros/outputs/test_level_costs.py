@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.ros.outputs import level_costs
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 geometries:
@@ -41,9 +40,7 @@ def clock(monkeypatch):
 
 @pytest.fixture
 def live():
-    live = LiveScene('exact', lambda: 0.0)
-    live.add(read_scene(TEXT))
-    return live
+    return live_scene(TEXT, lambda: 0.0)
 
 
 def test_costs_are_those_of_a_pair_times_the_pairs_of_a_second(live, clock, monkeypatch):
@@ -88,12 +85,12 @@ def test_nothing_is_measured_for_nobody_or_for_nothing(live, clock, monkeypatch)
     assert (costs.last.levels, costs.last.samples) == ([], 0)
 
 
-def test_the_live_scene_is_measured_and_not_touched(live):
+def test_the_live_scene_is_measured_and_not_touched(live, scene):
     costs = LevelCosts(live, Publisher())
-    live.query.ComputeSignedDistancePairwiseClosestPoints()
-    effects = live.query.effects()
+    scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    effects = scene.query.effects()
     costs.count(effects.narrowphase_pairs, 0.5)
     costs.measure()
     assert costs.last.levels == ['bound', 'fast', 'balanced', 'exact']
     assert costs.last.samples == effects.narrowphase_pairs == 2
-    assert live.query.effects() == effects
+    assert scene.query.effects() == effects

@@ -1,12 +1,12 @@
 """What is drawn is what is checked: extents of shapes, ids, colours, pairs."""
 
 import itertools
-import time
 from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
 from oracles.solids import surface_of
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import (
     Box,
@@ -29,8 +29,6 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.outputs import markers
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 sources: [s]
@@ -92,9 +90,7 @@ class Publisher:
 
 @pytest.fixture
 def live():
-    live = LiveScene('exact', time.monotonic, 'map')
-    live.add(read_scene(TEXT))
-    return live
+    return live_scene(TEXT, world_frame='map')
 
 
 @pytest.fixture
@@ -190,7 +186,7 @@ def test_which_meshes_are_solid_is_a_matter_of_proximity(role):
     assert found == [role is Role.kProximity, False]
 
 
-def test_a_moving_scene_is_sent_once_and_then_what_moved(live, publisher, drawing):
+def test_a_moving_scene_is_sent_once_and_then_what_moved(scene, publisher, drawing):
     drawing.publish()
     assert publisher.names() == [
         'distances',
@@ -206,7 +202,7 @@ def test_a_moving_scene_is_sent_once_and_then_what_moved(live, publisher, drawin
     drawing.publish()
     assert {m.ns for m in publisher.messages[-1]} == {'distances', 'contacts', 'normals'}
     X_WB = RigidTransform(RollPitchYaw(0, 0, 1.0).ToRotationMatrix(), [0.15, 0, 0])
-    move(live, 'b', X_WB)
+    move(scene, 'b', X_WB)
     drawing.publish()
     geometry = [m for m in publisher.messages[-1] if m.ns in markers.NAMESPACES.values()]
     assert len(geometry) == 3
@@ -218,8 +214,8 @@ def test_a_moving_scene_is_sent_once_and_then_what_moved(live, publisher, drawin
     assert sorted(p.x for p in contacts.points) == pytest.approx([0.05, 0.1])
 
 
-def move(live, frame, X_PF):
-    live.context.UpdateFramePoses(FramePoseVector({live.names.frame(frame): X_PF}))
+def move(scene, frame, X_PF):
+    scene._context.UpdateFramePoses(FramePoseVector({scene.names.frame(frame): X_PF}))
 
 
 def test_who_comes_late_gets_everything(publisher, drawing):
@@ -236,29 +232,29 @@ def test_nothing_is_drawn_for_nobody(publisher, drawing):
     assert publisher.messages == []
 
 
-def test_what_is_removed_vanishes_and_ids_stay(live, publisher, drawing):
+def test_what_is_removed_vanishes_and_ids_stay(scene, publisher, drawing):
     drawing.publish()
     before = {key for key, m in publisher.shown.items() if m.ns == 'proximity'}
-    capsule = live.names.geometry('a/capsule')
-    source = live.inspector.GetOwningSourceId(capsule)
-    live.scene_graph.ChangeShape(source, capsule, Sphere(0.1))
+    capsule = scene.names.geometry('a/capsule')
+    source = scene.inspector.GetOwningSourceId(capsule)
+    scene.scene_graph.ChangeShape(source, capsule, Sphere(0.1))
     drawing.publish()
     after = {key for key, m in publisher.shown.items() if m.ns == 'proximity'}
     assert after < before
     assert len(before - after) == 2
-    live.scene_graph.RemoveGeometry(source, capsule)
+    scene.scene_graph.RemoveGeometry(source, capsule)
     drawing.publish()
     assert publisher.names().count('proximity') == 1
     drawing.clear()
     assert publisher.shown == {}
 
 
-def test_colours_come_from_the_properties(live):
-    ball, seen = (live.names.geometry(f'b/{name}') for name in ('ball', 'seen'))
-    colours = [markers.colour_of(live.inspector, id, Role.kIllustration) for id in (ball, seen)]
+def test_colours_come_from_the_properties(scene):
+    ball, seen = (scene.names.geometry(f'b/{name}') for name in ('ball', 'seen'))
+    colours = [markers.colour_of(scene.inspector, id, Role.kIllustration) for id in (ball, seen)]
     assert colours[0] == (1.0, 0.0, 0.0, 0.5)
     assert Rgba(*colours[1]).a() == 1.0
-    assert markers.colour_of(live.inspector, ball, Role.kProximity)[3] < 1.0
+    assert markers.colour_of(scene.inspector, ball, Role.kProximity)[3] < 1.0
 
 
 def test_ids_of_any_geometry_fit_into_a_marker():

@@ -1,9 +1,11 @@
 """Replay files of a node: of what, how many, and that they reproduce what was published."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
@@ -11,8 +13,6 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.replay import read, recorded, reproduce
 from drake_geom_ros.ros.outputs import replays as replays_module
 from drake_geom_ros.ros.outputs.replays import Replays
-from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 sources: [s]
@@ -27,9 +27,7 @@ geometries:
 
 @pytest.fixture
 def live():
-    live = LiveScene('exact', lambda: 0.0)
-    live.add(read_scene(TEXT))
-    return live
+    return live_scene(TEXT, lambda: 0.0)
 
 
 @pytest.fixture
@@ -40,13 +38,13 @@ def broken(monkeypatch):
     )
 
 
-def cycle(live, replays, x):
+def cycle(scene, replays, x):
     """Pose the balls, ask, and let the replays look."""
-    names = live.names
+    names = scene.names
     poses = {names.frame('a'): RigidTransform([0.5, 0, 0]), names.frame('b'): _at(x)}
-    live.context.UpdateFramePoses(FramePoseVector(poses))
-    results = live.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
-    replays.look_at(results, 10.0)
+    scene._context.UpdateFramePoses(FramePoseVector(poses))
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
+    replays.look_at(scene, results, 10.0)
     return results
 
 
@@ -54,11 +52,11 @@ def _at(x):
     return RigidTransform([x, 0.3, 0])
 
 
-def test_one_file_for_each_pair_of_shape_types(live, broken, tmp_path):
+def test_one_file_for_each_pair_of_shape_types(scene, broken, tmp_path):
     folder = tmp_path / 'new' / 'folder'
-    replays = Replays(live, lambda: (str(folder), 20))
+    replays = Replays(lambda: (str(folder), 20))
     for x in (0.6, 0.7, 0.8):
-        cycle(live, replays, x)
+        cycle(scene, replays, x)
         told = replays.write()
     assert told == []
     files = sorted(path.name for path in folder.iterdir())
@@ -69,10 +67,10 @@ def test_one_file_for_each_pair_of_shape_types(live, broken, tmp_path):
     ]
 
 
-def test_the_file_holds_the_scene_of_that_cycle(live, broken, tmp_path):
-    replays = Replays(live, lambda: (str(tmp_path), 20))
-    results = cycle(live, replays, 0.6)
-    cycle(live, replays, 0.9)  # before it is written the scene has moved on
+def test_the_file_holds_the_scene_of_that_cycle(scene, broken, tmp_path):
+    replays = Replays(lambda: (str(tmp_path), 20))
+    results = cycle(scene, replays, 0.6)
+    cycle(scene, replays, 0.9)  # before it is written the scene has moved on
     told = replays.write()
     assert len(told) == 3
     for path in tmp_path.iterdir():
@@ -86,7 +84,7 @@ def test_the_file_holds_the_scene_of_that_cycle(live, broken, tmp_path):
         assert repr(reproduce(replay)) == repr(replay.answer)
 
 
-def test_the_hint_is_the_normal_of_the_last_cycle(live, tmp_path, monkeypatch):
+def test_the_hint_is_the_normal_of_the_last_cycle(scene, tmp_path, monkeypatch):
     hints = {}
 
     def kept(query, results, index, accuracy, max_distance, hint):
@@ -94,12 +92,12 @@ def test_the_hint_is_the_normal_of_the_last_cycle(live, tmp_path, monkeypatch):
         return recorded(query, results, index, accuracy, max_distance, hint)
 
     monkeypatch.setattr(replays_module, 'recorded', kept)
-    replays = Replays(live, lambda: (str(tmp_path), 20))
-    before = cycle(live, replays, 0.6)
+    replays = Replays(lambda: (str(tmp_path), 20))
+    before = cycle(scene, replays, 0.6)
     monkeypatch.setattr(
         SignedDistanceResults, 'breaks_promise', lambda results: np.ones(len(results), dtype=bool)
     )
-    cycle(live, replays, 0.7)
+    cycle(scene, replays, 0.7)
     replays.write()
     assert len(hints) == 3
     for ids, hint in hints.items():
@@ -107,32 +105,32 @@ def test_the_hint_is_the_normal_of_the_last_cycle(live, tmp_path, monkeypatch):
         assert hint == tuple(before.nhat_BA_W[pairs.index(ids)].tolist())
 
 
-def test_a_promise_that_is_kept_leaves_no_file(live, tmp_path):
-    replays = Replays(live, lambda: (str(tmp_path), 20))
-    cycle(live, replays, 0.6)
+def test_a_promise_that_is_kept_leaves_no_file(scene, tmp_path):
+    replays = Replays(lambda: (str(tmp_path), 20))
+    cycle(scene, replays, 0.6)
     assert replays.write() == []
     assert list(tmp_path.iterdir()) == []
 
 
-def test_without_a_folder_nothing_is_looked_at(live, monkeypatch):
+def test_without_a_folder_nothing_is_looked_at(scene, monkeypatch):
     def forbidden(results):
         raise AssertionError('looked at')
 
     monkeypatch.setattr(SignedDistanceResults, 'breaks_promise', forbidden)
-    replays = Replays(live, lambda: ('', 20))
-    cycle(live, replays, 0.6)
+    replays = Replays(lambda: ('', 20))
+    cycle(scene, replays, 0.6)
     assert replays.write() == []
 
 
-def test_a_limit_and_a_folder_that_cannot_be_are_told(live, broken, tmp_path):
-    replays = Replays(live, lambda: (str(tmp_path), 1))
-    cycle(live, replays, 0.6)
+def test_a_limit_and_a_folder_that_cannot_be_are_told(scene, broken, tmp_path):
+    replays = Replays(lambda: (str(tmp_path), 1))
+    cycle(scene, replays, 0.6)
     told = replays.write()
     assert len(list(tmp_path.iterdir())) == 1
     assert ['replay_limit' in text for text in told] == [False, True, True]
     (tmp_path / 'file').touch()
-    elsewhere = Replays(live, lambda: (str(tmp_path / 'file'), 20))
-    cycle(live, elsewhere, 0.6)
+    elsewhere = Replays(lambda: (str(tmp_path / 'file'), 20))
+    cycle(scene, elsewhere, 0.6)
     assert all('no replay file could be written' in text for text in elsewhere.write())
 
 
@@ -142,7 +140,7 @@ def test_the_node_writes_files_that_reproduce(tmp_path, lone_client, monkeypatch
     from ros.scene_calls import poses
 
     folder = tmp_path / 'replays'
-    paths = [str(ROOT / 'test' / 'ros'), os.environ.get('PYTHONPATH', '')]
+    paths = [str(Path(__file__).parent), os.environ.get('PYTHONPATH', '')]
     monkeypatch.setenv('PYTHONPATH', os.pathsep.join(paths))
     parameters = {'scene_file': ROOT / 'scenes' / 'minimal.yaml', 'max_distance': 1.0}
     parameters |= {'replay_dir': folder, 'replay_limit': 1}

@@ -4,12 +4,14 @@ import math
 from types import SimpleNamespace as Plain
 
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FrameId,
     GeometrySet,
 )
+from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene, to_yaml
 
@@ -41,9 +43,7 @@ def clock():
 
 @pytest.fixture
 def live(clock):
-    live = LiveScene('exact', clock)
-    live.add(read_scene(TEXT))
-    return live
+    return live_scene(TEXT, clock)
 
 
 def message(**frames):
@@ -52,101 +52,105 @@ def message(**frames):
     return Plain(header=header, source='s', frame_names=list(frames), frame_ids=[], poses=poses)
 
 
-def distance(live):
-    a, b = (live.names.geometry(f's::{f}/ball') for f in 'ab')
-    return live.query.ComputeSignedDistancePairClosestPoints(a, b).distance
+def distance(scene):
+    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    return scene.query.ComputeSignedDistancePairClosestPoints(a, b).distance
 
 
-def test_frames_stand_where_the_file_puts_them_until_posed(live):
-    assert distance(live) == pytest.approx(0.8)
-    assert live.take_poses(message(a=-1)) == 1
-    assert distance(live) == pytest.approx(1.8)
+def test_frames_stand_where_the_file_puts_them_until_posed(scene):
+    assert distance(scene) == pytest.approx(0.8)
+    assert scene.take_poses(message(a=-1)) == 1
+    assert distance(scene) == pytest.approx(1.8)
 
 
-def test_ages_of_poses(live, clock):
-    assert math.isinf(live.oldest_pose_age())
-    live.take_poses(message(a=0))
+def test_ages_of_poses(scene, clock):
+    assert math.isinf(scene.moment().oldest_pose_age)
+    scene.take_poses(message(a=0))
     clock.now += 2.0
-    assert math.isinf(live.oldest_pose_age())
-    live.take_poses(message(b=1))
+    assert math.isinf(scene.moment().oldest_pose_age)
+    scene.take_poses(message(b=1))
     clock.now += 0.5
-    assert live.oldest_pose_age() == pytest.approx(2.5)
-    assert live.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
+    assert scene.moment().oldest_pose_age == pytest.approx(2.5)
+    assert scene.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
 
 
 def test_an_empty_scene_has_no_old_poses(clock):
-    assert LiveScene('exact', clock).oldest_pose_age() == 0.0
+    assert LiveScene('exact', clock).view().moment.oldest_pose_age == 0.0
 
 
-def test_a_refused_message_leaves_everything(live, clock):
-    live.take_poses(message(a=0, b=1))
+def test_a_refused_message_leaves_everything(scene, clock):
+    scene.take_poses(message(a=0, b=1))
     clock.now += 1.0
     bad = message(a=5, b=math.nan)
     bad.header.stamp.sec = 9
     with pytest.raises(RuntimeError, match='not finite'):
-        live.take_poses(bad)
-    assert distance(live) == pytest.approx(0.8)
-    assert live.oldest_pose_age() == pytest.approx(1.0)
-    assert live.newest_stamp.sec == 1
+        scene.take_poses(bad)
+    assert distance(scene) == pytest.approx(0.8)
+    assert scene.moment().oldest_pose_age == pytest.approx(1.0)
+    assert scene.newest_stamp.sec == 1
 
 
-def test_what_if_is_not_what_is(live):
-    before = distance(live)
+def test_what_if_is_not_what_is(live, scene):
+    before = distance(scene)
     query = live.view(message(b=3)).query
-    a, b = (live.names.geometry(f's::{f}/ball') for f in 'ab')
+    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
     assert query.ComputeSignedDistancePairClosestPoints(a, b).distance == pytest.approx(2.8)
-    assert distance(live) == before
+    assert distance(scene) == before
 
 
-def test_a_lease_ends_and_renewal_prolongs_it(live, clock):
-    manager = live.scene_graph.collision_filter_manager()
-    balls = GeometrySet([live.names.geometry(f's::{f}/ball') for f in 'ab'])
+def test_a_lease_ends_and_renewal_prolongs_it(scene, clock):
+    manager = scene.scene_graph.collision_filter_manager()
+    balls = GeometrySet([scene.names.geometry(f's::{f}/ball') for f in 'ab'])
     declaration = CollisionFilterDeclaration().ExcludeWithin(balls)
     kept, lost, free = (manager.ApplyTransient(declaration) for _ in range(3))
-    live.lease(kept, 1.0)
-    live.lease(lost, 1.0)
-    live.lease(free, 0.0)
+    scene.lease(kept, 1.0)
+    scene.lease(lost, 1.0)
+    scene.lease(free, 0.0)
     clock.now += 0.9
-    assert live.expire_filters() == []
-    live.lease(kept, 1.0)
+    assert scene.expire_filters() == []
+    scene.lease(kept, 1.0)
     clock.now += 0.2
-    assert live.expire_filters() == [lost]
+    assert scene.expire_filters() == [lost]
     assert [manager.IsActive(f) for f in (kept, lost, free)] == [True, False, True]
-    live.lease(kept, 0.0)
+    scene.lease(kept, 0.0)
     clock.now += 1e6
-    assert live.expire_filters() == []
+    assert scene.expire_filters() == []
 
 
-def test_a_scene_that_cannot_be_loaded_changes_nothing(live):
-    text, version = to_yaml(live.description()), live.version
+def test_a_scene_that_cannot_be_loaded_changes_nothing(scene):
+    text, version = to_yaml(scene.description()), scene.version
     other = TEXT.replace('[s]', '[t]').replace('source: s', 'source: t')
     other = read_scene(other.replace('frame: b', 'frame: nowhere'))
-    for change in (live.add, live.replace):
+    for change in (scene.add, prepared):
         with pytest.raises(RuntimeError, match='nowhere'):
             change(other)
-        assert (to_yaml(live.description()), live.version) == (text, version)
+        assert (to_yaml(scene.description()), scene.version) == (text, version)
     with pytest.raises(RuntimeError, match='taken'):
-        live.add(read_scene(TEXT))
-    assert (to_yaml(live.description()), live.version) == (text, version)
+        scene.add(read_scene(TEXT))
+    assert (to_yaml(scene.description()), scene.version) == (text, version)
 
 
-def test_replacing_grows_the_version_and_keeps_the_text(live):
-    text, version = to_yaml(live.description()), live.version
-    assert live.replace(read_scene(text)) == (2, 2)
-    assert live.version > version
-    assert to_yaml(live.description()) == text
-    live.clear()
-    assert live.names.frame('world') == live.inspector.world_frame_id()
+def test_replacing_grows_the_version_and_keeps_the_text(scene):
+    text, version = to_yaml(scene.description()), scene.version
+    assert scene.replace(prepared(read_scene(text))) == (2, 2)
+    assert scene.version > version
+    assert to_yaml(scene.description()) == text
+    assert isinstance(scene.names.frame('world'), FrameId)
+
+
+def test_an_empty_scene_has_the_world_alone_and_goes_on_counting(clock):
+    with LiveScene('exact', clock, version=7).reading() as scene:
+        assert scene.version == 7
+    assert scene.names.frame('world') == scene.inspector.world_frame_id()
     with pytest.raises(RuntimeError, match='no frame'):
-        live.names.frame('s::a')
-    assert isinstance(live.names.frame('world'), FrameId)
+        scene.names.frame('s::a')
 
 
-def test_the_accuracy_of_queries_that_name_none(live):
-    live.set_accuracy('bound')
-    live.take_poses(message(a=0, b=0.15))
-    results = live.query.ComputeSignedDistancePairwiseClosestPoints()
+def test_the_accuracy_of_queries_that_name_none(scene):
+    scene.set_accuracy('bound')
+    scene.take_poses(message(a=0, b=0.15))
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert results.method.tolist() == [4]
-    live.set_accuracy('exact')
-    results = live.query.ComputeSignedDistancePairwiseClosestPoints()
+    scene.set_accuracy('exact')
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert results.method.tolist() == [1]

@@ -1,30 +1,29 @@
 """A saved scene is written whole or not at all; without ROS."""
 
 import os
-import time
 from types import SimpleNamespace as Plain
 
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.ros.conversions.file_access import FileAccess
-from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.services import files
-from drake_geom_ros.ros.services.table import answer
-from drake_geom_ros.scene_files import read_scene
+
+ANSWER = Guard(logger=None, count=None).answer
 
 
 @pytest.fixture
 def live(tmp_path):
-    live = LiveScene('exact', time.monotonic)
+    live = live_scene('sources: [mine]\nframes:\n- {name: hand, source: mine}\n')
     (tmp_path / 'inside').mkdir()
     live.files = FileAccess([str(tmp_path / 'inside')])
-    live.add(read_scene('sources: [mine]\nframes:\n- {name: hand, source: mine}\n'))
     return live
 
 
 def save(live, path):
     response = Plain(text='')
-    return answer(files.save_scene, live, Plain(path=str(path)), response)
+    return ANSWER(files.save_scene, live, Plain(path=str(path)), response)
 
 
 def test_a_saved_scene_takes_the_place_of_what_was_there(live, tmp_path):

@@ -6,16 +6,16 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import mesh_source
 from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.ros.conversions.file_access import FileAccess
+from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
-from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services import files, shapes
-from drake_geom_ros.ros.services.table import answer
-from drake_geom_ros.scene_files import read_scene
 
+ANSWER = Guard(logger=None, count=None).answer
 TEXT = """
 sources: [s]
 frames: [{name: a, source: s}, {name: b, source: s}]
@@ -33,9 +33,8 @@ ROBOT = (
 
 @pytest.fixture
 def live(tmp_path):
-    live = LiveScene('exact', time.monotonic)
+    live = live_scene(TEXT)
     live.files = FileAccess([str(tmp_path)])
-    live.add(read_scene(TEXT))
     live.compile_kernels()
     return live
 
@@ -74,7 +73,7 @@ def registration(shape, name='new', roles=(1,)):
 
 
 def call(handler, live, request):
-    response = answer(handler, live, request, Plain())
+    response = ANSWER(handler, live, request, Plain())
     assert response.success, response.message
     return response
 
@@ -101,11 +100,11 @@ def watched(live, monkeypatch):
     compile_kernel, parse_mesh = narrow_phase.compiled_address, mesh_source.parse_mesh
 
     def compiling(kernel):
-        events.append((kernel.__name__, is_free(live.lock)))
+        events.append((kernel.__name__, is_free(live._lock)))
         return compile_kernel(kernel)
 
     def loading(*args, **kwargs):
-        events.append(('load', is_free(live.lock)))
+        events.append(('load', is_free(live._lock)))
         return parse_mesh(*args, **kwargs)
 
     spheres = np.zeros_like(narrow_phase._COMPILED)
@@ -163,17 +162,22 @@ CASES = sorted(requests(''))
 
 def query(live):
     """Run a cycle's query as the stream does; return the effects."""
-    with live.lock:
-        live.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
-        return live.query.effects()
+    with live.editing() as scene:
+        scene.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
+        return scene.query.effects()
+
+
+def version(live):
+    with live.reading() as scene:
+        return scene.version
 
 
 @pytest.mark.parametrize('case', CASES)
 def test_what_takes_long_is_done_while_the_lock_is_free(live, watched, mesh, case):
     handler, request, wanted = requests(mesh)[case]
-    before = live.version
+    before = version(live)
     call(handler, live, request)
-    assert live.version > before
+    assert version(live) > before
     assert {name for name, _ in watched} == wanted
     assert all(free for _, free in watched)
     # Nothing is left for the next cycle.
@@ -222,28 +226,26 @@ def test_cycles_run_while_a_mesh_is_read(live, watched, mesh, monkeypatch):
     )
     thread.start()
     assert reading.wait(60.0)
-    before = live.version
+    before = version(live)
     for _ in range(100):
-        assert live.lock.acquire(timeout=60.0)
-        live.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
-        live.lock.release()
+        query(live)
         assert live.view().query.HasCollisions() is False
-    assert live.version == before
+    assert version(live) == before
     enough.set()
     thread.join(60.0)
-    assert live.names.geometry('a/new') is not None
+    assert live.view().names.geometry('a/new') is not None
 
 
 def test_what_the_copy_refuses_changes_nothing(live, mesh, tmp_path):
     flat = tmp_path / 'flat.obj'
     flat.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n')
-    before = live.version
+    before = version(live)
     request = registration(shape(CONVEX, mesh_uri=str(flat)))
-    response = answer(shapes.register_geometry, live, request, Plain())
+    response = ANSWER(shapes.register_geometry, live, request, Plain())
     assert not response.success
     assert 'plane' in response.message
-    assert live.version == before
+    assert version(live) == before
     taken = registration(shape(BOX, (1.0, 1.0, 1.0)), name='ball')
-    response = answer(shapes.register_geometry, live, taken, Plain())
+    response = ANSWER(shapes.register_geometry, live, taken, Plain())
     assert not response.success
-    assert live.version == before
+    assert version(live) == before
