@@ -52,10 +52,6 @@ class SceneTable:
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]
 
-    def knows(self, ids: NDArray[np.int64]) -> bool:
-        """Return whether every id is in this version of the scene."""
-        return bool(np.isin(ids, self._ids).all())
-
     def between(
         self, id_a: NDArray[np.int64], id_b: NDArray[np.int64], sources: tuple[str, str]
     ) -> NDArray[np.bool_]:
@@ -63,9 +59,9 @@ class SceneTable:
         source_a = self._sources[np.searchsorted(self._ids, id_a)]
         source_b = self._sources[np.searchsorted(self._ids, id_b)]
         first, second = sources
-        return ((source_a == first) & (source_b == second)) | (
-            (source_a == second) & (source_b == first)
-        )
+        one_way = (source_a == first) & (source_b == second)
+        other_way = (source_a == second) & (source_b == first)
+        return np.asarray(one_way | other_way)
 
     def pair_name(self, id_a: int, id_b: int) -> str:
         """Return the names of the two things that a pair's geometries are part of."""

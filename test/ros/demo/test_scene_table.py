@@ -15,9 +15,3 @@ def test_pairs_between_two_sources_in_either_order():
     id_a, id_b = np.array([1, 3, 1, 1, 3]), np.array([3, 2, 2, 5, 4])
     mask = scenes.table().between(id_a, id_b, ('right', 'left'))
     assert mask.tolist() == [True, True, False, False, False]
-
-
-def test_ids_of_another_version_are_not_known():
-    table = scenes.table()
-    assert table.knows(np.array([1, 7]))
-    assert not table.knows(np.array([1, 8]))
