@@ -17,7 +17,7 @@ ROS_ROOMS = {
     'ros/outputs': ((*_HELD, 'replay', 'ros/outputs'), ('numpy', 'ROS')),
     'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
     'ros/demo': (
-        (*_CORE, 'trajectories', 'ros', 'ros/demo'),
+        (*_CORE, 'trajectories', 'ros/conversions', 'ros', 'ros/demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
     ),
     'ros': (

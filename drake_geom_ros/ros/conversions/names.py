@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
 
 from drake_geom_ros.geometry import (
     FrameId,
@@ -18,6 +20,7 @@ from drake_geom_ros.geometry import (
 
 WORLD = 'world'
 _ID = re.compile('#[0-9]{1,20}')  # uint64 has no more digits
+_Id = TypeVar('_Id', FrameId, GeometryId)
 
 
 class UnknownNameError(GeometryError):
@@ -111,7 +114,7 @@ class NameTable:
         raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
 
     @staticmethod
-    def _problem(kind: str, name: str, found: list, names: dict) -> str:
+    def _problem(kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]) -> str:
         shown = name if len(name) <= 80 else f'{name[:77]}...'
         if found:
             ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
@@ -130,7 +133,7 @@ def _value(name: str) -> int | None:
     return int(name[1:]) if _ID.fullmatch(name) else None
 
 
-def _some(names, count: int = 4) -> str:
-    names = list(names)
+def _some(all_names: Iterable[str], count: int = 4) -> str:
+    names = list(all_names)
     more = f' and {len(names) - count} more' if len(names) > count else ''
     return (', '.join(f"'{n}'" for n in names[:count]) or 'none') + more

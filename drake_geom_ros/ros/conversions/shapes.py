@@ -48,7 +48,8 @@ def shape_from_message(message: Any, files: FileAccess) -> Shape:
                     f'shape.dimensions holds {len(message.dimensions)} numbers; '
                     f'{shape_class.__name__} takes: {names}'
                 )
-            return shape_class(*map(float, message.dimensions))
+            shape: Shape = shape_class(*map(float, message.dimensions))
+            return shape
     if message.type in (_CONVEX, _MESH):
         return _mesh_from_message(message, files)
     raise ArgumentError(f'shape.type is {message.type}; it must be a constant of Shape, 1 to 8')
@@ -83,7 +84,7 @@ def _mesh_from_message(message: Any, files: FileAccess) -> Shape:
 
 def _rows(name: str, flat: Any, kind: type) -> NDArray[Any]:
     """Return a flat array field as rows of three."""
-    values = np.asarray(flat, dtype=kind)
+    values: NDArray[Any] = np.asarray(flat, dtype=kind)
     if values.size % 3:
         raise ArgumentError(f'shape.{name} holds {values.size} numbers; it must hold 3 a row')
     return values.reshape(-1, 3)

@@ -91,7 +91,7 @@ class DemoClient(Node):
             self.create_subscription(kind, topic, callback, qos)
 
     def _now(self) -> float:
-        return self.get_clock().now().nanoseconds * 1e-9
+        return float(self.get_clock().now().nanoseconds * 1e-9)
 
     def _run(self, coroutine: Any) -> None:
         self.executor.create_task(coroutine)
@@ -124,7 +124,8 @@ class DemoClient(Node):
             self.done.set_exception(DemoFailedError(reason))
 
     def _note(self, text: str) -> None:
-        self.recording.changes.append(FilterChange(self._now(), text))
+        if self.recording is not None:
+            self.recording.changes.append(FilterChange(self._now(), text))
 
     def _show(self) -> None:
         if self.recording is not None:
@@ -217,7 +218,7 @@ class DemoClient(Node):
 
     def _picture_closest(self) -> None:
         """Keep the closest moment once the poses of the same stamp have come as well."""
-        if self._closest is None:
+        if self._closest is None or self.recording is None:
             return
         message, k = self._closest
         poses = self._poses.get(reading.stamp(message))

@@ -80,8 +80,9 @@ class FilterKeeper:
 
     async def _count(self) -> int:
         answer = await self._ask(self._get, srv.GetFilters.Request())
-        self.filtered_pairs = answer.filtered_pairs
-        return answer.filtered_pairs
+        pairs = int(answer.filtered_pairs)
+        self.filtered_pairs = pairs
+        return pairs
 
     async def _ask(self, client: Any, request: Any) -> Any:
         answer = await client.call_async(request)

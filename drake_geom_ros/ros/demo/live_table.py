@@ -1,5 +1,7 @@
 """The live table: what the results say now, as lines of text."""
 
+from typing import TextIO
+
 from drake_geom_ros.ros.demo.recording import Pairs, Recording, percentiles
 
 _WIDTH = 78
@@ -62,7 +64,7 @@ def _cut(text: str, width: int) -> str:
 class Screen:
     """Shows the table: redrawn in place on a terminal, else as a block every second."""
 
-    def __init__(self, stream, period: float = 1.0):
+    def __init__(self, stream: TextIO, period: float = 1.0):
         self._stream = stream
         self._in_place = stream.isatty()
         self._period = 0.1 if self._in_place else period

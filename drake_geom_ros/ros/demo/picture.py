@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -38,28 +39,34 @@ def draw_closest(recording: Recording, path: Path) -> None:
     # No perspective where a length is to be read off.
     close.set_proj_type('ortho')
     geometries = list(recording.scene.geometries.values())
-    _draw_shapes(whole, recording, geometries, lambda geometry: 1.0)
+    _draw_shapes(whole, recording, moment, geometries, lambda geometry: 1.0)
     pair = (recording.scene[moment.id_a], recording.scene[moment.id_b])
     bodies = {geometry.body for geometry in pair}
     near = [g for g in geometries if g.body in bodies]
-    _draw_shapes(close, recording, near, lambda geometry: 0.45 if geometry in pair else 0.12)
+    _draw_shapes(
+        close, recording, moment, near, lambda geometry: 0.45 if geometry in pair else 0.12
+    )
     _draw_witnesses(whole, moment, size=45, arrow=0.12, line=1.6)
     _draw_witnesses(close, moment, size=70, arrow=_half_width(moment) * 0.5, line=2.4)
     _label_close(close, moment)
-    _frame_whole(whole, recording, geometries, azimuth)
+    _frame_whole(whole, moment, geometries, azimuth)
     _frame_close(close, moment, azimuth)
     _write_texts(figure, recording, moment, pair)
     figure.savefig(path, dpi=120)
 
 
 def _draw_shapes(
-    axes, recording: Recording, geometries: list[Geometry], opacity: Callable[[Geometry], float]
+    axes: Any,
+    recording: Recording,
+    moment: Approach,
+    geometries: list[Geometry],
+    opacity: Callable[[Geometry], float],
 ) -> None:
     """Draw all faces as one collection, so that they are sorted by depth among each other."""
     faces, colours = [], []
     for geometry in geometries:
         shape = faces_of(geometry.shape_type, geometry.dimensions)
-        X_WG = _pose_of(geometry, recording.approach)
+        X_WG = _pose_of(geometry, moment)
         corners = [face @ X_WG[:3, :3].T + X_WG[:3, 3] for face in shape]
         faces += corners
         colours += [
@@ -92,7 +99,7 @@ def _shaded(colour: str, face: Floats) -> Floats:
     return np.array(to_rgb(colour)) * (0.66 + 0.34 * lit)
 
 
-def _draw_witnesses(axes, moment: Approach, size: float, arrow: float, line: float) -> None:
+def _draw_witnesses(axes: Any, moment: Approach, size: float, arrow: float, line: float) -> None:
     """Draw both witness points, the line between them, and the normal out of B at Ca."""
     ends = np.stack([moment.p_WCa, moment.p_WCb])
     axes.plot(*ends.T, color=_WITNESS, lw=line, zorder=3)
@@ -102,7 +109,7 @@ def _draw_witnesses(axes, moment: Approach, size: float, arrow: float, line: flo
                 arrow_length_ratio=0.25, zorder=5)  # fmt: skip
 
 
-def _label_close(axes, moment: Approach) -> None:
+def _label_close(axes: Any, moment: Approach) -> None:
     """Name the witness points and write the distance between them."""
     lift = np.array([0.0, 0.0, 0.07 * _half_width(moment)])
     out = 0.12 * _half_width(moment) * moment.nhat_BA_W * np.sign(moment.distance)
@@ -115,21 +122,19 @@ def _label_close(axes, moment: Approach) -> None:
 
 def _azimuth(moment: Approach) -> float:
     """Return the view's azimuth [degrees]: from the side, so that the gap is seen open."""
-    across = np.degrees(np.arctan2(moment.nhat_BA_W[1], moment.nhat_BA_W[0]))
+    across = float(np.degrees(np.arctan2(moment.nhat_BA_W[1], moment.nhat_BA_W[0])))
     side = across - 90.0
     # Of the two sides the one that looks along +y, as from the front of the table.
     return side if np.sin(np.radians(side)) <= 0.0 else side + 180.0
 
 
-def _frame_whole(axes, recording: Recording, geometries: list[Geometry], azimuth: float) -> None:
-    centres = np.array(
-        [_pose_of(g, recording.approach)[:3, 3] for g in geometries if g.dimensions]
-    )
+def _frame_whole(axes: Any, moment: Approach, geometries: list[Geometry], azimuth: float) -> None:
+    centres = np.array([_pose_of(g, moment)[:3, 3] for g in geometries if g.dimensions])
     low, high = centres.min(axis=0), centres.max(axis=0)
     _frame(axes, (low + high) / 2, 0.94 * np.max(high - low) / 2, azimuth + 18.0)
 
 
-def _frame_close(axes, moment: Approach, azimuth: float) -> None:
+def _frame_close(axes: Any, moment: Approach, azimuth: float) -> None:
     _frame(axes, (moment.p_WCa + moment.p_WCb) / 2, _half_width(moment), azimuth)
 
 
@@ -137,7 +142,7 @@ def _half_width(moment: Approach) -> float:
     return max(_CLOSE_UP * abs(moment.distance), _CLOSE_UP_LEAST)
 
 
-def _frame(axes, centre: Floats, half: float, azimuth: float) -> None:
+def _frame(axes: Any, centre: Floats, half: float, azimuth: float) -> None:
     """Show a cube of a given half width, without the box of axes around it."""
     for set_limits, middle in zip(
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, strict=True

@@ -1,6 +1,7 @@
 """distances.png: how close things came, how deep they touched, and when the filters changed."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -41,7 +42,7 @@ def draw_distances(recording: Recording, path: Path) -> None:
     figure.savefig(path, dpi=130)
 
 
-def _draw_smallest(axes, recording: Recording) -> None:
+def _draw_smallest(axes: Any, recording: Recording) -> None:
     time = np.array([pairs.time for pairs in recording.pairs]) - recording.start
     smallest = [pairs.distance[0] if len(pairs.distance) else np.nan for pairs in recording.pairs]
     axes.plot(time, np.multiply(smallest, 1e3), color=_BLUE, lw=1.6, label='all pairs')
@@ -73,7 +74,7 @@ def _draw_smallest(axes, recording: Recording) -> None:
     axes.legend(loc='lower left', bbox_to_anchor=(0.0, 1.05), ncols=2, frameon=False)
 
 
-def _draw_deepest(axes, recording: Recording) -> None:
+def _draw_deepest(axes: Any, recording: Recording) -> None:
     time = np.array([contact.time for contact in recording.contacts]) - recording.start
     depth = np.array([contact.depth for contact in recording.contacts]) * 1e3
     axes.fill_between(time, depth, color=_RED, alpha=0.25, lw=0)

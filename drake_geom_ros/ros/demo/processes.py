@@ -1,5 +1,6 @@
 """Starts the demo's processes, waits for the one that ends by itself, ends the others by pid."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -19,7 +20,7 @@ class ProcessFailedError(RuntimeError):
 
 @dataclass
 class _Started:
-    process: subprocess.Popen
+    process: subprocess.Popen[bytes]
     log: Path | None
 
 
@@ -36,19 +37,16 @@ class ProcessGroup:
     def start(self, name: str, module: str, *arguments: str, log: Path | None = None) -> None:
         """Start ``python -m module arguments``; its output goes to ``log``, or where ours goes."""
         command = [sys.executable, '-m', module, *arguments]
-        output = subprocess.DEVNULL if log is None else log.open('w', encoding='utf-8')
-        try:
+        with contextlib.ExitStack() as opened:
+            output = None if log is None else opened.enter_context(log.open('wb'))
             process = subprocess.Popen(
                 command,
                 env=self._environment,
                 stdin=subprocess.DEVNULL,
-                stdout=None if log is None else output,
-                stderr=None if log is None else subprocess.STDOUT,
+                stdout=output,
+                stderr=None if output is None else subprocess.STDOUT,
                 start_new_session=True,
             )
-        finally:
-            if log is not None:
-                output.close()
         self._started[name] = _Started(process, log)
 
     def wait_for(self, name: str) -> None:
@@ -86,7 +84,7 @@ class ProcessGroup:
             _end(started.process)
 
 
-def _end(process: subprocess.Popen) -> None:
+def _end(process: subprocess.Popen[bytes]) -> None:
     """End a process by its pid: terminate, and kill where that does not help in time."""
     for number in (signal.SIGTERM, signal.SIGKILL):
         if process.poll() is not None:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.demo.recording import Approach
 from drake_geom_ros.ros.demo.scene_table import WORLD, Geometry, SceneTable
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
@@ -68,17 +69,19 @@ def world_poses(message: Any, parents: dict[str, str]) -> dict[str, Floats]:
 
 def approach(message: Any, k: int, table: SceneTable, X_WFs: dict[str, Floats]) -> Approach:
     """Return pair ``k`` of a SignedDistancePairs message with its witnesses in the world."""
-    points = []
-    for ids, witnesses in ((message.id_a, message.p_aca), (message.id_b, message.p_bcb)):
+
+    def in_world(ids: Any, witnesses: Any) -> Floats:
         geometry = table[ids[k]]
         X_WG = X_WFs[geometry.frame] @ geometry.X_FG
-        points.append((X_WG @ [*witnesses[3 * k : 3 * k + 3], 1.0])[:3])
+        return np.asarray((X_WG @ [*witnesses[3 * k : 3 * k + 3], 1.0])[:3])
+
     return Approach(
         stamp(message),
         int(message.id_a[k]),
         int(message.id_b[k]),
         float(message.distance[k]),
-        *points,
+        in_world(message.id_a, message.p_aca),
+        in_world(message.id_b, message.p_bcb),
         np.array(message.nhat_ba_w[3 * k : 3 * k + 3]),
         X_WFs,
     )
@@ -86,7 +89,7 @@ def approach(message: Any, k: int, table: SceneTable, X_WFs: dict[str, Floats]) 
 
 def touching(message: Any, table: SceneTable) -> list[tuple[Geometry, Geometry]]:
     """Return the pairs of a SignedDistancePairs message that touch, one for each two things."""
-    things = {}
+    things: dict[str, tuple[Geometry, Geometry]] = {}
     for a, b, distance in zip(message.id_a, message.id_b, message.distance, strict=True):
         if distance < TOUCHING:
             things.setdefault(table.pair_name(a, b), (table[a], table[b]))
@@ -95,4 +98,4 @@ def touching(message: Any, table: SceneTable) -> list[tuple[Geometry, Geometry]]
 
 def stamp(message: Any) -> float:
     """Return the stamp [s] of a message."""
-    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+    return seconds_of(message.header.stamp)

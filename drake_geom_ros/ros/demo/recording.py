@@ -103,11 +103,21 @@ class Recording:
             if len(things) == CLOSEST_KEPT:
                 break
         closest = list(things.values())
-        kept = (values[closest] for values in (id_a, id_b, distance, error_bound, method))
         between = distance[self._pictured(id_a, id_b)].min(initial=np.inf)
         if not self.pairs:
             self.start = time
-        self.pairs.append(Pairs(time, *kept, age, float(between)))
+        self.pairs.append(
+            Pairs(
+                time,
+                id_a[closest],
+                id_b[closest],
+                distance[closest],
+                error_bound[closest],
+                method[closest],
+                age,
+                float(between),
+            )
+        )
         if len(self.pairs) > RESULTS_KEPT:
             self._forget_half()
 

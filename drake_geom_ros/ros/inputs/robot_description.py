@@ -23,6 +23,7 @@ from drake_geom_ros.scene_files import (
     read_scene,
     rehearse,
 )
+from drake_geom_ros.scene_files.description import FilterDescription
 
 
 class RobotInput:
@@ -80,7 +81,7 @@ def joined(first: SceneDescription, second: SceneDescription) -> SceneDescriptio
 
 def without_source(scene: SceneDescription, source: str) -> SceneDescription:
     """Return a scene without what a source has, and filters without its members."""
-    filters = []
+    filters: list[FilterDescription] = []
     for entry in scene.filters:
         if isinstance(entry, DeclarationDescription):
             kept = tuple(filter(None, (_statement(s, source) for s in entry.statements)))
