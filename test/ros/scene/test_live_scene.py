@@ -1,6 +1,7 @@
 """The live scene without ROS: ages, leases, replacement, what-if, all or nothing."""
 
 import math
+import threading
 from types import SimpleNamespace as Plain
 
 import pytest
@@ -88,6 +89,26 @@ def test_a_refused_message_leaves_everything(scene, clock):
     assert distance(scene) == pytest.approx(0.8)
     assert scene.moment().oldest_pose_age == pytest.approx(1.0)
     assert scene.newest_stamp.sec == 1
+
+
+@pytest.mark.parametrize('door', [LiveScene.reading, LiveScene.editing, LiveScene.view])
+def test_no_other_thread_has_the_scene_meanwhile(live, door):
+    entered = threading.Event()
+
+    def enter():
+        got = door(live)
+        if door is not LiveScene.view:
+            with got:
+                pass
+        entered.set()
+
+    thread = threading.Thread(target=enter)
+    with live.editing() as scene:
+        thread.start()
+        assert not entered.wait(0.05)
+        scene.take_poses(message(a=0, b=1))
+    thread.join(60.0)
+    assert entered.is_set()
 
 
 def test_what_if_is_not_what_is(live, scene):
