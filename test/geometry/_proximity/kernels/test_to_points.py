@@ -8,6 +8,7 @@ import pytest
 from drake_geom_ros.geometry._proximity import pair_table
 from drake_geom_ros.geometry._proximity.kernels import calling, calling_points
 from drake_geom_ros.geometry._proximity.pair_table import POINT_KERNELS, SPHERE, load_kernel
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
 CLOSED_FORMS = {
     pair_table.SPHERE: [0.3],
@@ -72,6 +73,31 @@ def test_only_what_is_within_the_threshold_and_only_its_own_rows(kind):
     np.testing.assert_array_equal(some[1::3][expected], every[expected])
     assert np.isnan(some[1::3][~expected]).all()
     assert counts.tolist() == [0, expected.sum(), 0, 0, 0]
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+@pytest.mark.parametrize('p_WQ', [[0.0, 0.0, 0.0], [3.0, 4.0, 12.0]])
+def test_the_bound_counts_the_geometry_and_the_way_to_it(kind, p_WQ):
+    """Both are added up, so neither of them can take from what the other rounds off."""
+    rows, _, _ = answers(kind, np.eye(3), np.zeros(3), np.array([p_WQ]))
+    bound = rows[0, calling_points.POINT_ERROR_BOUND]
+    largest, size = max(CLOSED_FORMS[kind], default=0.0), sum(CLOSED_FORMS[kind])
+    way = np.linalg.norm(p_WQ)
+    assert CLOSED_FORM_ROUNDING * (largest + way) <= bound
+    assert bound <= CLOSED_FORM_ROUNDING * (size + way) + 8 * EPS * max(p_WQ)
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+@pytest.mark.parametrize('power', [2.0**-30, 2.0**30])
+def test_a_power_of_two_changes_no_digit(kind, power, monkeypatch):
+    p_WQs = np.random.default_rng(kind).normal(size=(20, 3)) * [0.2, 0.2, 1e-6]
+    rows, _, _ = answers(kind, np.eye(3), np.zeros(3), p_WQs)
+    shape = power * np.array(CLOSED_FORMS[kind])
+    monkeypatch.setitem(CLOSED_FORMS, kind, shape)
+    scaled, _, _ = answers(kind, np.eye(3), np.zeros(3), power * p_WQs)
+    lengths = [0, 4, 5, 6, calling_points.POINT_ERROR_BOUND]
+    rows[:, lengths] *= power
+    np.testing.assert_array_equal(scaled, rows)
 
 
 def test_every_shape_has_a_kernel_for_points():
