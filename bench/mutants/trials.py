@@ -76,10 +76,11 @@ def tests_of(data: CoverageData, file: Path, line: int) -> set[str]:
     return {context.rpartition('|')[0] for context in contexts} - {''}
 
 
-def mirrored(file: Path) -> str:
-    """Return the path that the tests of a file have: that of the file, in ``test``."""
-    path = file.relative_to(ROOT)
-    return str(Path('test', *path.parts[1:-1], f'test_{path.name.lstrip("_")}'))
+def mirrored(file: Path) -> tuple[str, str]:
+    """Return what the ids of a file's own tests begin with: its path in ``test``, or more."""
+    path = file.relative_to(ROOT).with_suffix('')
+    name = str(Path('test', *path.parts[1:-1], f'test_{path.name.lstrip("_")}'))
+    return f'{name}.py::', f'{name}_'
 
 
 def with_tests_collected(work: Callable[[list[Any]], None]) -> None:
@@ -107,8 +108,7 @@ def is_noticed(file: Path, code: str, ids: set[str], items: list[Any], most: int
         mutated = _compiled(code, str(file))
     except SyntaxError:
         return True
-    first = mirrored(file)
-    chosen = [item for item in items if item.nodeid.startswith(f'{first}::')]
+    chosen = [item for item in items if item.nodeid.startswith(mirrored(file))]
     others = [item for item in items if item.nodeid in ids - {item.nodeid for item in chosen}]
     random.Random(0).shuffle(others)  # neighbours notice the same
     chosen += others[:most]
