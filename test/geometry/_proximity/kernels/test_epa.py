@@ -5,7 +5,13 @@ from oracles.pairs import random_rotation
 from drake_geom_ros.accuracy.truth import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import epa
 from drake_geom_ros.geometry._proximity.kernels.sums import difference_of
-from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CONVEX, CYLINDER
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
+)
 
 ALIGNED = np.eye(3)
 X = (1.0, 0.0, 0.0)
@@ -98,3 +104,36 @@ def test_a_cap_is_left_where_a_face_may_be_nearer_beyond_it():
     # Nearer than 1 within acos(0.9) = 0.451 of m, which is 0.2 from n.
     assert epa.is_in_cap(m, 0.9, n, 1.0, 0.66)
     assert not epa.is_in_cap(m, 0.9, n, 1.0, 0.64)
+
+
+@pytest.mark.parametrize('power', [2.0**-40, 1.0, 2.0**40])
+@pytest.mark.parametrize(
+    ('corners', 'flat'),
+    [
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1e-14]], True),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, -1e-12]], False),
+        ([[0, 0, 1e-14], [0.5, 0, 1], [0, 0.5, 1], [0, 0, 1]], False),
+        ([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0], [1e-6, 1e-6, 1e-14]], True),
+        ([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0], [1e-6, 1e-6, -1e-12]], False),
+        ([[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [0, 0, 1]], True),  # three in a row
+        ([[1, 1, 1]] * 4, True),
+    ],
+)
+def test_flat_is_a_height_that_rounding_makes_at_any_size(corners, flat, power):
+    points = np.zeros((4, 9))
+    points[:, :3] = power * np.array(corners)
+    assert epa.is_flat(points, power) == flat
+
+
+@pytest.mark.parametrize('tilt', [0.1, 0.5, 1.0])
+def test_a_ring_is_three_directions_at_a_tilt_and_the_opposite_one(tilt):
+    """The core of an ellipsoid (1, 1, 1/2) is that less a ball of 1/4 m: known point by point."""
+    pair = ELLIPSOID, np.array([1.0, 1.0, 0.5]), ALIGNED, SPHERE, np.zeros(1), ALIGNED, (0.0,) * 3
+    points = np.zeros((4, 9))
+    epa.ring_points(pair, (0.0, 0.0, 1.0), tilt, points)
+    np.testing.assert_allclose(points[0, :3], [0, 0, -0.25], atol=1e-15)
+    across, along = np.sin(tilt), np.cos(tilt)
+    h = np.hypot(across, 0.5 * along)
+    np.testing.assert_allclose(points[1:, 2], along * (0.25 / h - 0.25), rtol=1e-14)
+    outwards = points[1:, :2] / (across * (1.0 / h - 0.25))
+    np.testing.assert_allclose(outwards @ outwards.T, 1.5 * np.eye(3) - 0.5, atol=1e-14)
