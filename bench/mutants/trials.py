@@ -10,6 +10,7 @@ module anew.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import importlib
 import inspect
@@ -88,6 +89,7 @@ def with_tests_collected(work: Callable[[list[Any]], None]) -> None:
 
     class _Instead:
         def pytest_runtestloop(self, session: Any) -> bool:
+            gc.freeze()  # a fork that collects garbage would copy all there is
             work(session.items)
             return True
 

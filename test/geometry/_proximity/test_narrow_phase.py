@@ -190,6 +190,21 @@ def test_pairs_that_wait_are_answered_by_the_narrower_of_bounds_and_memory():
     assert row[ERROR_BOUND] < 1.0
 
 
+@pytest.mark.parametrize('order', [(0, 1), (1, 0)])
+@pytest.mark.parametrize('gap', [1e-9, math.inf])
+def test_a_plane_that_turned_knows_nothing_of_before(order, gap):
+    """However far a body is, a turn of the plane may bury it: no travel of its origin tells."""
+    types, parameters, ps = [HALF_SPACE, SPHERE], [[], [0.1]], [[0, 0, 0], [-100, 0, 10]]
+    loop = Loop(*([given[k] for k in order] for given in (types, parameters, ps)))
+    assert loop.answer(0.5, gap) == ([], {'far': 1})
+    assert loop.answer(20.0, gap)[0] == [0]
+    upright = np.array([[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
+    loop.world.set_poses(np.array([1 + order.index(0)]), upright, np.zeros((1, 3)))
+    loop.world.update()
+    assert loop.answer(0.5, gap)[0] == [0]
+    assert loop.row(0)[DISTANCE] == pytest.approx(-100.1, rel=1e-12)
+
+
 def test_gaps_of_balls_are_lower_bounds_and_tight():
     world = random_world(np.random.default_rng(1), 30)
     for i in range(29):
