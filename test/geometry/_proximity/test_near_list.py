@@ -118,6 +118,33 @@ def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
         creep(rng, world, np.arange(1, 61), 0.03)
 
 
+def slots_of(near):
+    return dict(zip(map(tuple, near.pairs.tolist()), near.slots.tolist(), strict=True))
+
+
+def test_slots_are_used_to_the_last_one_and_keep_what_they_hold_when_they_grow():
+    """58 pairs are given room for 136, which come next; then there are 153."""
+    world = random_world(np.random.default_rng(6), 18)
+    filters, near = filters_of(world), NearList(world)
+    keys = tuple(world.geometries.ids.tolist())
+    filters.apply([(1, keys[:13], ()), (2, keys[17:], keys[:17])])
+    sizes, before = [], {}
+    for allowed in (keys[:1], keys[:17], keys):
+        filters.apply([(3, allowed, ())])
+        near.bring_up_to_date(world, filters, math.inf)
+        after = slots_of(near)
+        sizes.append((len(after), len({*after.values()}), *map(len, near.memory)))
+        assert before.items() <= after.items()
+        for (i, j), slot in before.items():
+            assert near.answers[slot].tolist() == [i] * near.answers.shape[1]
+            assert (near.slacks[slot], near.seen[slot], near.gaps[slot]) == (j, i + j, i * j)
+        for (i, j), slot in after.items():
+            for held, value in zip(near.memory, (i, j, i + j, i * j), strict=True):
+                held[slot] = value
+        before = after
+    assert sizes == [(58, 58, *[136] * 4), (136, 136, *[136] * 4), (153, 153, *[255] * 4)]
+
+
 @pytest.mark.parametrize('moving_plane', [False, True])
 def test_every_body_is_paired_with_every_plane(moving_plane):
     frames = FrameTable(np.arange(1, 7), np.zeros(6, dtype=np.int64))
