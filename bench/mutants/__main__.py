@@ -44,7 +44,7 @@ def try_all(
     for k, mutant in enumerate(mutants):
         file, code = mutant.file.relative_to(ROOT), mutant.code()
         said, ids = mutant.says(code), trials.tests_of(data, file, mutant.line)
-        if said in listed.get(str(file), {}):
+        if equivalents.is_listed(listed.get(str(file), {}), said):
             end = 'equivalent'
         elif trials.is_noticed(mutant.file, code, ids, items, most):
             end = 'noticed'

@@ -1,12 +1,15 @@
 """The mutants that change nothing, and why: a list for people to read.
 
 ``test/mutants/equivalent.yaml`` maps a file to groups of mutants, each with its reason; a line is
-a mutant as ``Mutant.says`` puts it::
+a mutant as ``Mutant.says`` puts it, with ``*`` for whatever becomes of the line::
 
     drake_geom_ros/geometry/_proximity/kernels/vectors.py:
     - why: at the ends of the range both ways give the same number to the last digit
       mutants: |
         norm: if SMALL_SQUARE < squared < LARGE_SQUARE: ==> if SMALL_SQUARE <= squared < ...
+    - why: it sets how long it takes, not what comes of it
+      mutants: |
+        module: ROOM = 64 ==> *
 """
 
 from __future__ import annotations
@@ -27,6 +30,11 @@ def load(path: Path) -> dict[str, dict[str, str]]:
                     raise ValueError(f'{path}: {file}: twice: {line}')
                 reasons[line] = group['why']
     return listed
+
+
+def is_listed(reasons: dict[str, str], mutant: str) -> bool:
+    """Return whether a mutant of a file is listed, itself or with all of its line."""
+    return mutant in reasons or f'{mutant.partition(" ==> ")[0]} ==> *' in reasons
 
 
 def stale(reasons: dict[str, str], source: str) -> list[str]:

@@ -38,6 +38,14 @@ def test_a_mutant_is_listed_once(listed):
         equivalents.load(listed)
 
 
+def test_a_line_is_listed_with_one_change_or_with_all():
+    reasons = {'f: x = 1 ==> x = 2': 'why', 'f: y = 1 ==> *': 'why'}
+    assert equivalents.is_listed(reasons, 'f: x = 1 ==> x = 2')
+    assert not equivalents.is_listed(reasons, 'f: x = 1 ==> x = 3')
+    assert equivalents.is_listed(reasons, 'f: y = 1 ==> y = 3')
+    assert not equivalents.is_listed(reasons, 'g: y = 1 ==> y = 3')
+
+
 def test_what_left_the_code_is_stale(listed):
     reasons = equivalents.load(listed)['a.py']
     source = 'def f(x):\n    if x > 0:\n        y = 0\n'

@@ -12,6 +12,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     CLOSED_FORM,
     DISTANCE,
     ERROR_BOUND,
+    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -29,7 +30,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
-SPHERE, BOX, HALF_SPACE = 1, 2, 6
+SPHERE, BOX, ELLIPSOID, HALF_SPACE = 1, 2, 5, 6
 AT_ONCE = np.empty(0, dtype=np.int64), np.empty(0)
 
 
@@ -63,6 +64,7 @@ class Loop:
         )
         names = {FAR: 'far', CACHED: 'cached', POSTPONED: 'postponed'}
         names |= {BY_METHOD + CLOSED_FORM: 'closed', BY_METHOD + BOUND_ONLY: 'bound'}
+        names[BY_METHOD + ITERATIVE] = 'iterative'
         done = {names[k]: count for k, count in enumerate(counts.tolist()) if count}
         return hits[:found].tolist(), done
 
@@ -188,6 +190,26 @@ def test_pairs_that_wait_are_answered_by_the_narrower_of_bounds_and_memory():
     row = loop.row(0)
     assert row[DISTANCE] - row[ERROR_BOUND] <= 6.5 <= row[DISTANCE] + row[ERROR_BOUND]
     assert row[ERROR_BOUND] < 1.0
+
+
+def test_a_slack_is_what_the_answer_certifies_and_a_cut_off_one_is_far_from_then_on():
+    """Two slats of 2 m side by side, turned by 45 degrees, so that their boxes and balls meet."""
+    slats = Loop([ELLIPSOID] * 2, [[1.0, 0.1, 0.2]] * 2, [[0, 0, 0]] * 2)
+    c = math.sqrt(0.5)
+    turned = np.tile([[c, -c, 0.0], [c, c, 0.0], [0.0, 0.0, 1.0]], (2, 1, 1))
+    slats.world.set_poses(np.array([1, 2]), turned, np.array([[0, 0, 0], [-0.5 * c, 0.5 * c, 0]]))
+    slats.world.update()
+    travelled = slats.world.travels.sum()
+    for gap in (1e-3, 1e-9):
+        assert slats.answer(1.0, gap)[0] == [0]
+        row, slack = slats.row(0), slats.memory[1][0] - travelled
+        assert abs(row[DISTANCE] - 0.3) <= row[ERROR_BOUND] <= gap
+        assert slack == pytest.approx(row[DISTANCE] - row[ERROR_BOUND], abs=1e-14)
+    slats.memory[1][:], slats.memory[2][:] = -math.inf, -1
+    assert slats.answer(0.1) == ([], {'bound': 1})
+    bound, slack = slats.row(0)[DISTANCE], slats.memory[1][0] - travelled
+    assert 0.1 < bound - 1e-13 <= slack <= bound <= 0.3 + 1e-14
+    assert slats.answer(0.1) == ([], {'far': 1})
 
 
 @pytest.mark.parametrize('order', [(0, 1), (1, 0)])
