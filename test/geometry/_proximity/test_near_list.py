@@ -54,6 +54,26 @@ def test_whatever_is_near_is_listed_and_the_list_stands_for_a_while(anchored, mo
     assert near_pairs(world, 0.05) <= listed(near)
 
 
+@pytest.mark.parametrize('anchored', [0, 25, 49])
+@pytest.mark.parametrize('distance', [0.0, 0.3])
+def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(anchored, distance):
+    """Whoever came from afar just now, or rests, gets no margin."""
+    rng = np.random.default_rng(anchored)
+    world = random_world(rng, 50, anchored=anchored)
+    filters = filters_of(world)
+    i, j = np.triu_indices(50, k=1)
+    for updates in (0, PATIENCE, 1):
+        for _ in range(updates):  # all but the first frame come to rest
+            world.set_poses(np.array([1]), world.R_PFs[1:2], rng.uniform(-1.0, 1.0, (1, 3)))
+            world.update()
+        near = NearList(world)
+        near.bring_up_to_date(world, filters, distance)
+        sizes = world.half_extents[i] + world.half_extents[j] + distance
+        wanted = (np.abs(world.p_WGs[i] - world.p_WGs[j]) <= sizes).all(axis=1)
+        wanted &= ~(world.anchored[i] & world.anchored[j])
+        assert listed(near) == set(zip(i[wanted].tolist(), j[wanted].tolist(), strict=True))
+
+
 def test_a_list_for_more_serves_for_less_and_grows_when_it_must():
     world = random_world(np.random.default_rng(0), 40)
     filters, near = filters_of(world), NearList(world)
