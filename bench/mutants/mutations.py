@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -75,10 +75,11 @@ class Mutant:
     occurrence: int
     line: int  # from 1
     function: str  # the innermost around it, or 'module'
+    source: str = field(repr=False)  # as it was when the tests were collected
 
     def code(self) -> str:
         """Return the text of the mutated file."""
-        mutated = mutate_code(self.file.read_text(), self.operator(), self.occurrence)
+        mutated = mutate_code(self.source, self.operator(), self.occurrence)
         if mutated is None:
             raise RuntimeError(f'{self} changes nothing')
         text: str = mutated
@@ -86,15 +87,14 @@ class Mutant:
 
     def says(self, code: str) -> str:
         """Return the change as the list of equivalents has it: ``function: before ==> after``."""
-        before, after = (
-            text.splitlines()[self.line - 1].strip() for text in (self.file.read_text(), code)
-        )
+        before, after = (text.splitlines()[self.line - 1].strip() for text in (self.source, code))
         return f'{self.function}: {before} ==> {after}'
 
 
 def mutants_of(file: Path) -> list[Mutant]:
     """Return all mutants of a file."""
-    nodes = list(ast_nodes(get_ast(file.read_text())))
+    source = file.read_text()
+    nodes = list(ast_nodes(get_ast(source)))
     found = []
     for kind, operators in KINDS.items():
         for operator in operators:
@@ -104,7 +104,7 @@ def mutants_of(file: Path) -> list[Mutant]:
             for occurrence, (node, start) in enumerate(places):
                 if not _is_described(node):
                     name = ASTQuery(node).get_definition_name() or 'module'
-                    found.append(Mutant(file, kind, operator, occurrence, start[0], name))
+                    found.append(Mutant(file, kind, operator, occurrence, start[0], name, source))
     return found
 
 
