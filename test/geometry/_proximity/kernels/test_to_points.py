@@ -100,5 +100,30 @@ def test_a_power_of_two_changes_no_digit(kind, power, monkeypatch):
     np.testing.assert_array_equal(scaled, rows)
 
 
+def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
+    """A cuboid as a hull, beside two other geometries, against the closed form of the box."""
+    h = np.array(CLOSED_FORMS[pair_table.BOX])
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * h
+    shape = np.concatenate([[8.0], corners.ravel()])
+    rng = np.random.default_rng(1)
+    R_WG, p_WG = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(3, 3)))[0]), rng.normal(size=3)
+    p_WQs = p_WG + rng.normal(size=(6, 3)) * 0.4
+    expected, near, _ = answers(pair_table.BOX, R_WG, p_WG, p_WQs, 0.3, geometries=3, g=2)
+    number = pair_table.ROW_OF_TYPES[SPHERE * pair_table.TYPE_COUNT + pair_table.CONVEX]
+    address = calling.compiled_address(pair_table.ALL_ROWS[number].load_kernel())
+    rows, found = np.full_like(expected, np.nan), np.zeros_like(near)
+    counts = np.zeros(5, dtype=np.int64)
+    load_kernel(POINT_KERNELS[pair_table.CONVEX])(
+        *(address, pair_table.CONVEX, shape, R_WG, p_WG, p_WQs, 0.3, np.linalg.norm(h)),
+        *((0, 6, 2, 3), rows, found, counts),
+    )
+    np.testing.assert_array_equal(found, near)
+    assert 0 < near.sum() < 6
+    assert counts.sum() == counts[calling.ITERATIVE] == near.sum()
+    np.testing.assert_allclose(rows[:, :7], expected[:, :7], atol=1e-13)
+    rounding = 8 * EPS * np.abs([p_WG, *p_WQs]).max()
+    assert (rows[found, calling_points.POINT_ERROR_BOUND] >= rounding / 2).all()
+
+
 def test_every_shape_has_a_kernel_for_points():
     assert set(POINT_KERNELS) == set(pair_table.SHAPE_NAMES)
