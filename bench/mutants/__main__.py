@@ -43,7 +43,7 @@ def try_all(
     start = time.monotonic()
     for k, mutant in enumerate(mutants):
         file, code = mutant.file.relative_to(ROOT), mutant.code()
-        said, ids = mutant.says(code), trials.tests_of(data, file, mutant.line)
+        said, ids = mutant.says(code), trials.tests_of(data, mutant.file, mutant.line)
         if equivalents.is_listed(listed.get(str(file), {}), said):
             end = 'equivalent'
         elif trials.is_noticed(mutant.file, code, ids, items, most):

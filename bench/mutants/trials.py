@@ -38,6 +38,9 @@ SECONDS_A_TEST = 60  # the longest takes 5 on an idle machine
 PROCESSOR_SECONDS = 900  # all tests take 90
 MEMORY = 8 * 2**30  # [bytes] that a mutant may ask for
 
+# Only the plugins that are named: the others take half a second a process.
+_ENVIRONMENT = {'PYTEST_DISABLE_PLUGIN_AUTOLOAD': '1'}
+
 # Where a decorator keeps the function.
 _PARTS = ('__func__', 'fget', '__wrapped__')
 
@@ -59,7 +62,7 @@ def measure(keep: Path) -> CoverageData:
         fresh = kept.with_suffix('.new')
         command = [sys.executable, '-m', 'pytest', *_OPTIONS, *TESTS, '-p', 'pytest_cov']
         command += [f'--cov={PACKAGE}', '--cov-context=test', '--cov-report=']
-        environment = {**os.environ, 'COVERAGE_FILE': str(fresh)}
+        environment = {**os.environ, **_ENVIRONMENT, 'COVERAGE_FILE': str(fresh)}
         if subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode != 0:
             raise RuntimeError('the tests fail without any mutant')
         fresh.rename(kept)
@@ -93,7 +96,7 @@ def with_tests_collected(work: Callable[[list[Any]], None]) -> None:
             work(session.items)
             return True
 
-    os.environ['PYTEST_DISABLE_PLUGIN_AUTOLOAD'] = '1'
+    os.environ |= _ENVIRONMENT
     os.chdir(ROOT)
     status = pytest.main([*_OPTIONS, *TESTS], plugins=[_Instead()])
     if status not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):

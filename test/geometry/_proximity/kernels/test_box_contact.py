@@ -70,6 +70,23 @@ def test_the_outline_is_what_of_a_rectangle_is_in_another():
     assert box_contact._outline(square, square, ALONG_X, ALONG_Y, (3.0, 0.0)) == (0.0, 0.0, 0.0)
 
 
+@pytest.mark.parametrize('seed', range(6))
+def test_the_outline_of_a_turned_rectangle_against_points_on_its_edges(seed):
+    rng = np.random.default_rng(seed)
+    h, g, c, angle = *rng.uniform(0.5, 1.0, (2, 2)), rng.uniform(-0.7, 0.7, 2), rng.uniform(0, 7)
+    u, v = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    t = (np.arange(-5000, 5000) + 0.5) / 5000
+    length, moment = 0.0, np.zeros(2)
+    for side in (-1.0, 1.0):
+        for d, e, along, across in ((u, v, g[0], g[1]), (v, u, g[1], g[0])):
+            points = c + side * across * e + along * t[:, None] * d
+            within = points[(np.abs(points) <= h).all(axis=1)]
+            length += len(within) * along / 5000
+            moment += within.sum(axis=0) * along / 5000
+    found = box_contact._outline(tuple(h), tuple(g), tuple(u), tuple(v), tuple(c))
+    assert found == pytest.approx((length, *moment), abs=2e-3)
+
+
 @pytest.mark.parametrize(
     ('h', 'g', 'turned', 'c', 'centre'),
     [
