@@ -3,9 +3,9 @@
     python -m bench.fuzz [--pairs 1e5] [--seed 0]
 
 Shapes and poses are those of ``bench.soak``; half of the pairs are then slid along their normal to
-within 1e-15 to 1e-2 of touching. What breaks a promise (``bench.promises``) is made as simple as
-it stays broken, and printed as an entry for ``test/hard_cases/catalogue``; its ``distance`` is
-what we answered, the truth is for ``hard_cases.truth`` to tell.
+within 1e-15 to 1e-2 of touching. What breaks a promise (``evidence.promises``) is made as simple
+as it stays broken, and printed as an entry for ``evidence/hard_cases/catalogue``; its ``distance``
+is what we answered, the truth is for ``evidence.truth.bodies`` to tell.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.hard_cases.cases import Body, Case, text_of
-from bench.hard_cases.pair_scene import PairScene
-from bench.promises import COARSE, broken
 from bench.soak import SCALES, random_poses, random_shape
+from drake_geom_ros.evidence.asking import PairScene
+from drake_geom_ros.evidence.hard_cases.cases import Body, Case, text_of
+from drake_geom_ros.evidence.peers.measures import kind_of, measures
+from drake_geom_ros.evidence.promises import COARSE, broken
 from drake_geom_ros.geometry import Convex, Shape
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.peers.measures import kind_of, measures
 
 GAPS = (0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the scale
 DIGITS = (1, 2, 3, 6, 9)

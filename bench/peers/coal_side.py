@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import Floats, Scene, Shape
-from drake_geom_ros.peers.coal_peer import coal_shape
+from drake_geom_ros.evidence.peers.coal_peer import coal_shape
 
 NAME = 'Coal'
 MOST_CONTACTS = 10**6

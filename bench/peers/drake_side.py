@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import NEAR, Floats, Scene, Shape
-from drake_geom_ros.peers.pydrake_peer import drake_shape
+from drake_geom_ros.evidence.peers.pydrake_peer import drake_shape
 
 NAME = 'pydrake'
 

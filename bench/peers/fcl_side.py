@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import Floats, Scene, Shape
-from drake_geom_ros.peers.fcl_peer import fcl_shape
+from drake_geom_ros.evidence.peers.fcl_peer import fcl_shape
 
 NAME = 'python-fcl'
 MOST_CONTACTS = 10**6

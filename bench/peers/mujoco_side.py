@@ -9,7 +9,7 @@ import mujoco
 
 from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import Floats, Scene
-from drake_geom_ros.peers.mujoco_peer import add_geom
+from drake_geom_ros.evidence.peers.mujoco_peer import add_geom
 
 NAME = 'MuJoCo'
 MEMORY = 2**29  # [bytes] for contacts

@@ -17,7 +17,6 @@ LAYERS = {
         ('math', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
-    'peers': (('math', 'geometry', 'peers'), ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco')),
     'trajectories': (
         ('math', 'geometry', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
@@ -27,14 +26,18 @@ LAYERS = {
         ('numpy', 'matplotlib', 'mpl_toolkits'),
     ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
-    'accuracy': (
-        ('math', 'geometry', 'peers', 'accuracy'),
+    'evidence/peers': (
+        ('math', 'geometry', 'evidence/peers'),
+        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
+    ),
+    'evidence': (
+        ('math', 'geometry', 'evidence', 'evidence/peers'),
         ('numpy', 'scipy', 'mpmath', 'matplotlib'),
     ),
     'command_line': (
         (
-            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'peers', 'accuracy'),
-            'command_line',
+            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
+            *('evidence', 'evidence/peers'),
         ),
         ('numpy',),
     ),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from hard_cases.blocks import surface
+from evidence.hard_cases.blocks import surface
 from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drake_geom_ros.accuracy import closed_forms
+from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels import calling
 
 NAMES = {1: 'sphere', 2: 'box', 3: 'capsule', 4: 'cylinder', 5: 'ellipsoid', 6: 'half_space'}

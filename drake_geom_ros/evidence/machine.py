@@ -1,0 +1,33 @@
+"""Where and with what figures were taken: nothing that names the machine or its owner."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Sequence
+from importlib import metadata
+
+from drake_geom_ros.evidence import peers
+
+
+def description() -> str:
+    """Return the processor's model, the number of cores and the system, in one line."""
+    return f'{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}'
+
+
+def versions(peer_names: Sequence[str]) -> dict[str, str]:
+    """Return the versions of Python, of what our answers depend on, and of the peers."""
+    found = {'Python': platform.python_version()}
+    found |= {name: metadata.version(name) for name in ('numpy', 'numba', 'scipy', 'mpmath')}
+    return found | {name: peers.version(name) for name in peer_names}
+
+
+def _processor() -> str:
+    try:
+        with open('/proc/cpuinfo', encoding='utf-8') as file:
+            for line in file:
+                if line.startswith('model name'):
+                    return line.partition(':')[2].strip()
+    except OSError:  # another system than Linux
+        pass
+    return platform.processor() or 'unknown processor'
