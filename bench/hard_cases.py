@@ -15,6 +15,7 @@ import json
 import time
 from pathlib import Path
 
+from drake_geom_ros.evidence.asking import OURS, asking, names
 from drake_geom_ros.evidence.hard_cases import report
 from drake_geom_ros.evidence.hard_cases.cases import (
     CATALOGUE,
@@ -25,7 +26,6 @@ from drake_geom_ros.evidence.hard_cases.cases import (
     load,
 )
 from drake_geom_ros.evidence.hard_cases.judge import Verdict, judged
-from drake_geom_ros.evidence.hard_cases.sides import OURS, asking, names
 from drake_geom_ros.evidence.lost_process import outcomes
 from drake_geom_ros.evidence.peers import QUERIES
 

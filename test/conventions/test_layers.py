@@ -106,11 +106,20 @@ def test_private_modules_stay_within_their_room(path):
         ('geometry/shapes.py', 'from std_msgs.msg import Header', 'std_msgs'),
         ('scene_files/urdf.py', 'import drake_geom_ros.geometry._proximity.world', 'world'),
         ('ros/cycle.py', 'from drake_geom_ros.geometry._proximity import engine', 'engine'),
+        ('ros/cycle.py', 'from drake_geom_ros.evidence.truth import convex', 'evidence'),
+        ('evidence/laws.py', 'import drake_geom_ros.geometry._proximity.promise', 'promise'),
     ],
 )
 def test_a_forbidden_import_is_seen(path, source, culprit):
     (found,) = forbidden(path, source)
     assert culprit in found
+
+
+def test_only_the_command_line_asks_for_evidence():
+    asking = {
+        room for room, (ours, _) in LAYERS.items() if any('evidence' in each for each in ours)
+    }
+    assert asking == {'evidence', 'evidence/peers', 'command_line'}
 
 
 def test_the_exception_is_allowed():

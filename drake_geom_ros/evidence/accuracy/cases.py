@@ -15,7 +15,10 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from drake_geom_ros.evidence.accuracy.solids import Solid, random_solid
+from drake_geom_ros.evidence.accuracy.samples import convex_sample
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.random_bodies import random_body
 from drake_geom_ros.geometry import ArgumentError
 
 SIGNED_DISTANCE, PENETRATION, POINTS = QUERIES = ('signed_distance', 'penetration', 'points')
@@ -41,12 +44,13 @@ _C = TypeVar('_C', bound=Named)
 
 
 @dataclass(frozen=True)
-class Case:
+class ShapePair:
     """A pair of shapes by their public names; ``corners`` are those of each hull among them."""
 
     a: str
     b: str
     corners: int = 0
+    timed_pairs = 120  # in one scene: what a query costs once is shared by so many
 
     @property
     def name(self) -> str:
@@ -79,21 +83,27 @@ class Case:
         """Return the queries that the case is asked."""
         return (POINTS,) if self.a == 'Point' else (SIGNED_DISTANCE, PENETRATION)
 
-    def bodies(self, rng: np.random.Generator) -> tuple[Solid, Solid]:
+    def bodies(self, rng: np.random.Generator) -> tuple[Body, Body]:
         """Return both bodies, with random sizes."""
-        return random_solid(rng, self.a, self.corners), random_solid(rng, self.b, self.corners)
+        return random_body(rng, self.a, self.corners), random_body(rng, self.b, self.corners)
+
+    def sample(self, configuration: str, rng: np.random.Generator) -> Case:
+        """Return both bodies at random poses in a configuration."""
+        return convex_sample(*self.bodies(rng), configuration, rng)
 
 
-def all_cases(resolutions: Sequence[int] = RESOLUTIONS) -> list[Case]:
+def all_cases(resolutions: Sequence[int] = RESOLUTIONS) -> list[ShapePair]:
     """Return every pair of shapes that has a signed distance, hulls in all resolutions."""
     pairs = [p for p in combinations_with_replacement(PRIMITIVES, 2) if p != ('HalfSpace',) * 2]
-    cases = [Case(a, b) for a, b in pairs]
+    cases = [ShapePair(a, b) for a, b in pairs]
     for corners in resolutions:
-        cases += [Case(kind, 'Convex', corners) for kind in (*PRIMITIVES, 'Convex')]
+        cases += [ShapePair(kind, 'Convex', corners) for kind in (*PRIMITIVES, 'Convex')]
     # A mesh is answered as its hull: two pairs tell whether that costs anything.
-    cases += [Case(kind, 'Mesh', corners) for corners in resolutions for kind in ('Box', 'Mesh')]
-    cases += [Case('Point', kind) for kind in PRIMITIVES]
-    cases += [Case('Point', 'Convex', corners) for corners in resolutions]
+    cases += [
+        ShapePair(kind, 'Mesh', corners) for corners in resolutions for kind in ('Box', 'Mesh')
+    ]
+    cases += [ShapePair('Point', kind) for kind in PRIMITIVES]
+    cases += [ShapePair('Point', 'Convex', corners) for corners in resolutions]
     return cases
 
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from drake_geom_ros.evidence import peers
 from drake_geom_ros.evidence.accuracy import ours
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS, SIGNED_DISTANCE, Case
-from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, Outcome, PeerProcess
+from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS, SIGNED_DISTANCE, ShapePair
+from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, Answer, PeerProcess
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.accuracy.samples import Sample
-from drake_geom_ros.evidence.accuracy.solids import random_rotation
 from drake_geom_ros.evidence.accuracy.subjects import CaseSubject, Subject
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.random_bodies import random_rotations
 from drake_geom_ros.evidence.tolerances import EASY, PEER_TOLERANCES, TOUCHING
 
 TIMED_CALLS = 30  # of a peer in its turn
@@ -56,13 +56,13 @@ class _Query:
         self.name = query
         # To peers a point is a sphere of radius 0.
         self.of_peers = peers.SIGNED_DISTANCE if query == POINTS else query
-        self.known: list[Sample] = []
+        self.known: list[Case] = []
         mine = [Setting(OURS, level) for level in ours.LEVELS]
         self.mine, self.theirs = (
             [Measured(subject.name, subject.family, query, setting) for setting in settings]
             for settings in (mine, [rival.setting for rival in rivals])
         )
-        self.outcomes: list[list[tuple[int, Sample, Outcome]]] = [[] for _ in rivals]
+        self.outcomes: list[list[tuple[int, Case, Answer]]] = [[] for _ in rivals]
 
 
 class Measurement:
@@ -93,7 +93,7 @@ class Measurement:
         """Measure what a call of each peer costs at least: two spheres, a few ns of arithmetic."""
         if not self._rivals:
             return
-        spheres = CaseSubject(Case('Sphere', 'Sphere'))
+        spheres = CaseSubject(ShapePair('Sphere', 'Sphere'))
         for query in self._asked(spheres, float('-inf')):
             for rival, seconds in zip(
                 self._rivals, self._turns(query, _nothing, easy=True), strict=True
@@ -121,7 +121,7 @@ class Measurement:
                 process.give(batch)
             for index, sample in enumerate(batch, count):
                 for query in queries:
-                    if query.name != PENETRATION or sample.truth < -TOUCHING:
+                    if query.name != PENETRATION or sample.distance < -TOUCHING:
                         self._ask(subject, query, sample, index)
             count += len(batch)
             late = time.monotonic() > end and number >= self.plan.least_batches
@@ -129,7 +129,7 @@ class Measurement:
                 break
         return queries
 
-    def _ask(self, subject: Subject, query: _Query, sample: Sample, index: int) -> None:
+    def _ask(self, subject: Subject, query: _Query, sample: Case, index: int) -> None:
         """Ask everybody about a sample."""
         query.known.append(sample)
         answers = subject.answers(sample, query.name)
@@ -137,7 +137,7 @@ class Measurement:
             if answer is None:
                 record.verdicts[MISSED] += 1
             else:
-                record.add(sample, answer.distance, answer.error_bound, answer.promised)
+                record.add(sample, *answer)
         for k, rival in enumerate(self._rivals):
             outcome = rival.process.answer(query.of_peers, rival.tolerance, index)
             query.outcomes[k].append((index, sample, outcome))
@@ -182,7 +182,7 @@ class Measurement:
                 index
                 for index, sample, outcome in outcomes
                 if outcome.verdict in (ANSWERED, MISSED)
-                and not (easy and query.name == SIGNED_DISTANCE and sample.truth < EASY)
+                and not (easy and query.name == SIGNED_DISTANCE and sample.distance < EASY)
             ]
             for outcomes in query.outcomes
         ]
@@ -195,7 +195,7 @@ class Measurement:
                     if not indices:
                         continue
                     chosen = self._rng.permutation(indices)[:TIMED_CALLS].tolist()
-                    rotations = np.array([random_rotation(self._rng) for _ in chosen])
+                    rotations = random_rotations(self._rng, len(chosen))
                     seconds = rival.process.seconds(
                         query.of_peers, rival.tolerance, chosen, rotations
                     )

@@ -1,83 +1,53 @@
-"""Our answers to samples, each from a scene that was never asked before."""
+"""Our answers to pairs, each from a scene that was never asked before."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from drake_geom_ros import geometry
+import numpy as np
+
+from drake_geom_ros.evidence import laws
 from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS
-from drake_geom_ros.evidence.accuracy.samples import Sample
-from drake_geom_ros.evidence.accuracy.solids import Solid
-from drake_geom_ros.evidence.truth.supports import Floats
-from drake_geom_ros.math import RigidTransform, RotationMatrix
-
-LEVELS = geometry.ACCURACY_LEVELS
+from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.bodies import Pair
+from drake_geom_ros.geometry import ACCURACY_LEVELS as LEVELS
+from drake_geom_ros.geometry import QueryObject
 
 
 class Answer(NamedTuple):
-    """A signed distance and its certificate [m]; ``method`` as in ``geometry.METHODS``."""
+    """A signed distance and its certificate [m], and whether that is wider than promised."""
 
     distance: float
     error_bound: float
-    method: int
-
-    @property
-    def promised(self) -> bool:
-        """Whether the bound is to be as narrow as the level says: in solids it may stay open."""
-        return self.method != geometry.METHODS['mesh'] or self.distance >= 0.0
+    is_wide: bool
 
 
-class Build:
-    """A scene graph with a frame for each solid, but for those that are anchored."""
-
-    def __init__(self) -> None:
-        self.graph = geometry.SceneGraph()
-        self.source = self.graph.RegisterSource('accuracy')
-        self.frames: list[geometry.FrameId] = []
-        self.ids: list[geometry.GeometryId] = []
-
-    def add(self, solid: Solid, anchored: bool = False) -> None:
-        """Register a solid on a frame of its own, or at the world's origin."""
-        name = str(len(self.ids))
-        instance = geometry.GeometryInstance(RigidTransform(), solid.shape, name)
-        instance.set_proximity_properties(solid.properties())
-        frame = self.graph.world_frame_id()
-        if not anchored:
-            frame = self.graph.RegisterFrame(self.source, geometry.GeometryFrame(name))
-            self.frames.append(frame)
-        self.ids.append(self.graph.RegisterGeometry(self.source, frame, instance))
-
-    def asked(self, poses: Sequence[tuple[Floats, Floats]]) -> geometry.QueryObject:
-        """Return a query object that has no earlier answers, with frames at poses (R, p)."""
-        context = self.graph.CreateDefaultContext()
-        values = {
-            frame: RigidTransform(RotationMatrix(R), p)
-            for frame, (R, p) in zip(self.frames, poses, strict=True)
-        }
-        port = self.graph.get_source_pose_port(self.source)
-        port.FixValue(context, geometry.FramePoseVector(values))
-        return self.graph.get_query_output_port().Eval(context)
-
-
-def answers(sample: Sample, query: str, levels: Sequence[str] = LEVELS) -> list[Answer | None]:
+def answers(pair: Pair, query: str, levels: Sequence[str] = LEVELS) -> list[Answer | None]:
     """Return our answer at each level; None where a penetration is not reported."""
-    build = Build()
-    bodies = [(sample.a, sample.X_WA), (sample.b, sample.X_WB)][query == POINTS :]
-    for solid, _ in bodies:
-        build.add(solid)
-    poses = [pose for _, pose in bodies]
-    return [_answer(build.asked(poses), sample, query, level) for level in levels]
+    scene = BodyScene((pair.b,) if query == POINTS else (pair.a, pair.b))
+    return [_answer(scene.asked(), pair, query, level) for level in levels]
 
 
-def _answer(asked: geometry.QueryObject, sample: Sample, query: str, level: str) -> Answer | None:
+def _answer(asked: QueryObject, pair: Pair, query: str, level: str) -> Answer | None:
     if query == POINTS:
-        found = asked.ComputeSignedDistanceToPoint(sample.X_WA[1], accuracy=level)
-        return Answer(found.distance[0], found.error_bound[0], int(found.method[0]))
+        found = asked.ComputeSignedDistanceToPoint(pair.a.p, accuracy=level)
+        distance, bound = float(found.distance[0]), float(found.error_bound[0])
+        return Answer(distance, bound, laws.is_wide_to_a_point(bound, pair.b))
+    found, distances = asked_for(asked, query, level)
+    return rows(found, distances)[0] if len(found) else None
+
+
+def asked_for(asked: QueryObject, query: str, level: str, most: float = np.inf) -> tuple[Any, Any]:
+    """Return what a query of pairs finds, and the signed distances (k,) [m]."""
     if query == PENETRATION:
         overlaps = asked.ComputePointPairPenetration(accuracy=level)
-        if not len(overlaps):
-            return None
-        return Answer(-overlaps.depth[0], overlaps.error_bound[0], int(overlaps.method[0]))
-    pairs = asked.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
-    return Answer(pairs.distance[0], pairs.error_bound[0], int(pairs.method[0]))
+        return overlaps, -overlaps.depth
+    pairs = asked.ComputeSignedDistancePairwiseClosestPoints(most, accuracy=level)
+    return pairs, pairs.distance
+
+
+def rows(found: Any, distances: Any) -> list[Answer]:
+    """Return the answers of a query of pairs."""
+    columns = distances, found.error_bound, found.breaks_promise()
+    return [Answer(*row) for row in zip(*(x.tolist() for x in columns), strict=True)]

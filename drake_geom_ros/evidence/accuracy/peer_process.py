@@ -1,47 +1,33 @@
-"""A peer in a process of its own, which may crash or hang without harm.
+"""A peer in a process of its own: what it answers to samples, and how long that takes it.
 
-Its libraries do not meet those of the others either. Times are taken inside: what it costs to
-talk to the process is not in them.
+Times are taken inside: what it costs to talk to the process is not in them.
 """
 
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
-import resource
 import time
 from collections import Counter
 from collections.abc import Sequence
-from multiprocessing.connection import Connection
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.accuracy.samples import Sample
-from drake_geom_ros.evidence.accuracy.solids import Solid
-from drake_geom_ros.evidence.truth.supports import Floats
-from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.lost_process import ANSWER, LostProcess, Outcome
 
-START_LIMIT = 60.0  # [s] to start and to import the library
 LIMIT = 5.0  # [s] for one pair to be made and asked: milliseconds, usually
 BLOCK_LIMIT = 60.0  # [s] for a block of timed calls
 MOST_LOST = 2  # processes that a query of one subject may cost; the rest of it is not asked
 
-ANSWERED, MISSED, NAN, EXCEPTION, CRASH, HANG, UNSUPPORTED, NOT_ASKED = VERDICTS = (
-    'answered',
-    'missed',  # no penetration reported
-    'nan',
-    'exception',
-    'crash',
-    'hang',
-    'unsupported',
-    'not asked',  # after too many lost processes
-)
+ANSWERED, NAN, UNSUPPORTED = 'answered', 'nan', 'unsupported'
+MISSED = 'missed'  # no penetration reported
+NOT_ASKED = 'not asked'  # after too many lost processes
 
 
-class Outcome(NamedTuple):
+class Answer(NamedTuple):
     """What became of a question; ``distance`` [m] is NaN without an answer."""
 
     verdict: str
@@ -49,35 +35,32 @@ class Outcome(NamedTuple):
 
 
 class PeerProcess:
-    """Starts the process when it is first needed, and again when it was lost."""
+    """Asks a peer about samples, which are numbered in the order in which they came."""
 
     def __init__(self, name: str, limit: float = LIMIT) -> None:
         self.name, self._limit = name, limit
-        self._methods = multiprocessing.get_context('forkserver')
-        self._methods.set_forkserver_preload([__name__])
-        self._process: Any = None
-        self._samples: list[Sample] = []
+        self._process = LostProcess(partial(_Server, name), clean=__name__)
+        self._samples: list[Pair] = []
         self._lost: Counter[str] = Counter()  # processes, by query
 
     def begin(self) -> None:
         """Forget all samples."""
         self._samples, self._lost = [], Counter()
-        if self._process is not None:
-            self._connection.send(('forget',))
+        self._keep('forget')
 
-    def give(self, samples: Sequence[Sample]) -> None:
-        """Add samples, which are numbered in the order in which they came."""
+    def give(self, samples: Sequence[Pair]) -> None:
+        """Add samples."""
         self._samples += samples
-        if self._process is not None:
-            self._connection.send(('give', samples))
+        self._keep('give', samples)
 
-    def answer(self, query: str, tolerance: float | None, index: int) -> Outcome:
+    def answer(self, query: str, tolerance: float | None, index: int) -> Answer:
         """Return what the peer says to a sample, with its own settings or one tolerance."""
         if self._lost[query] >= MOST_LOST:
-            return Outcome(NOT_ASKED)
-        outcome: Outcome = self._request(self._limit, 'answer', query, tolerance, index)
-        self._lost[query] += outcome.verdict in (CRASH, HANG)
-        return outcome
+            return Answer(NOT_ASKED)
+        outcome = self._ask(self._limit, 'answer', query, tolerance, index)
+        self._lost[query] += outcome.is_lost
+        answer: Answer = outcome.value if outcome.end == ANSWER else Answer(outcome.end)
+        return answer
 
     def seconds(
         self, query: str, tolerance: float | None, indices: Sequence[int], turns: Floats
@@ -86,59 +69,24 @@ class PeerProcess:
 
         Each of them is turned as a whole, by ``turns`` (k, 3, 3).
         """
-        taken = self._request(BLOCK_LIMIT, 'time', query, tolerance, list(indices), turns)
-        return None if isinstance(taken, Outcome) else float(taken)
+        outcome = self._ask(BLOCK_LIMIT, 'time', query, tolerance, list(indices), turns)
+        return float(outcome.value) if outcome.end == ANSWER else None
 
     def close(self) -> None:
         """End the process."""
-        if self._process is not None:
-            self._process.kill()
-            self._process.join()
-            self._connection.close()
-            self._process = None
+        self._process.close()
 
-    def _request(self, limit: float, *request: Any) -> Any:
-        """Return what the process answers; an Outcome when it is lost over it."""
-        try:
-            if self._process is None:
-                self._start()
-            self._connection.send(request)
-            if self._connection.poll(limit):
-                return self._connection.recv()
-            lost = Outcome(HANG)
-        except (EOFError, OSError):
-            lost = Outcome(CRASH)
-        self.close()
-        return lost
+    def _keep(self, *request: Any) -> None:
+        """Tell a process that runs; one that starts is given all samples."""
+        if self._process.is_running:
+            self._process.ask(BLOCK_LIMIT, *request)
 
-    def _start(self) -> None:
-        self._connection, theirs = self._methods.Pipe()
-        self._process = self._methods.Process(target=_serve, args=(theirs, self.name), daemon=True)
-        self._process.start()
-        theirs.close()
-        if not self._connection.poll(START_LIMIT):
-            raise EOFError
-        self._connection.recv()
-        self._connection.send(('give', self._samples))
-
-
-def _serve(connection: Connection, name: str) -> None:
-    """Answer requests until the other side is gone."""
-    # What a library prints while it dies is no output of ours, and nobody reads its core.
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.dup2(nowhere, 2)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    server = _Server(name)
-    connection.send('ready')
-    while True:
-        try:
-            what, *arguments = connection.recv()
-        except EOFError:
-            return
-        answer = getattr(server, what)(*arguments)
-        if what in ('answer', 'time'):
-            connection.send(answer)
+    def _ask(self, limit: float, *request: Any) -> Outcome:
+        if not self._process.is_running:
+            given = self._process.ask(BLOCK_LIMIT, 'give', self._samples)
+            if given.is_lost:
+                return given
+        return self._process.ask(limit, *request)
 
 
 class _Server:
@@ -148,44 +96,42 @@ class _Server:
         self._name = name
         self._loaded: dict[float | None, peers.Peer] = {None: peers.load(name)}
         # Imports the library, and what reads hulls, which is no part of a limit.
-        hull = Solid('Convex', vertices=np.vstack([np.zeros(3), np.eye(3)])).shape
+        hull = Body('Convex', np.vstack([np.zeros(3), np.eye(3)])).shape
         self._loaded[None].pair(peers.PENETRATION, hull, hull)
         self.forget()
 
+    def __call__(self, what: str, *arguments: Any) -> Any:
+        """Do what is asked for."""
+        return getattr(self, what)(*arguments)
+
     def forget(self) -> None:
-        self._samples: list[Sample] = []
+        self._samples: list[Pair] = []
         self._asks: dict[tuple[str, float | None, int], peers.Ask] = {}
 
-    def give(self, samples: Sequence[Sample]) -> None:
+    def give(self, samples: Sequence[Pair]) -> None:
         self._samples += samples
 
-    def answer(self, query: str, tolerance: float | None, index: int) -> Outcome:
+    def answer(self, query: str, tolerance: float | None, index: int) -> Answer:
         sample = self._samples[index]
         try:
-            found = self._ask(query, tolerance, index)(_pose(sample.X_WA), _pose(sample.X_WB))
+            found = self._ask(query, tolerance, index)(sample.a.pose, sample.b.pose)
         except peers.Unsupported:
-            return Outcome(UNSUPPORTED)
-        except Exception:  # whatever a library raises for numbers that it does not like
-            return Outcome(EXCEPTION)
+            return Answer(UNSUPPORTED)
         if found is None:
-            return Outcome(MISSED)
-        return Outcome(ANSWERED if math.isfinite(found.distance) else NAN, float(found.distance))
+            return Answer(MISSED)
+        return Answer(ANSWERED if math.isfinite(found.distance) else NAN, float(found.distance))
 
     def time(
         self, query: str, tolerance: float | None, indices: Sequence[int], turns: Floats
-    ) -> float | Outcome:
-        work = [
-            (self._ask(query, tolerance, i), _pose(s.X_WA, turn), _pose(s.X_WB, turn))
-            for i, turn in zip(indices, turns, strict=True)
-            for s in [self._samples[i]]
-        ]
-        try:
-            start = time.thread_time()
-            for ask, X_WA, X_WB in work:
-                ask(X_WA, X_WB)
-            return (time.thread_time() - start) / len(work)
-        except Exception:  # a turned pair may be one that the library does not like
-            return Outcome(EXCEPTION)
+    ) -> float:
+        work = []
+        for index, R in zip(indices, turns, strict=True):
+            turned = self._samples[index].moved(R, np.zeros(3))
+            work.append((self._ask(query, tolerance, index), turned.a.pose, turned.b.pose))
+        start = time.thread_time()
+        for ask, X_WA, X_WB in work:  # a turned pair may be one that the library refuses
+            ask(X_WA, X_WB)
+        return (time.thread_time() - start) / len(work)
 
     def _ask(self, query: str, tolerance: float | None, index: int) -> peers.Ask:
         key = query, tolerance, index
@@ -196,8 +142,3 @@ class _Server:
             pair = self._loaded[tolerance].pair(query, sample.a.shape, sample.b.shape)
             self._asks[key] = pair
         return self._asks[key]
-
-
-def _pose(X: tuple[Floats, Floats], turn: Floats | None = None) -> RigidTransform:
-    R, p = X if turn is None else (turn @ X[0], turn @ X[1])
-    return RigidTransform(RotationMatrix(np.asarray(R)), p)

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED
-from drake_geom_ros.evidence.accuracy.samples import Sample
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.laws import WIDE
 from drake_geom_ros.evidence.tolerances import EPS, ROUNDING, TRUTH_ROUNDING
-from drake_geom_ros.geometry import ACCURACY_GAPS
 
 OURS = 'drake_geom_ros'
 
@@ -41,26 +41,26 @@ class Measured:
     bounds: list[float] = field(default_factory=list)
     sizes: list[float] = field(default_factory=list)
     configurations: list[str] = field(default_factory=list)
-    promised: list[bool] = field(default_factory=list)
+    wide: list[bool] = field(default_factory=list)
     verdicts: Counter[str] = field(default_factory=Counter)
     whole: float | None = None
     inside: float | None = None
 
     def add(
         self,
-        sample: Sample,
+        sample: Case,
         distance: float,
         error_bound: float | None = None,
-        promised: bool = True,
+        is_wide: bool = False,
     ) -> None:
         """Take an answer in."""
         self.verdicts[ANSWERED] += 1
-        self.errors.append(abs(distance - sample.truth))
-        self.sizes.append(sample.size)
-        self.configurations.append(sample.configuration)
+        self.errors.append(abs(distance - sample.distance))
+        self.sizes.append(sample.extent)
+        self.configurations.append(sample.about)
         if error_bound is not None:
             self.bounds.append(error_bound)
-            self.promised.append(promised)
+            self.wide.append(is_wide)
 
     @property
     def failures(self) -> dict[str, int]:
@@ -94,12 +94,11 @@ class Measured:
     def lies(self) -> list[str]:
         """Return what is not as certified or promised, one sentence an answer."""
         found = []
-        width = ACCURACY_GAPS.get(self.setting.label, float('inf'))
-        columns = self.errors, self.bounds, self.sizes, self.configurations, self.promised
-        for error, bound, size, configuration, promised in zip(*columns, strict=False):
+        columns = self.errors, self.bounds, self.sizes, self.configurations, self.wide
+        for error, bound, size, configuration, is_wide in zip(*columns, strict=False):
             where = f'{self.case}, {self.query}, {self.setting.label}, {configuration}'
             if error > bound + TRUTH_ROUNDING * size:
                 found.append(f'{where}: error {error:.3g} m, error_bound {bound:.3g} m')
-            if promised and bound > width * max(size, 1.0):
-                found.append(f'{where}: error_bound {bound:.3g} m, promised {width:g} m')
+            if is_wide:
+                found.append(f'{where}: error_bound {bound:.3g} m, {WIDE}')
         return found

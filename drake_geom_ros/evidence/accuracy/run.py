@@ -9,26 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from drake_geom_ros.evidence import machine
-from drake_geom_ros.evidence.accuracy import diagrams, ours
+from drake_geom_ros.evidence.accuracy import diagrams
 from drake_geom_ros.evidence.accuracy.cases import (
     QUICK_RESOLUTIONS,
-    Case,
+    ShapePair,
     all_cases,
     chosen,
     in_turns,
 )
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
-from drake_geom_ros.evidence.accuracy.mesh_cases import (
-    QUICK_CASES,
-    MeshCase,
-    MeshSubject,
-    mesh_cases,
-)
+from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, MeshPair, mesh_cases
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.evidence.accuracy.scenes import SCENES
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject, SceneSubject, Subject
+from drake_geom_ros.evidence.accuracy.subjects import CaseSubject, Subject
 from drake_geom_ros.evidence.accuracy.tables import Circumstances, microseconds, readme, write_csv
+from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.pages import description, versions
 
 MINUTES, QUICK_MINUTES = 9.0, 0.8  # to measure in: the rest of 10 and of 1 is to begin and to end
 # Of the share of a subject, for batches: turns, and what takes them to be made, come on top.
@@ -65,12 +61,8 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         compiling = compile_kernels(chosen_cases)
         say(f'kernels ready after {compiling:.0f} s, which no figure contains')
         measurement.calibrate()
-        scenes = [] if request.patterns else [make() for make in SCENES.values()]
-        subjects: list[Subject] = [SceneSubject(scene) for scene in scenes]
-        subjects += [
-            MeshSubject(case) if isinstance(case, MeshCase) else CaseSubject(case)
-            for case in in_turns(chosen_cases)
-        ]
+        subjects: list[Subject] = [make() for make in SCENES.values() if not request.patterns]
+        subjects += [CaseSubject(case) for case in in_turns(chosen_cases)]
         left_out = measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
     except KeyboardInterrupt:
         say('interrupted: what was measured until now is written')
@@ -78,8 +70,8 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         measurement.close()
     told = Circumstances(
         command=_command(request),
-        machine=machine.description(),
-        versions=machine.versions(request.peers),
+        machine=description(),
+        versions=versions(request.peers),
         minutes=(time.monotonic() - begun - compiling) / 60.0,
         compiling=compiling,
         left_out=left_out,
@@ -100,23 +92,20 @@ def _command(request: Request) -> str:
     return ' '.join(words)
 
 
-def cases_of(request: Request) -> list[Case | MeshCase]:
+def cases_of(request: Request) -> list[ShapePair | MeshPair]:
     """Return all cases that the request may choose from."""
     if request.quick:
         return [*all_cases(QUICK_RESOLUTIONS), *QUICK_CASES]
     return [*all_cases(), *mesh_cases()]
 
 
-def compile_kernels(cases: Sequence[Case | MeshCase]) -> float:
+def compile_kernels(cases: Sequence[ShapePair | MeshPair]) -> float:
     """Compile or load all kernels that the cases need; return the seconds that this took."""
     start = time.perf_counter()
     rng = np.random.default_rng(0)
     for case in {(case.a, case.b): case for case in reversed(cases)}.values():
-        build = ours.Build()
-        solids = [solid for solid in case.bodies(rng) if solid.kind != 'Point']
-        for solid in solids:
-            build.add(solid)
-        asked = build.asked([(np.eye(3), np.zeros(3))] * len(solids))
+        bodies = [body for body in case.bodies(rng) if body.kind != 'Point']
+        asked = BodyScene(bodies).asked()
         if case.a == 'Point':
             asked.ComputeSignedDistanceToPoint(np.zeros(3))
         else:

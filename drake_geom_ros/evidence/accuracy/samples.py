@@ -8,16 +8,23 @@ their truth is the maximum over all directions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from zlib import crc32
 
 import numpy as np
 
-from drake_geom_ros.evidence.accuracy.cases import Case
-from drake_geom_ros.evidence.accuracy.solids import Solid, random_rotation
-from drake_geom_ros.evidence.tolerances import DEEP, NEAR, NO_DIRECTION, SHALLOW, TIE
-from drake_geom_ros.evidence.truth import convex as truth
-from drake_geom_ros.evidence.truth.supports import Body, Floats, posed
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.evidence.tolerances import (
+    DEEP,
+    NEAR,
+    NO_DIRECTION,
+    SHALLOW,
+    TIE,
+    TRUTH_ROUNDING,
+)
+from drake_geom_ros.evidence.truth import convex
+from drake_geom_ros.evidence.truth.supports import MinkowskiSum, posed
 
 # Name -> gap [m]; None: the origins 1 cm apart, so that one body is inside the other, or nearly.
 CONFIGURATIONS: dict[str, float | None] = {
@@ -31,57 +38,41 @@ CONFIGURATIONS: dict[str, float | None] = {
 CONTAINED = 0.01  # [m] between the origins
 
 
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Two solids, their poses (R (3, 3), p (3,) [m]) and the true signed distance [m]."""
-
-    a: Solid
-    b: Solid
-    X_WA: tuple[Floats, Floats]
-    X_WB: tuple[Floats, Floats]
-    truth: float
-    configuration: str
-
-    @property
-    def size(self) -> float:
-        """The size [m] of the pair, to which rounding is relative: radii plus offset."""
-        apart = float(np.linalg.norm(self.X_WB[1] - self.X_WA[1]))
-        return self.a.reach() + self.b.reach() + apart
-
-
 def stream(name: str, seed: int) -> np.random.Generator:
     """Return the random numbers of a case: its own, whatever else is measured."""
     return np.random.default_rng([seed, crc32(name.encode())])
 
 
-def sample(case: Case, configuration: str, rng: np.random.Generator) -> Sample:
-    """Return a random pair in a configuration."""
-    a, b = case.bodies(rng)
-    R_WA, R_WB = random_rotation(rng), random_rotation(rng)
-    n = _direction(rng, (a, R_WA), (b, R_WB))
+def known(a: Body, b: Body, distance: float, about: str) -> Case:
+    """Return a pair with its true distance [m], rounded once, and what it is called."""
+    return Case(a, b, distance, TRUTH_ROUNDING * Pair(a, b).extent, about=about)
+
+
+def convex_sample(a: Body, b: Body, configuration: str, rng: np.random.Generator) -> Case:
+    """Return two convex shapes at random poses in a configuration."""
+    R_WA, R_WB = random_rotations(rng, 2)
+    a, b = a.placed(R_WA, np.zeros(3)), b.placed(R_WB, np.zeros(3))
+    n = _direction(rng, a, b)
     gap = CONFIGURATIONS[configuration]
     if gap is None:
-        step = rng.normal(size=3)
-        p_WB = CONTAINED * step / np.linalg.norm(step)
+        p_WB = CONTAINED * random_directions(rng, 1)[0]
     else:
-        p_WB = farthest_point(rng, a, R_WA, n) + gap * n - farthest_point(rng, b, R_WB, -n)
-    X_WA, X_WB = (R_WA, np.zeros(3)), (R_WB, p_WB)
-    pair = a.support(), X_WA, b.support(), X_WB
-    known = gap is not None and gap >= 0.0
-    phi, _ = truth.near_direction(*pair, n) if known else truth.signed_distance(*pair)
-    return Sample(a, b, X_WA, X_WB, phi, configuration)
+        p_WB = farthest_point(rng, a, n) + gap * n - farthest_point(rng, b, -n)
+    b = b.at(p_WB)
+    pair = a.form, a.X_WG, b.form, b.X_WG
+    is_made = gap is not None and gap >= 0.0
+    phi, _ = convex.near_direction(*pair, n) if is_made else convex.signed_distance(*pair)
+    return known(a, b, phi, configuration)
 
 
-def _direction(
-    rng: np.random.Generator, a: tuple[Solid, Floats], b: tuple[Solid, Floats]
-) -> Floats:
+def _direction(rng: np.random.Generator, a: Body, b: Body) -> Floats:
     """Return a unit direction out of A: any, or one across an edge, two edges, or a face."""
-    for sign, (solid, R) in ((1.0, a), (-1.0, b)):
-        if solid.kind == 'HalfSpace':
-            normal: Floats = sign * R[:, 2]
+    for sign, body in ((1.0, a), (-1.0, b)):
+        if body.kind == 'HalfSpace':
+            normal: Floats = sign * body.R[:, 2]
             return normal
-    bodies = [posed(solid.support(), R, np.zeros(3)) for solid, R in (a, b)]
-    edges = [_edges(body) for body in bodies]
+    sums = [posed(body.form, *body.X_WG) for body in (a, b)]
+    edges = [_edges(each) for each in sums]
     n = rng.normal(size=3)
     across = [rng.choice(side) for side in edges if len(side)]
     match rng.integers(4):
@@ -91,20 +82,19 @@ def _direction(
         case 2 if len(across) == 2:
             n = np.cross(*across)
         case 3 if across:
-            owner = bodies[0] if len(edges[0]) else bodies[1]
-            n = _face(rng, owner)
+            n = _face(rng, sums[0] if len(edges[0]) else sums[1])
     length = np.linalg.norm(n)
     return n / length if length > NO_DIRECTION else np.array([1.0, 0.0, 0.0])
 
 
-def _edges(body: Body) -> Floats:
+def _edges(body: MinkowskiSum) -> Floats:
     """Return the unit directions (k, 3) of a body's edges."""
     v = (body.vertices[body.edges[:, 0]] - body.vertices[body.edges[:, 1]]) @ body.R.T
     lengths: Floats = np.linalg.norm(v, axis=1)[:, None]
     return v / lengths
 
 
-def _face(rng: np.random.Generator, body: Body) -> Floats:
+def _face(rng: np.random.Generator, body: MinkowskiSum) -> Floats:
     """Return the normal of a face, or the axis of a body that has one edge only."""
     if len(body.edges) == 1:
         axis: Floats = rng.choice([-1.0, 1.0]) * body.R[:, 2]
@@ -116,18 +106,18 @@ def _face(rng: np.random.Generator, body: Body) -> Floats:
     return body.R @ np.cross(u, v)
 
 
-def farthest_point(rng: np.random.Generator, solid: Solid, R: Floats, n: Floats) -> Floats:
-    """Return a point (3,) in which a solid at the origin ends along a unit n.
+def farthest_point(rng: np.random.Generator, body: Body, n: Floats) -> Floats:
+    """Return a point (3,), from its origin, in which a body ends along a unit n.
 
     Any of those of an edge or a face.
     """
-    if solid.kind == 'HalfSpace':
+    if body.kind == 'HalfSpace':
         return np.zeros(3)
-    body = posed(solid.support(), R, np.zeros(3))
-    heights = body.vertices @ (n @ R)
-    tied = body.vertices[heights >= heights.max() - TIE * (1.0 + body.size)]
-    point = body.points(n[None])[0]
-    top = body.vertices[np.argmax(heights)]
+    of_origin = posed(body.form, body.R, np.zeros(3))
+    heights = of_origin.vertices @ (n @ body.R)
+    tied = of_origin.vertices[heights >= heights.max() - TIE * (1.0 + of_origin.size)]
+    point = of_origin.points(n[None])[0]
+    top = of_origin.vertices[np.argmax(heights)]
     weights = rng.dirichlet(np.ones(len(tied)))
-    moved: Floats = point + R @ (weights @ tied - top)
+    moved: Floats = point + body.R @ (weights @ tied - top)
     return moved

@@ -13,6 +13,7 @@ import numpy as np
 from drake_geom_ros.evidence.accuracy.cases import QUERIES
 from drake_geom_ros.evidence.accuracy.ours import LEVELS
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
+from drake_geom_ros.evidence.pages import table
 
 COLUMNS = (
     'case', 'family', 'query', 'library', 'setting', 'answers', 'failures', 'error_median',
@@ -74,7 +75,7 @@ def merged(records: Sequence[Measured]) -> Measured:
         one.bounds += r.bounds
         one.sizes += r.sizes
         one.configurations += r.configurations
-        one.promised += r.promised
+        one.wide += r.wide
         one.verdicts += r.verdicts
     for name in ('whole', 'inside'):
         times = [t for r in records if (t := getattr(r, name)) is not None]
@@ -103,7 +104,7 @@ def readme(records: Sequence[Measured], told: Circumstances, pictures: Sequence[
         groups = {family: rs for (q, family), rs in families.items() if q == query}
         if groups:
             parts.append(f'## {QUERY_TITLES[query]}\n')
-        parts += [f'### {family}\n\n{_table(rs)}' for family, rs in groups.items()]
+        parts += [f'### {family}\n\n{_family(rs)}' for family, rs in groups.items()]
     parts.append(_each_case(records))
     return '\n'.join(parts)
 
@@ -171,29 +172,28 @@ def _certificates(records: Sequence[Measured]) -> str:
         'Bound over error where the error is more than rounding (16 times the spacing of floats '
         "at the pair's size). 1 is a bound that could not be smaller.",
         '',
-        '| level | answers | bound below error | above rounding | ratio: median | worst |',
-        '|---|---|---|---|---|---|',
     ]
+    headings = 'level', 'answers', 'bound below error', 'above rounding', 'ratio: median', 'worst'
+    rows = []
     for level in LEVELS:
         mine = [r for r in records if r.setting == Setting(OURS, level)]
         ratios = [ratio for r in mine for ratio in r.ratios()]
         cells = (
+            level,
             sum(len(r.errors) for r in mine),
             sum(len(r.lies()) for r in mine),
             len(ratios),
             f'{np.median(ratios):.2f}' if ratios else '',
             f'{max(ratios):.3g}' if ratios else '',
         )
-        lines.append(f'| {level} | ' + ' | '.join(map(str, cells)) + ' |')
-    return '\n'.join(lines) + '\n'
+        rows.append(cells)
+    return '\n'.join(lines) + table(headings, rows)
 
 
-def _table(records: Sequence[Measured]) -> str:
+def _family(records: Sequence[Measured]) -> str:
     """Return a family's table, a row a setting."""
-    lines = [
-        '| library | setting | median | 99 % | worst | bound | us a pair | no answer |',
-        '|---|---|---|---|---|---|---|---|',
-    ]
+    headings = 'library', 'setting', 'median', '99 %', 'worst', 'bound', 'us a pair', 'no answer'
+    rows = []
     for r in records:
         errors = [length(r.error(q), r.rounding()) for q in (0.5, 0.99, 1.0)]
         why = ', '.join(f'{n} {name}' for name, n in r.failures.items())
@@ -204,25 +204,21 @@ def _table(records: Sequence[Measured]) -> str:
             microseconds(r.whole) + (f' ({microseconds(r.inside)})' if r.whole else ''),
             f'{why} of {asked}' if why else '',
         ]
-        lines.append('| ' + ' | '.join(cells) + ' |')
-    return '\n'.join(lines) + '\n'
+        rows.append(cells)
+    return table(headings, rows)
 
 
 def _each_case(records: Sequence[Measured]) -> str:
     """Return the table of our level exact, a row a case."""
-    lines = [
-        '## Level exact, case by case',
-        '',
-        '| case | query | median | worst | worst bound | us a pair | answers |',
-        '|---|---|---|---|---|---|---|',
-    ]
+    headings = 'case', 'query', 'median', 'worst', 'worst bound', 'us a pair', 'answers'
+    rows = []
     for r in records:
         if r.setting == Setting(OURS, 'exact'):
             errors = [length(r.error(q), r.rounding()) for q in (0.5, 1.0)]
             cells = [r.case, r.query.replace('_', ' '), *errors, length(r.worst_bound(), 0.0)]
             cells += [f'{microseconds(r.whole)} ({microseconds(r.inside)})', str(len(r.errors))]
-            lines.append('| ' + ' | '.join(cells) + ' |')
-    return '\n'.join(lines) + '\n'
+            rows.append(cells)
+    return '## Level exact, case by case\n\n' + table(headings, rows)
 
 
 def length(value: float, rounding: float) -> str:

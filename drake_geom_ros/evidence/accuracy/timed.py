@@ -14,11 +14,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros import geometry
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS, SIGNED_DISTANCE
-from drake_geom_ros.evidence.accuracy.ours import Build
-from drake_geom_ros.evidence.accuracy.samples import Sample
-from drake_geom_ros.evidence.accuracy.solids import Solid
-from drake_geom_ros.evidence.truth.supports import Floats, Pose
+from drake_geom_ros.evidence.accuracy.cases import POINTS, SIGNED_DISTANCE
+from drake_geom_ros.evidence.accuracy.ours import asked_for
+from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 
 SPACING = 4.0  # [m] between the pairs of a scene of samples: none of them meets its neighbours
 FARTHEST = 0.5  # [m] up to which distances are asked for there: all pairs, but no neighbours
@@ -35,28 +34,27 @@ class TimedScene:
     """A scene that is posed and asked again and again.
 
     Every cycle turns each group of bodies anew about its cell, at random: no answer and no hint
-    of the last cycle helps. ``poses`` are those of the bodies in their groups; ``points`` (n,)
-    says which of them are query points.
+    of the last cycle helps. ``bodies`` are at their poses in their groups, Points among them are
+    query points.
     """
 
     def __init__(
         self,
-        build: Build,
-        poses: Sequence[Pose],
+        bodies: Sequence[Body],
         groups: Sequence[int],
         cells: Floats,
-        points: Sequence[bool],
-        yaw_only: bool = False,
+        floor: Sequence[Body] = (),
         farthest: float = FARTHEST,
     ) -> None:
-        self._Rs = np.array([R for R, _ in poses])
-        self._ps = np.array([p for _, p in poses])
+        self._Rs, self._ps = (np.array([getattr(body, x) for body in bodies]) for x in 'Rp')
         self._groups, self._cells = np.array(groups), cells
-        self._is_point, self._yaw_only, self._farthest = np.array(points), yaw_only, farthest
-        self._ids = np.array([frame.get_value() for frame in build.frames])
-        self._context = build.graph.CreateDefaultContext()
-        self._port = build.graph.get_source_pose_port(build.source)
-        self._asked = build.graph.get_query_output_port().Eval(self._context)
+        self._is_point = np.array([body.kind == 'Point' for body in bodies])
+        self._yaw_only, self._farthest = bool(floor), farthest
+        scene = BodyScene([body for body in bodies if body.kind != 'Point'], floor)
+        self._ids = np.array([frame.get_value() for frame in scene.frames])
+        self._context = scene.graph.CreateDefaultContext()
+        self._port = scene.graph.get_source_pose_port(scene.source)
+        self._asked = scene.asked(self._context)
 
     def cycle(self, query: str, level: str, rng: np.random.Generator, pairs: int) -> Seconds:
         """Pose, ask, read the arrays; return what that took for each of ``pairs``."""
@@ -87,43 +85,26 @@ class TimedScene:
                 points, self._farthest, accuracy=level
             )
             return found.distance, found.p_GN, found.grad_W
-        if query == PENETRATION:
-            overlaps = self._asked.ComputePointPairPenetration(accuracy=level)
-            return overlaps.depth, overlaps.p_WCa, overlaps.nhat_BA_W
-        pairs = self._asked.ComputeSignedDistancePairwiseClosestPoints(
-            self._farthest, accuracy=level
-        )
-        return pairs.distance, pairs.p_WCa, pairs.nhat_BA_W
+        pairs, distances = asked_for(self._asked, query, level, self._farthest)
+        return distances, pairs.p_WCa, pairs.nhat_BA_W
 
 
-def side_by_side(samples: Sequence[Sample]) -> TimedScene:
+def side_by_side(samples: Sequence[Pair]) -> TimedScene:
     """Return a scene of samples of one case, far from each other.
 
     A half space would meet all neighbours: there is one for all, which does not move, and pairs
     turn about its normal only.
     """
-    build, poses, groups, points = Build(), [], [], []
+    bodies, groups = list[Body](), list[int]()
     flat = 'HalfSpace' in (samples[0].a.kind, samples[0].b.kind)
-    if flat:
-        build.add(Solid('HalfSpace'), anchored=True)
     for group, sample in enumerate(samples):
-        bodies = [(sample.a, sample.X_WA), (sample.b, sample.X_WB)]
-        base = next((X for solid, X in bodies if solid.kind == 'HalfSpace'), sample.X_WA)
-        for solid, X in bodies:
-            if solid.kind == 'HalfSpace':
-                continue
-            if solid.kind != 'Point':
-                build.add(solid)
-            poses.append(_within(base, X))
-            groups.append(group)
-            points.append(solid.kind == 'Point')
-    return TimedScene(build, poses, groups, _lattice(len(samples), flat), points, flat)
-
-
-def _within(X_WF: Pose, X_WG: Pose) -> Pose:
-    """Return X_FG."""
-    (R_WF, p_WF), (R_WG, p_WG) = X_WF, X_WG
-    return R_WF.T @ R_WG, R_WF.T @ (p_WG - p_WF)
+        base = sample.b if sample.b.kind == 'HalfSpace' else sample.a
+        for body in (sample.a, sample.b):
+            if body.kind != 'HalfSpace':
+                bodies.append(body.moved(base.R.T, -base.R.T @ base.p))
+                groups.append(group)
+    floor = [Body('HalfSpace')] if flat else []
+    return TimedScene(bodies, groups, _lattice(len(samples), flat), floor)
 
 
 def _lattice(count: int, flat: bool) -> Floats:

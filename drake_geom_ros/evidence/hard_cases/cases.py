@@ -18,142 +18,45 @@ is the rotation by rows, left out where it is the identity. ``distance`` is righ
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drake_geom_ros import geometry
-from drake_geom_ros.evidence.peers import SolidMesh
-from drake_geom_ros.geometry.mesh_source import MeshData
-from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.tolerances import EPS
 
-Floats = NDArray[np.float64]
-
-FROM_VERTICES = ('Convex', 'Solid')
 CATALOGUE = Path(__file__).resolve().parent / 'catalogue'
 PEERS_TODAY = CATALOGUE / 'peers_today.json'
 
 
-@dataclass(frozen=True)
-class Body:
-    """A shape at its pose X_WG."""
-
-    kind: str
-    size: tuple[Any, ...]
-    R: Floats
-    p: Floats
-    triangles: tuple[tuple[int, int, int], ...] = ()
-
-    @cached_property
-    def shape(self) -> geometry.Shape:
-        """The shape; of a Convex the hull of its vertices, of a Solid the mesh."""
-        if self.kind == 'Solid':
-            return SolidMesh.FromMeshData(MeshData(self.size, self.triangles))
-        if self.kind == 'Convex':
-            return geometry.Convex.FromMeshData(MeshData(self.size))
-        return getattr(geometry, self.kind)(*self.size)
-
-    @property
-    def properties(self) -> geometry.ProximityProperties:
-        """What the proximity role needs: a Solid is one by its property."""
-        properties = geometry.ProximityProperties()
-        if self.kind == 'Solid':
-            properties.AddProperty('mesh', 'solid', True)
-        return properties
-
-    @cached_property
-    def corners(self) -> Floats:
-        """Corners (m, 3, 3) [m] of a Solid's triangles, without those that have no area."""
-        corners = np.array(self.size)[np.array(self.triangles)]
-        sides = corners[:, 1:] - corners[:, :1]
-        with_area: Floats = corners[np.cross(sides[:, 0], sides[:, 1]).any(axis=1)]
-        return with_area
-
-    @property
-    def pose(self) -> RigidTransform:
-        """X_WG, with the rotation matrix as it stands."""
-        return RigidTransform(RotationMatrix(self.R), self.p)
-
-    @property
-    def radius(self) -> float:
-        """Radius [m] of the ball about the shape's origin that holds it; a half space has 0."""
-        s = np.asarray(self.size, dtype=float)
-        if self.kind in FROM_VERTICES:
-            return max(math.hypot(*v) for v in s)
-        if self.kind == 'Box':
-            return math.hypot(*(0.5 * s))
-        if self.kind == 'Capsule':
-            return float(s[0] + 0.5 * s[1])
-        if self.kind == 'Cylinder':
-            return math.hypot(s[0], 0.5 * s[1])
-        return float(s.max()) if s.size else 0.0
-
-    def moved(self, R: Floats, p: Floats) -> Body:
-        """Return the body after a rigid motion of World."""
-        return replace(self, R=R @ self.R, p=R @ self.p + p)
-
-    def scaled(self, s: float) -> Body:
-        """Return the body with all lengths multiplied."""
-        if self.kind in FROM_VERTICES:
-            size = tuple(map(tuple, (s * np.array(self.size)).tolist()))
-        else:
-            size = tuple(s * x for x in self.size)
-        return replace(self, size=size, p=s * self.p)
-
-
-@dataclass(frozen=True)
-class Case:
+@dataclass(frozen=True, eq=False)
+class Case(Pair):
     """Two bodies and what is true of them."""
 
-    id: str
-    family: str
-    source: str
-    about: str
-    a: Body
-    b: Body
     distance: float
     tolerance: float
     normals: Floats | None = None
     witnesses: Floats | None = None
-
-    @property
-    def has_solid(self) -> bool:
-        """Whether one of the bodies is a mesh as a solid, which may have dents."""
-        return 'Solid' in (self.a.kind, self.b.kind)
-
-    @property
-    def extent(self) -> float:
-        """Size of the pair [m]: both radii and the distance of the origins."""
-        return self.a.radius + self.b.radius + math.hypot(*(self.b.p - self.a.p))
-
-    @property
-    def smaller(self) -> float:
-        """Radius [m] of the smaller body, half spaces aside; 0 for points too."""
-        radii = [body.radius for body in (self.a, self.b) if body.kind != 'HalfSpace']
-        return min(r for r in radii if r > 0.0) if any(radii) else 0.0
+    id: str = ''
+    family: str = ''
+    source: str = ''
+    about: str = ''
 
     def swapped(self) -> Case:
         """Return the case with A and B exchanged."""
         return replace(
-            self,
-            a=self.b,
-            b=self.a,
+            super().swapped(),
             normals=None if self.normals is None else -self.normals,
             witnesses=None if self.witnesses is None else self.witnesses[::-1],
         )
 
     def moved(self, R: Floats, p: Floats) -> Case:
         """Return the case after a rigid motion of World, whose rounding its tolerance covers."""
-        rounding = 4.0 * np.finfo(float).eps * (self.extent + float(np.abs(p).max()) + self._away)
+        rounding = 4.0 * EPS * (self.extent + float(np.abs(p).max()) + self.away)
         return replace(
-            self,
-            a=self.a.moved(R, p),
-            b=self.b.moved(R, p),
+            super().moved(R, p),
             tolerance=self.tolerance + rounding,
             normals=None if self.normals is None else self.normals @ R.T,
             witnesses=None if self.witnesses is None else self.witnesses @ R.T + p,
@@ -162,17 +65,11 @@ class Case:
     def scaled(self, s: float) -> Case:
         """Return the case with all lengths multiplied by a power of two, which rounds nothing."""
         return replace(
-            self,
-            a=self.a.scaled(s),
-            b=self.b.scaled(s),
+            super().scaled(s),
             distance=s * self.distance,
             tolerance=s * self.tolerance,
             witnesses=None if self.witnesses is None else s * self.witnesses,
         )
-
-    @property
-    def _away(self) -> float:
-        return float(max(np.abs(self.a.p).max(), np.abs(self.b.p).max()))
 
 
 def families() -> tuple[str, ...]:
@@ -197,9 +94,14 @@ def case_of(entry: dict[str, Any], family: str) -> Case:
         for key in ('normals', 'witnesses')
     )
     return Case(
-        *(entry['id'], family, entry['source'], entry['about']),
-        *(body_of(entry['a']), body_of(entry['b'])),
-        *(float(entry['distance']), float(entry['tolerance']), normals, witnesses),
+        body_of(entry['a']),
+        body_of(entry['b']),
+        float(entry['distance']),
+        float(entry['tolerance']),
+        normals,
+        witnesses,
+        family=family,
+        **{key: entry[key] for key in ('id', 'source', 'about')},
     )
 
 

@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.evidence.hard_cases.cases import Case, Floats
-from drake_geom_ros.evidence.lost_process import Outcome
+from drake_geom_ros.evidence import laws
+from drake_geom_ros.evidence.bodies import Floats
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.lost_process import ANSWER, EXCEPTION, Outcome
 from drake_geom_ros.evidence.peers import PENETRATION, PairAnswer, Unsupported
-from drake_geom_ros.evidence.surfaces import height, width
 from drake_geom_ros.evidence.tolerances import (
     JUDGED_PART,
     JUDGED_ROUNDING,
@@ -36,18 +37,16 @@ class Verdict(NamedTuple):
 
 def allowed(case: Case) -> float:
     """Return what an answer may be off by [m]."""
-    away = max(np.abs(case.a.p).max(), np.abs(case.b.p).max())
-    return float(
-        JUDGED_PART * case.smaller + JUDGED_ROUNDING * (case.extent + away) + case.tolerance
-    )
+    rounding = JUDGED_ROUNDING * (case.extent + case.away)
+    return JUDGED_PART * case.smaller + rounding + case.tolerance
 
 
 def judged(case: Case, query: str, outcome: Outcome) -> Verdict:
     """Return the verdict on how a question about a case ended."""
-    if outcome.end == 'exception':
+    if outcome.end == EXCEPTION:
         kind = 'unsupported' if isinstance(outcome.value, Unsupported) else 'exception'
         return Verdict(kind, str(outcome.value).strip().split('\n')[0][:80])
-    if outcome.end != 'answer':
+    if outcome.end != ANSWER:
         return Verdict(outcome.end, str(outcome.value))
     off = allowed(case)
     if outcome.value is None:
@@ -66,12 +65,8 @@ def _may_be(case: Case, nhat_BA_W: Floats, off: float) -> bool:
     Along the normal of a body with dents its hull tells nothing.
     """
     if case.has_solid:
-        expected = () if case.normals is None else case.normals
-        return (
-            not len(expected)
-            or min(np.linalg.norm(nhat_BA_W - n) for n in expected) <= JUDGED_TURN
-        )
-    return case.distance - width(case.a, case.b, nhat_BA_W) <= off + JUDGED_UNIT * case.extent
+        return case.normals is None or laws.turned(nhat_BA_W, case.normals) <= JUDGED_TURN
+    return laws.lacking(case, case.distance, nhat_BA_W) <= off + JUDGED_UNIT * case.extent
 
 
 def _of_answer(case: Case, answer: PairAnswer, off: float) -> Verdict:
@@ -84,19 +79,15 @@ def _of_answer(case: Case, answer: PairAnswer, off: float) -> Verdict:
         text = f'{answer.distance:.6g} for {case.distance:.6g}'
         return Verdict('wrong', text, error / off)
     if answer.nhat_BA_W is not None:
-        length = math.hypot(*answer.nhat_BA_W)
-        if abs(length - 1.0) > JUDGED_UNIT:
+        if laws.off_unit(answer.nhat_BA_W) > JUDGED_UNIT:
+            length = math.hypot(*answer.nhat_BA_W)
             return Verdict('wrong', f'normal of length {length:.3g}', 1.0)
         if not _may_be(case, answer.nhat_BA_W, off):
             shown = ', '.join(f'{x:.3g}' for x in answer.nhat_BA_W)
             return Verdict('wrong', f'normal ({shown})', 1.0)
     if answer.p_WCa is not None and answer.p_WCb is not None:
         gap = abs(math.hypot(*(answer.p_WCa - answer.p_WCb)) - abs(case.distance))
-        aside = max(
-            gap,
-            abs(height(case.a, answer.p_WCa)),
-            abs(height(case.b, answer.p_WCb)),
-        )
+        aside = max(gap, laws.off_surfaces(case, answer.p_WCa, answer.p_WCb))
         if not aside <= 2.0 * off:
             return Verdict('wrong', f'witness points off by {aside:.2g} m', aside / off)
     return Verdict('pass')

@@ -7,9 +7,10 @@ import platform
 from collections import Counter
 from collections.abc import Iterable
 
+from drake_geom_ros.evidence.asking import OURS
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.hard_cases.judge import VERDICTS, Verdict
-from drake_geom_ros.evidence.hard_cases.sides import OURS
+from drake_geom_ros.evidence.pages import table
 from drake_geom_ros.evidence.peers import QUERIES, version
 
 # By side, query and case.
@@ -54,8 +55,8 @@ def tables(cases: list[Case], results: Results) -> str:
             ids = [case.id for case in cases if case.family == family]
             cells = [counted(results[name, query, i] for i in ids)['pass'] for name in sides]
             rows.append([family, str(len(ids)), *map(str, cells)])
-        parts.append(f'Cases passed, `{query}`:\n\n' + _table(['family', 'cases', *sides], rows))
-    return '\n\n'.join(parts)
+        parts.append(f'Cases passed, `{query}`:\n\n' + table(['family', 'cases', *sides], rows))
+    return '\n'.join(parts)
 
 
 def _totals(cases: list[Case], results: Results, sides: list[str]) -> str:
@@ -65,12 +66,7 @@ def _totals(cases: list[Case], results: Results, sides: list[str]) -> str:
         for name in sides:
             counts = counted(results[name, query, case.id] for case in cases)
             rows.append([query, name, *(str(counts[v]) if counts[v] else '-' for v in VERDICTS)])
-    return _table(['query', 'library', *VERDICTS], rows)
-
-
-def _table(headings: list[str], rows: list[list[str]]) -> str:
-    lines = [headings, ['---'] * len(headings), *rows]
-    return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
+    return table(['query', 'library', *VERDICTS], rows)
 
 
 def page(cases: list[Case], results: Results) -> str:
@@ -89,7 +85,7 @@ def page(cases: list[Case], results: Results) -> str:
         '## To reproduce',
         REPRODUCE,
     ]
-    return '\n\n'.join(parts) + '\n'
+    return '\n\n'.join(part.rstrip('\n') for part in parts) + '\n'
 
 
 def examples(name: str, cases: list[Case], results: Results) -> str:
@@ -111,7 +107,7 @@ def examples(name: str, cases: list[Case], results: Results) -> str:
             kinds = f'{case.a.kind}, {case.b.kind}'
             chosen.append([case.id, case.source, f'{kinds}: {case.about}', query, text])
     headings = ['case', 'source', 'what', 'query', name]
-    return _table(headings, chosen) if chosen else f'{name}: none.'
+    return table(headings, chosen) if chosen else f'{name}: none.\n'
 
 
 def failures(cases: list[Case], results: Results) -> str:

@@ -23,10 +23,16 @@ import numpy as np
 from mpmath import mp, mpf
 from scipy.spatial import ConvexHull, QhullError
 
+from drake_geom_ros.evidence.bodies import Floats, Form, Pose
 from drake_geom_ros.evidence.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
-from drake_geom_ros.evidence.truth.pair import Pair, offset_between
 from drake_geom_ros.evidence.truth.polish import polished
-from drake_geom_ros.evidence.truth.supports import DIGITS, HALF_SPACE, Floats, Pose, Shape, posed
+from drake_geom_ros.evidence.truth.supports import (
+    DIGITS,
+    HALF_SPACE,
+    MinkowskiDifference,
+    offset_between,
+    posed,
+)
 
 DENSE = 400  # directions that a search begins with
 ROUNDS = 25  # of a search, each of which takes a new hull
@@ -36,9 +42,7 @@ MOST_OPEN = 150  # faces of the hull that one round refines
 MOST_STARTS = 40
 
 
-def signed_distance(
-    shape_a: Shape, X_WA: Pose, shape_b: Shape, X_WB: Pose
-) -> tuple[float, Floats]:
+def signed_distance(shape_a: Form, X_WA: Pose, shape_b: Form, X_WB: Pose) -> tuple[float, Floats]:
     """Return phi [m] and a unit direction (3,) out of A that attains it.
 
     A shape is ``(type number, half sizes)``; of a hull, the number of vertices and the vertices.
@@ -48,25 +52,25 @@ def signed_distance(
     with mp.workdps(DIGITS):
         if HALF_SPACE in (shape_a[0], shape_b[0]):
             return _half_space(shape_a, X_WA, shape_b, X_WB)
-        pair = Pair(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
+        pair = MinkowskiDifference(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
         found = [polished(pair, n, angle) for n, angle in search(pair)]
         phi, n = max(found, key=lambda each: each[0])
         return float(phi), n
 
 
 def near_direction(
-    shape_a: Shape, X_WA: Pose, shape_b: Shape, X_WB: Pose, n: Floats
+    shape_a: Form, X_WA: Pose, shape_b: Form, X_WB: Pose, n: Floats
 ) -> tuple[float, Floats]:
     """Return what ``signed_distance`` does, where n is known to be next to the best direction."""
     with mp.workdps(DIGITS):
         if HALF_SPACE in (shape_a[0], shape_b[0]):
             return _half_space(shape_a, X_WA, shape_b, X_WB)
-        pair = Pair(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
+        pair = MinkowskiDifference(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
         phi, n = polished(pair, n, KNOWN)
         return float(phi), n
 
 
-def _half_space(shape_a: Shape, X_a: Pose, shape_b: Shape, X_b: Pose) -> tuple[float, Floats]:
+def _half_space(shape_a: Form, X_a: Pose, shape_b: Form, X_b: Pose) -> tuple[float, Floats]:
     """Return the answer where one is a half space, which ends along its normal only."""
     if shape_a[0] != HALF_SPACE:
         phi, n = _half_space(shape_b, X_b, shape_a, X_a)
@@ -79,7 +83,7 @@ def _half_space(shape_a: Shape, X_a: Pose, shape_b: Shape, X_b: Pose) -> tuple[f
     return float(height - below), n
 
 
-def search(pair: Pair) -> list[tuple[Floats, float]]:
+def search(pair: MinkowskiDifference) -> list[tuple[Floats, float]]:
     """Return directions (3,), one of them the best of all within the angle [rad] beside it."""
     n = np.vstack([_sphere(DENSE), *(_unit(x.flat @ x.R.T) for x in (pair.a, pair.b))])
     points = pair.gaps(n)
@@ -111,7 +115,7 @@ def search(pair: Pair) -> list[tuple[Floats, float]]:
     return [(climbed, CLIMBED), *((n, NEARBY) for n in _apart(close, NEARBY))]
 
 
-def _climb(pair: Pair, n: Floats) -> Floats:
+def _climb(pair: MinkowskiDifference, n: Floats) -> Floats:
     """Return the best direction that caps around n find as they shrink."""
     angle = 4 / DENSE**0.5
     while angle > 0.2 * CLIMBED:

@@ -18,20 +18,17 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from drake_geom_ros.evidence.accuracy.mesh_bodies import MeshBody
-from drake_geom_ros.evidence.accuracy.solids import Solid
+from drake_geom_ros.evidence.bodies import Body, Floats, Pose
 from drake_geom_ros.evidence.tolerances import FREE, NEAREST, SIDE
-from drake_geom_ros.evidence.truth import convex as truth
-from drake_geom_ros.evidence.truth.pair import offset_between
-from drake_geom_ros.evidence.truth.supports import DIGITS, Floats, Pose
+from drake_geom_ros.evidence.truth import convex
+from drake_geom_ros.evidence.truth.supports import DIGITS, offset_between
 
 
-def signed_distance(a: Solid, X_WA: Pose, mesh: MeshBody, X_WM: Pose) -> float | None:
-    """Return the signed distance [m] of a body and a solid mesh; None where it is not known."""
+def signed_distance(a: Body, mesh: Body) -> float | None:
+    """Return the signed distance [m] of a body and a Solid; None where it is not known."""
     if a.kind in ('Point', 'Sphere'):
-        assert mesh.corners is not None
-        return ball_distance(mesh.corners, X_WM, X_WA[1], a.sizes[0] if a.sizes else 0.0)
-    return _of_parts(_parts(a, X_WA), _parts(mesh, X_WM))
+        return ball_distance(mesh.corners, mesh.X_WG, a.p, a.size[0] if a.size else 0.0)
+    return _of_parts(_parts(a), _parts(mesh))
 
 
 def point_distance(corners: Floats, q: Any) -> tuple[Any, Floats]:
@@ -70,24 +67,24 @@ def ball_distance(corners: Floats, X_WM: Pose, p_WA: Floats, radius: float) -> f
         return phi if clear >= radius - FREE else None
 
 
-_Part = tuple[Any, Pose]  # a shape as ``truth`` takes it, at its pose
+def _parts(body: Body) -> list[Body]:
+    if body.kind != 'Solid':
+        return [body]
+    return [part.moved(body.R, body.p) for part in body.parts]
 
 
-def _parts(body: Solid, X: Pose) -> list[_Part]:
-    if not isinstance(body, MeshBody):
-        return [(body.support(), X)]
-    R, p = X
-    return [(box.support(), (R, p + R @ middle)) for box, middle in body.boxes()]
-
-
-def _of_parts(a: list[_Part], b: list[_Part]) -> float | None:
-    found = [truth.signed_distance(*x, *y) for x, y in product(a, b)]
+def _of_parts(a: list[Body], b: list[Body]) -> float | None:
+    found = [_of_convex(x, y) for x, y in product(a, b)]
     phi, n = min(found, key=lambda each: each[0])
     if phi >= 0.0:
         return phi
-    moved = [(shape, (R, p - phi * n)) for shape, (R, p) in b]
-    clear = all(truth.signed_distance(*x, *y)[0] >= -FREE for x, y in product(a, moved))
+    moved = [part.at(part.p - phi * n) for part in b]
+    clear = all(_of_convex(x, y)[0] >= -FREE for x, y in product(a, moved))
     return phi if clear else None
+
+
+def _of_convex(a: Body, b: Body) -> tuple[float, Floats]:
+    return convex.signed_distance(a.form, a.X_WG, b.form, b.X_WG)
 
 
 def _nearest_points(corners: Floats, q: Floats) -> Floats:

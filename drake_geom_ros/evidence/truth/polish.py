@@ -17,17 +17,11 @@ import numpy as np
 from mpmath import mpf
 from numpy.typing import NDArray
 
-from drake_geom_ros.evidence.tolerances import (
-    EQUAL,
-    GAIN,
-    LAST_STEP,
-    LEAST_CURVATURE,
-    PARALLEL,
-)
-from drake_geom_ros.evidence.truth.pair import Pair
-from drake_geom_ros.evidence.truth.supports import Body, Floats
+from drake_geom_ros.evidence.bodies import Floats
+from drake_geom_ros.evidence.tolerances import EQUAL, GAIN, LAST_STEP, LEAST_CURVATURE, PARALLEL
+from drake_geom_ros.evidence.truth.supports import MinkowskiDifference, MinkowskiSum
 
-_Edge = tuple[Body, NDArray[np.int64]]
+_Edge = tuple[MinkowskiSum, NDArray[np.int64]]
 _Edges = tuple[_Edge, ...]  # at right angles to which a direction is held
 
 ROUNDS = 6  # the last finds nothing better
@@ -37,7 +31,7 @@ POLE = 0.99  # cosine of the angle within which the axis of a cylinder is tried
 MOST_EXACT = 6  # candidates that get all digits; more are equal to these
 
 
-def polished(pair: Pair, n: Floats, angle: float) -> tuple[Any, Floats]:
+def polished(pair: MinkowskiDifference, n: Floats, angle: float) -> tuple[Any, Floats]:
     """Return the exact maximum of f within about ``angle`` [rad] of n, and its direction."""
     best, best_n = mpf('-inf'), n
     for _ in range(ROUNDS):
@@ -48,7 +42,7 @@ def polished(pair: Pair, n: Floats, angle: float) -> tuple[Any, Floats]:
     return best, best_n
 
 
-def _best_near(pair: Pair, n: Floats, angle: float) -> tuple[Any, Floats]:
+def _best_near(pair: MinkowskiDifference, n: Floats, angle: float) -> tuple[Any, Floats]:
     tries = [(n, ()), *_candidates(pair, n, angle)]
     values = pair.values(np.array([m for m, _ in tries]))
     best = np.argsort(-values)[:MOST_EXACT]
@@ -57,7 +51,9 @@ def _best_near(pair: Pair, n: Floats, angle: float) -> tuple[Any, Floats]:
     return max(exact, key=lambda each: each[0])
 
 
-def _candidates(pair: Pair, n: Floats, angle: float) -> Iterator[tuple[Floats, _Edges]]:
+def _candidates(
+    pair: MinkowskiDifference, n: Floats, angle: float
+) -> Iterator[tuple[Floats, _Edges]]:
     """Yield maxima of smooth pieces and along circles, crossings of circles, and poles."""
     ahead = (pair.a, n), (pair.b, -n)
     edges = [[(x, edge) for edge in x.creases(d, angle)] for x, d in ahead]
@@ -88,7 +84,7 @@ def _candidates(pair: Pair, n: Floats, angle: float) -> Iterator[tuple[Floats, _
             yield pole, ()
 
 
-def _maximum(pair: Pair, n: Floats, E: Floats, i: int, j: int) -> Floats:
+def _maximum(pair: MinkowskiDifference, n: Floats, E: Floats, i: int, j: int) -> Floats:
     """Return the maximum near n of the piece of f of vertices i of A and j of B.
 
     It is sought on the unit directions that the rows of E span. On these the balls are

@@ -4,7 +4,8 @@ Every shape here is the sum of a polytope (its ``vertices``), a ball, and an ell
 
     h(n) = max over vertices of v . n  +  radius |n|  +  |flat n|
 
-A sphere has one vertex, its centre; a capsule two and a ball; a cylinder two and a disc.
+A sphere has one vertex, its centre; a capsule two and a ball; a cylinder two and a disc. The
+signed distance of two is the maximum over unit n of f(n) = -h_A(n) - h_B(-n).
 """
 
 from __future__ import annotations
@@ -18,18 +19,15 @@ from mpmath import mp, mpf
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from drake_geom_ros.evidence.bodies import Floats, Form
 from drake_geom_ros.evidence.tolerances import TIE
-
-Floats = NDArray[np.float64]
-Shape = tuple[int, Any]  # type number, as in the Shape message, and half sizes or vertices
-Pose = tuple[Any, Any]  # R (3, 3), p (3,) [m]
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX = 1, 2, 3, 4, 5, 6, 7
 DIGITS = 40
 
 
 @dataclass(frozen=True)
-class Body:
+class MinkowskiSum:
     """A bounded shape at a pose.
 
     ``vertices`` (k, 3) [m] in the geometry's frame, ``edges`` (m, 2) between them, ``flat``
@@ -101,7 +99,7 @@ def _norm(a: list[Any]) -> Any:
     return mp.sqrt(sum((x * x for x in a), mpf(0)))
 
 
-def posed(shape: Shape, R: Any, p: Any) -> Body:
+def posed(shape: Form, R: Any, p: Any) -> MinkowskiSum:
     """Return a shape, any but a half space, at a pose."""
     kind, size = shape[0], np.asarray(shape[1], dtype=float)
     vertices, edges = np.zeros((1, 3)), np.zeros((0, 2), dtype=np.int64)
@@ -125,4 +123,35 @@ def posed(shape: Shape, R: Any, p: Any) -> Body:
     elif kind == CYLINDER:
         flat = size[0] * np.eye(3)[:2]
         poles = np.vstack([R[:, 2], -R[:, 2]])
-    return Body(vertices, edges, radius, flat, R, p, poles)
+    return MinkowskiSum(vertices, edges, radius, flat, R, p, poles)
+
+
+def offset_between(p_WA: Any, p_WB: Any) -> list[Any]:
+    """Return p_AB in full digits."""
+    return [mpf(float(b)) - mpf(float(a)) for a, b in zip(p_WA, p_WB, strict=True)]
+
+
+class MinkowskiDifference:
+    """B - A of two bounded bodies, and f."""
+
+    def __init__(self, a: MinkowskiSum, b: MinkowskiSum) -> None:
+        self.offset = offset_between(a.p, b.p)
+        zero = np.zeros(3)
+        p_AB = np.array([float(x) for x in self.offset])
+        self.a = MinkowskiSum(a.vertices, a.edges, a.radius, a.flat, a.R, zero, a.poles)
+        self.b = MinkowskiSum(b.vertices, b.edges, b.radius, b.flat, b.R, p_AB, b.poles)
+        self.size = a.size + b.size + float(np.linalg.norm(p_AB))
+
+    def gaps(self, n: Floats) -> Floats:
+        """Return the points (m, 3) of B - A that are lowest along the unit directions n (m, 3)."""
+        return self.b.points(-n) - self.a.points(n)
+
+    def values(self, n: Floats) -> Floats:
+        """Return f of unit directions (m, 3)."""
+        return np.einsum('ij,ij->i', self.gaps(n), n)
+
+    def exact(self, n: list[Any]) -> Any:
+        """Return f of a direction of any length, in full digits."""
+        ahead = sum((x * y for x, y in zip(self.offset, n, strict=True)), mpf(0))
+        value = ahead - self.a.exact_height(n) - self.b.exact_height([-x for x in n])
+        return value / mp.sqrt(sum((x * x for x in n), mpf(0)))

@@ -3,12 +3,11 @@
 import numpy as np
 
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.accuracy.samples import Sample
-from drake_geom_ros.evidence.accuracy.solids import Solid
+from drake_geom_ros.evidence.accuracy.samples import known
+from drake_geom_ros.evidence.bodies import Body
 
-AT_ORIGIN = np.eye(3), np.zeros(3)
-ASIDE = np.eye(3), np.array([0.3, 0.0, 0.0])
-PAIR = Sample(Solid('Sphere', (0.1,)), Solid('Sphere', (0.1,)), AT_ORIGIN, ASIDE, 0.1, 'apart')
+BALL = Body('Sphere', (0.1,))
+PAIR = known(BALL, BALL.at(np.array([0.3, 0.0, 0.0])), 0.1, 'apart')
 
 
 def ours(level, *answers, case='Sphere-Sphere', family='spheres'):

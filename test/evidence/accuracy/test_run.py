@@ -3,12 +3,14 @@
 import csv
 import math
 
+import numpy as np
 import pytest
 
 from drake_geom_ros.evidence.accuracy import ours, run, subjects
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.run import LYING, Request
 from drake_geom_ros.evidence.accuracy.subjects import CaseSubject
+from drake_geom_ros.geometry import SignedDistanceResults
 
 
 def tiny(folder, *patterns, peers=()):
@@ -54,6 +56,15 @@ def test_a_bound_that_lies_is_caught_and_named(tmp_path, said, monkeypatch):
     assert run.run(tiny(tmp_path), said.append) == LYING
     assert any(line.startswith('WRONG: Sphere-Box, signed_distance, exact') for line in said)
     assert (tmp_path / 'README.md').exists()
+
+
+def test_a_bound_wider_than_the_promise_is_caught(tmp_path, said, monkeypatch):
+    """What a query's own ``breaks_promise`` says, and no other measure of it."""
+    broken = np.ones(1, dtype=bool)
+    monkeypatch.setattr(SignedDistanceResults, 'breaks_promise', lambda found: broken)
+    assert run.run(tiny(tmp_path), said.append) == LYING
+    (lie, *_) = [line for line in said if line.startswith('WRONG')]
+    assert lie.endswith('m, wider than promised')
 
 
 def test_what_was_measured_before_an_interrupt_is_written(tmp_path, said, monkeypatch):

@@ -6,12 +6,13 @@ and two of their points are no farther. So the distance is g, for any shapes and
 """
 
 import numpy as np
-from oracles.pairs import random_rotation
 
-from drake_geom_ros.evidence.hard_cases.cases import Body, Case
+from drake_geom_ros.evidence.bodies import COUNTS, Body
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
+from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.evidence.truth import bodies as truth
 
-EPS = truth.EPS
 UNIQUE = 1e-3  # of the extent: gaps from here on have a normal worth storing
 
 
@@ -20,14 +21,9 @@ def body(kind, size, R=None, p=(0.0, 0.0, 0.0)):
     return Body(kind, tuple(size), R, np.array(p, dtype=float))
 
 
-def at(one, p):
-    """Return the body at another position."""
-    return Body(one.kind, one.size, one.R, np.array(p, dtype=float))
-
-
 def apart(a, b, n, gap):
     """Return B so placed that it is `gap` from A along n."""
-    return at(b, truth.support(a, n) + gap * n - (truth.support(b, -n) - b.p))
+    return b.at(truth.support(a, n) + gap * n - (truth.support(b, -n) - b.p))
 
 
 def placing(a, b, n):
@@ -54,7 +50,7 @@ def gap_case(about, a, b, n, gap):
         p_WCa = truth.support(a, n) if single(a, n) else truth.support(b, -n) - gap * n
         witnesses = np.array([p_WCa, p_WCa + gap * n])
     normals = -np.array([n], dtype=float) if known else None
-    return Case('', '', '', about, a, b, distance, tolerance, normals, witnesses)
+    return Case(a, b, distance, tolerance, normals, witnesses, about=about)
 
 
 def case(about, a, b, distance=None, tolerance=None, normals=None):
@@ -62,7 +58,7 @@ def case(about, a, b, distance=None, tolerance=None, normals=None):
     if distance is None:
         distance, tolerance = truth.signed_distance(a, b)
     normals = None if normals is None else np.array(normals, dtype=float)
-    return Case('', '', '', about, a, b, float(distance), float(tolerance), normals, None)
+    return Case(a, b, float(distance), float(tolerance), normals, about=about)
 
 
 def single(one, n):
@@ -79,23 +75,23 @@ def single(one, n):
 
 def sizes(kind, rng, scale=1.0, spread=0.5):
     """Return sizes of a shape of about `scale`, lengths differing by up to 10^spread."""
-    count = {'Sphere': 1, 'Box': 3, 'Capsule': 2, 'Cylinder': 2, 'Ellipsoid': 3, 'HalfSpace': 0}
     if kind == 'Convex':
         return hull_vertices(rng, scale)
-    return tuple((scale * 10.0 ** rng.uniform(-spread, 0.0, count[kind])).tolist())
+    return tuple((scale * 10.0 ** rng.uniform(-spread, 0.0, COUNTS[kind])).tolist())
 
 
 def hull_vertices(rng, scale=1.0, count=10):
     """Return points on a sphere, each a vertex of their hull."""
-    v = rng.normal(size=(count, 3))
-    v *= scale / np.linalg.norm(v, axis=1)[:, None]
-    return tuple(map(tuple, v.tolist()))
+    return rows(scale * random_directions(rng, count))
 
 
 def box_vertices(size):
     """Return the corners of a box of a size."""
-    corners = (np.indices((2, 2, 2)).reshape(3, -1).T - 0.5) * np.array(size)
-    return tuple(map(tuple, corners.tolist()))
+    return rows(box_corners(size))
+
+
+def rows(points):
+    return tuple(map(tuple, points.tolist()))
 
 
 def unit(v):

@@ -1,13 +1,19 @@
-"""The generated families of hard cases, each from a seed of its own."""
+"""The generated families of hard cases, each from a seed of its own.
+
+    PYTHONPATH=.:test python -m evidence.hard_cases.families [FAMILY ...]
+
+writes them into the catalogue.
+"""
 
 import itertools
+import sys
+import time
 import zlib
 from dataclasses import replace
 
 import numpy as np
 from evidence.hard_cases import scales
 from evidence.hard_cases.construct import (
-    at,
     body,
     box_vertices,
     case,
@@ -19,7 +25,9 @@ from evidence.hard_cases.construct import (
     unit,
 )
 from evidence.hard_cases.solids import solids
-from oracles.pairs import random_rotation
+
+from drake_geom_ros.evidence.hard_cases.cases import CATALOGUE, text_of
+from drake_geom_ros.evidence.random_bodies import random_rotation
 
 SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
 PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
@@ -50,7 +58,7 @@ def flush(rng):
         # Capsules touch along their sides, which are parallel to z.
         n, aside = (UPWARDS, SIDEWAYS) if 'Capsule' not in (x, y) else (SIDEWAYS, UPWARDS)
         found = gap_case('', a, b, n, gap)
-        found = replace(found, b=at(found.b, found.b.p + 0.125 * aside), witnesses=None)
+        found = replace(found, b=found.b.at(found.b.p + 0.125 * aside), witnesses=None)
         R, about = random_rotation(rng), f'flush, shifted by 1/8 m, gap {gap:g}'
         a, b = found.a.moved(R, np.zeros(3)), found.b.moved(R, np.zeros(3))
         if gap < 0.0:
@@ -89,7 +97,7 @@ def same(rng):
     for kind in SOLIDS:
         a = turned(rng, kind)
         for step in (0.0, 1e-15, 1e-9):
-            b = at(a, a.p + step * unit(rng.normal(size=3)))
+            b = a.at(a.p + step * unit(rng.normal(size=3)))
             yield case(f'the same body {step:g} m away', a, b)
 
 
@@ -101,7 +109,7 @@ def nested(rng):
         inside = 0.5 * rng.uniform(0.1, 0.9) * min(np.ravel(a.size).min(), 1.0)
         if x == 'Convex':
             inside = 0.1
-        yield case('a tenth of the size, inside', a, at(b, inside * unit(rng.normal(size=3))))
+        yield case('a tenth of the size, inside', a, b.at(inside * unit(rng.normal(size=3))))
 
 
 def rotations(rng):
@@ -146,7 +154,7 @@ def points(rng):
     for kind in ('Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Sphere', 'Convex', 'HalfSpace'):
         a = turned(rng, kind)
         point = body('Sphere', (0.0,))
-        yield case('at the origin of the shape', a, at(point, a.p))
+        yield case('at the origin of the shape', a, point.at(a.p))
         for feature, gap in (('face', 0.0), ('vertex', 0.0), ('vertex', 1e-9), ('edge', 1.0)):
             yield gap_case(f'{feature}, gap {gap:g}', a, point, outward(a, rng, feature), gap)
 
@@ -197,3 +205,15 @@ def generate(name):
         replace(each, id=f'{name}-{number:02d}', family=name, source=f'{name}, seed {seed}')
         for number, each in enumerate(found)
     ]
+
+
+def main():
+    for name in sys.argv[1:] or FAMILIES:
+        start = time.perf_counter()
+        cases = generate(name)
+        (CATALOGUE / f'{name}.json').write_text(text_of(cases))
+        print(f'{name}: {len(cases)} cases, {time.perf_counter() - start:.1f} s', flush=True)
+
+
+if __name__ == '__main__':
+    main()

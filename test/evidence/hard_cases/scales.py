@@ -4,9 +4,9 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from evidence.hard_cases.construct import at, body, case, gap_case, outward, sizes, turned
-from oracles.pairs import random_rotation
+from evidence.hard_cases.construct import body, case, gap_case, outward, sizes, turned
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth import bodies as truth
 
 SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
@@ -59,13 +59,13 @@ def far(rng):
         found = gap_case('', a, b, outward(a, rng, 'vertex'), gap)
         away = next(steps) * rng.choice([-1.0, 1.0], 3)
         ps = [np.round(2**20 * one.p) / 2**20 + away for one in (found.a, found.b)]
-        distance, tolerance = truth.signed_distance(at(found.a, ps[0]), at(found.b, ps[1]))
+        distance, tolerance = truth.signed_distance(found.a.at(ps[0]), found.b.at(ps[1]))
         # Results are in World, where a coordinate of this size is rounded.
         tolerance += np.finfo(float).eps * np.abs(away).max()
         yield replace(
             case(f'{np.abs(away).max():g} m away', found.a, found.b, distance, tolerance),
-            a=at(found.a, ps[0]),
-            b=at(found.b, ps[1]),
+            a=found.a.at(ps[0]),
+            b=found.b.at(ps[1]),
         )
 
 
@@ -83,7 +83,7 @@ def extremes(rng):
             found = gap_case('', body(x, size[x]), body(y, size[y]), (1.0, 0.0, 0.0), gap)
             tolerance = s * found.tolerance + 5e-324
             about = f'sizes of {s:.0e} m, gap {gap * s:.0e}'
-            yield case(about, a, at(b, s * found.b.p), s * found.distance, tolerance)
+            yield case(about, a, b.at(s * found.b.p), s * found.distance, tolerance)
     for kind in ('Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Sphere'):
         for s in (5e-324, 1e-300, 1e-160, 1e-20):
             a, b = turned(rng, kind), body('Sphere', (s,))

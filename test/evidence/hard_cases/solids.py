@@ -7,20 +7,11 @@ them.
 import itertools
 
 import numpy as np
-from evidence.hard_cases.blocks import (
-    CORNER,
-    CUBE,
-    FRAME,
-    HOLLOW,
-    RING,
-    L,
-    U,
-    of_triangles,
-    solid,
-    surface,
-)
 from evidence.hard_cases.construct import body, case, placing
-from oracles.pairs import random_rotation
+
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.grids import CORNER, CUBE, FRAME, HOLLOW, RING, L, U, solid, surface
+from drake_geom_ros.evidence.random_bodies import random_rotation
 
 X, Y, Z = np.eye(3)
 NOTCH = (1.5, 1.5, 0.5)  # the middle of the notch, the channel and the hole
@@ -162,22 +153,22 @@ def through():
 def of_two():
     """Solids with solids: hooked, linked, flush, the same."""
     notch, frame = solid(L), solid(FRAME)
-    hooked = solid(L, None, HALF_TURN, (3.25, 3.25, 0.0))
+    hooked = solid(L).placed(HALF_TURN, (3.25, 3.25, 0.0))
     yield known('an L in the notch of another', notch, hooked, 0.25 * 2**0.5)
-    linked = solid(FRAME, None, TILTED, (7.0, 3.0, -2.0))
+    linked = solid(FRAME).placed(TILTED, (7.0, 3.0, -2.0))
     yield known('frames linked as a chain', frame, linked, 1.0)
-    yield known('an L on an L', notch, solid(L, None, None, (0.0, 0.0, 1.0)), 0.0)
-    yield known('an L beside an L', notch, solid(L, None, None, (2.0, 0.0, 0.0)), 0.0)
+    yield known('an L on an L', notch, solid(L).at((0.0, 0.0, 1.0)), 0.0)
+    yield known('an L beside an L', notch, solid(L).at((2.0, 0.0, 0.0)), 0.0)
     yield known('an L with itself', notch, solid(L), -1.0, Z, -Z)
-    yield known('a cube in the notch', notch, solid(CUBE, None, None, (1.0, 1.0, 0.0)), 0.0)
-    apart = solid(CUBE, None, None, (1.25, 1.5, 0.0))
+    yield known('a cube in the notch', notch, solid(CUBE).at((1.0, 1.0, 0.0)), 0.0)
+    apart = solid(CUBE).at((1.25, 1.5, 0.0))
     yield known('a cube off the wall of the notch', notch, apart, 0.25, -X)
-    into = solid(CUBE, None, None, (1.0 - 2.0**-4, 1.5, 0.0))
+    into = solid(CUBE).at((1.0 - 2.0**-4, 1.5, 0.0))
     yield known('a cube in the wall of the notch', notch, into, -(2.0**-4), -X)
-    small = solid(L, None, None, (1.25, 1.25, 1.25), 0.25)
+    small = solid(L, scale=0.25).at((1.25, 1.25, 1.25))
     yield known('a small L in the cavity of a cube', solid(HOLLOW), small, 0.25)
     for dx, distance in ((1.25, 0.25), (1.0, 0.0), (0.875, -0.125), (0.5, -0.5)):
-        moved = solid(CUBE, None, None, (dx, 0.0, 0.0))
+        moved = solid(CUBE).at((dx, 0.0, 0.0))
         yield known(f'unit cubes as meshes, dx {dx:g} (fcl#221)', solid(CUBE), moved, distance)
 
 
@@ -186,15 +177,15 @@ def odd_surfaces():
     vertices, triangles = surface(L, [np.arange(4.0)] * 3)
     inside_out = [t[::-1] for t in triangles]
     free, in_arm = ball(0.1, *NOTCH), ball(0.1, 0.5, 1.6, 0.5)
-    turned = of_triangles(vertices, inside_out)
+    turned = Body('Solid', vertices, triangles=inside_out)
     yield known('an L inside out, sphere in the notch', turned, free, 0.4, -X, -Y)
     yield known('an L inside out, sphere in an arm', turned, in_arm, -0.5, -Y)
     soup = [vertices[i] for t in triangles for i in t]
-    of_soup = of_triangles(soup, [(k, k + 1, k + 2) for k in range(0, len(soup), 3)])
+    of_soup = Body('Solid', soup, triangles=[(k, k + 1, k + 2) for k in range(0, len(soup), 3)])
     yield known('an L as soup, sphere in the notch', of_soup, free, 0.4, -X, -Y)
     yield known('an L as soup, sphere in an arm', of_soup, in_arm, -0.5, -Y)
     none = [(0, 1, 0), (2, 2, 2)]
-    with_none = of_triangles(vertices, [*triangles, *none])
+    with_none = Body('Solid', vertices, triangles=[*triangles, *none])
     yield known('triangles without area, sphere in an arm', with_none, in_arm, -0.5, -Y)
     lines = [
         np.array([0.0, 2.0**-30, 1.0, 2.0]),
@@ -236,7 +227,7 @@ def odd_surfaces():
 def extremes():
     """Tiny, huge, far away."""
     for s in (2.0**-20, 2.0**-10, 2.0**10, 2.0**20):
-        scaled = solid(L, None, None, (0.0,) * 3, s)
+        scaled = solid(L, scale=s)
         yield known(
             f'an L of {s:.0e} m', scaled, ball(0.125 * s, 1.5 * s, 1.5 * s, 0.5 * s), 0.375 * s
         )
@@ -246,13 +237,11 @@ def extremes():
     away = np.array([2.0**20, -(2.0**20), 2.0**20])
     yield known(
         '1e6 m far, sphere in the notch',
-        solid(L, None, None, away),
+        solid(L).at(away),
         ball(0.125, *(away + NOTCH)),
         0.375,
     )
     middle = away + np.array([0.5, 1.5, 0.5])
-    yield known(
-        '1e6 m far, sphere in an arm', solid(L, None, None, away), ball(0.125, *middle), -0.625
-    )
+    yield known('1e6 m far, sphere in an arm', solid(L).at(away), ball(0.125, *middle), -0.625)
     tiny = ball(2.0**-26, 1.0 + 2.0**-20, 1.5, 0.5)
     yield known('a sphere of 1e-8 m by a wall', solid(L), tiny, 2.0**-20 - 2.0**-26, -X)

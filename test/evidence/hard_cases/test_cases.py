@@ -4,9 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from evidence.hard_cases.construct import body, case, gap_case, hull_vertices, turned
+from evidence.hard_cases.construct import gap_case, turned
 
 from drake_geom_ros.evidence.hard_cases.cases import case_of, entry_of, text_of
+from drake_geom_ros.evidence.surfaces import width
 from drake_geom_ros.evidence.truth import bodies as truth
 
 
@@ -35,13 +36,5 @@ def test_truth_moves_and_scales_with_the_case(one):
         distance, tolerance = truth.signed_distance(changed.a, changed.b)
         assert abs(distance - changed.distance) <= tolerance + changed.tolerance
         if changed.normals is not None:
-            width = truth.width(changed.a, changed.b, changed.normals[0])
-            assert width == pytest.approx(changed.distance, abs=1e-14)
-
-
-def test_sizes():
-    pair = case('', body('Box', (3.0, 4.0, 12.0)), body('Sphere', (0.0,), None, (0, 0, 20)))
-    assert (pair.extent, pair.smaller) == (6.5 + 20.0, 6.5)
-    assert body('Capsule', (1.0, 4.0)).radius == 3.0
-    assert body('Cylinder', (3.0, 8.0)).radius == 5.0
-    assert body('Convex', hull_vertices(np.random.default_rng(0), 2.0)).radius == pytest.approx(2)
+            gap = width(changed.a, changed.b, changed.normals[0])
+            assert gap == pytest.approx(changed.distance, abs=1e-14)

@@ -20,13 +20,27 @@ def test_stored_cases_are_those_of_the_generator(family):
     assert len(stored) == len(made)
     for old, new in zip(stored, made, strict=True):
         assert (old.id, old.source, old.about) == (new.id, new.source, new.about)
-        # Other versions of NumPy and SciPy round otherwise.
-        assert old.distance == pytest.approx(new.distance, abs=2.0 * new.tolerance)
+        # Other versions of NumPy and SciPy, and other processors, round otherwise: poses by this
+        # much, distances with them.
+        off = 1e-14 * (1.0 + new.away)
+        assert old.distance == pytest.approx(new.distance, abs=2.0 * new.tolerance + off)
         for a, b in ((old.a, new.a), (old.b, new.b)):
             assert a.kind == b.kind
             np.testing.assert_allclose(np.ravel(a.size), np.ravel(b.size), rtol=1e-14)
             np.testing.assert_allclose(a.R, b.R, atol=1e-15)
-            np.testing.assert_allclose(a.p, b.p, atol=1e-14 * (1.0 + np.abs(b.p).max()))
+        if not same_place(old, new):
+            assert_true(old)
+
+
+def same_place(old, new):
+    """Whether bodies are where they were; of corners that tie, rounding chooses another one."""
+    ps = [(old.a.p, new.a.p), (old.b.p, new.b.p)]
+    return all(np.allclose(p, q, rtol=0, atol=1e-14 * (1.0 + np.abs(q).max())) for p, q in ps)
+
+
+def assert_true(case):
+    distance, tolerance = truth.signed_distance(case.a, case.b)
+    assert abs(distance - case.distance) <= tolerance + case.tolerance
 
 
 @pytest.mark.parametrize('case', [
@@ -42,6 +56,5 @@ def test_spheres_by_solids_are_true(case):
 
 @pytest.mark.parametrize('case', cases.load('reports'), ids=lambda case: case.id)
 def test_reports_are_true(case):
-    distance, tolerance = truth.signed_distance(case.a, case.b)
-    assert abs(distance - case.distance) <= tolerance + case.tolerance
+    assert_true(case)
     assert case.tolerance <= 1e-12 + 1e-11 * (case.extent + abs(case.a.p).max())

@@ -5,17 +5,11 @@ The report: 3000 seeded pairs, a plane sought among the line of centres and 128 
 
 import numpy as np
 from numba import config
-from oracles.pairs import random_rotation
 
-from drake_geom_ros.geometry import (
-    Convex,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
-    MeshData,
-    ProximityProperties,
-    SceneGraph,
-)
+from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 PAIRS, SHAPES = (50, 8) if config.DISABLE_JIT else (3000, 40)
@@ -43,25 +37,17 @@ def test_no_pair_that_a_plane_separates_is_at_zero():
     rng = np.random.default_rng(SEED)
     clouds = [rng.normal(size=(rng.integers(5, 40), 3)) * rng.uniform(0.05, 0.3, 3)
               for _ in range(SHAPES)]  # fmt: skip
-    graph = SceneGraph()
-    source = graph.RegisterSource('pairs')
-    frames, ids = [], []
-    for number, cloud in enumerate(clouds):
-        frames.append(graph.RegisterFrame(source, GeometryFrame(str(number))))
-        shape = Convex.FromMeshData(MeshData(cloud))
-        instance = GeometryInstance(RigidTransform(), shape, 'hull')
-        instance.set_proximity_properties(ProximityProperties())
-        ids.append(graph.RegisterGeometry(source, frames[-1], instance))
-    context = graph.CreateDefaultContext()
-    query = graph.get_query_output_port().Eval(context)
+    scene = BodyScene([Body('Convex', cloud) for cloud in clouds])
+    context = scene.context()
+    query = scene.asked(context)
     separated = 0
     for _ in range(PAIRS):
         i, j = rng.choice(SHAPES, 2, replace=False)
         poses = [(random_rotation(rng), rng.uniform(-0.5, 0.5, 3)) for _ in range(2)]
-        values = {frames[k]: RigidTransform(RotationMatrix(R), p)
+        values = {scene.frames[k]: RigidTransform(RotationMatrix(R), p)
                   for k, (R, p) in zip((i, j), poses, strict=True)}  # fmt: skip
         context.UpdateFramePoses(FramePoseVector(values))
-        found = query.signed_distance_of_pair(ids[i], ids[j])
+        found = query.signed_distance_of_pair(scene.ids[i], scene.ids[j])
         a, b = (clouds[k] @ R.T + p for k, (R, p) in zip((i, j), poses, strict=True))
         gap = widest_gap(a, b)
         assert found.distance[0] >= gap - found.error_bound[0] - 1e-14

@@ -33,7 +33,7 @@ def test_examples_name_the_case_and_what_was_answered():
     text = report.examples('Peer', [ONE, TWO], RESULTS)
     assert '| two | a thread | Box, Sphere: cubes | signed_distance | wrong 4 for 2 |' in text
     assert 'one' not in text
-    assert report.examples('ours', [ONE, TWO], RESULTS) == 'ours: none.'
+    assert report.examples('ours', [ONE, TWO], RESULTS) == 'ours: none.\n'
 
 
 def test_failures_are_kept_by_case():

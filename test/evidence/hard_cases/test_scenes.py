@@ -13,18 +13,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation
 
+from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.hard_cases.cases import body_of
-from drake_geom_ros.geometry import (
-    FramePoseVector,
-    GeometryError,
-    GeometryFrame,
-    GeometryInstance,
-    MeshFileError,
-    SceneGraph,
-)
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.geometry import GeometryError, MeshFileError
 
 SCENES = json.loads((Path(__file__).parent / 'scenes.json').read_text())
 PLAIN = [scene for scene in SCENES if 'refused' not in scene['expected']]
@@ -36,24 +29,14 @@ class Asked:
     """The scene of an entry, turned as a whole."""
 
     def __init__(self, scene, R):
-        self.graph = SceneGraph()
-        source = self.graph.RegisterSource('scene')
-        self.ids, poses = {}, {}
-        for entry in scene['bodies']:
-            body = body_of(entry).moved(R, np.zeros(3))
-            anchored = entry.get('anchored', False)
-            X_FG = body.pose if anchored else RigidTransform()
-            instance = GeometryInstance(X_FG, body.shape, entry['name'])
-            instance.set_proximity_properties(body.properties)
-            frame = self.graph.world_frame_id()
-            if not anchored:
-                frame = self.graph.RegisterFrame(source, GeometryFrame(entry['name']))
-                poses[frame] = body.pose
-            self.ids[entry['name']] = self.graph.RegisterGeometry(source, frame, instance)
-        context = self.graph.CreateDefaultContext()
-        if poses:
-            self.graph.get_source_pose_port(source).FixValue(context, FramePoseVector(poses))
-        self.query = self.graph.get_query_output_port().Eval(context)
+        bodies = {each['name']: body_of(each).moved(R, np.zeros(3)) for each in scene['bodies']}
+        still = [each['name'] for each in scene['bodies'] if each.get('anchored', False)]
+        names = [name for name in bodies if name not in still] + still
+        asked = BodyScene(
+            [bodies[name] for name in names if name not in still], [bodies[name] for name in still]
+        )
+        self.ids = dict(zip(names, asked.ids, strict=True))
+        self.query = asked.asked()
 
     def listed(self, results, lengths):
         """Return {names: length} of a result sequence."""

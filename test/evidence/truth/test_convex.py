@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from oracles.pairs import random_pairs, random_rotation
+from oracles.pairs import random_pairs
 
+from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth import convex as truth
 from drake_geom_ros.evidence.truth.convex import signed_distance
@@ -16,8 +17,6 @@ from drake_geom_ros.evidence.truth.supports import (
     HALF_SPACE,
     SPHERE,
 )
-
-CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 
 
 @pytest.mark.parametrize(
@@ -71,7 +70,7 @@ def test_it_agrees_with_fifty_digits(kinds):
 def test_a_box_is_the_hull_of_its_corners():
     for pair in random_pairs(np.random.default_rng(2), (BOX, CYLINDER), 6):
         poses = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
-        hull = CONVEX, np.append(8, (CORNERS * pair.size_A).ravel())
+        hull = CONVEX, np.append(8, box_corners(2.0 * pair.size_A).ravel())
         of_box, of_hull = (
             signed_distance(shape, poses[0], (CYLINDER, pair.size_B), poses[1])[0]
             for shape in ((BOX, pair.size_A), hull)
@@ -81,14 +80,13 @@ def test_a_box_is_the_hull_of_its_corners():
 
 def test_no_direction_is_better():
     rng = np.random.default_rng(4)
-    directions = rng.normal(size=(100_000, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = random_directions(rng, 100_000)
     for kinds in ((CYLINDER, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, CYLINDER)):
         for pair in random_pairs(rng, kinds, 6):
             a, b = (pair.kind_A, pair.size_A), (pair.kind_B, pair.size_B)
             poses = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
             phi, n = signed_distance(a, poses[0], b, poses[1])
-            both = truth.Pair(truth.posed(a, *poses[0]), truth.posed(b, *poses[1]))
+            both = truth.MinkowskiDifference(truth.posed(a, *poses[0]), truth.posed(b, *poses[1]))
             assert both.values(directions).max() <= phi + 1e-15
             assert both.values(n[None])[0] == pytest.approx(phi, abs=1e-12)
 

@@ -5,16 +5,15 @@ import pytest
 from mpmath import mp, mpf
 
 from drake_geom_ros.evidence.accuracy.mesh_bodies import UNIT, mesh_body
-from drake_geom_ros.evidence.accuracy.solids import Solid
+from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth.meshes import point_distance, signed_distance
 
 L, BALL = mesh_body('L', 1300), mesh_body('Ball', 1300)
-HERE = np.eye(3), np.zeros(3)
 
 
-def at(*p):
-    return np.eye(3), np.array(p, dtype=float)
+def at(body, *p):
+    return body.at(np.array(p, dtype=float))
 
 
 @pytest.mark.parametrize(('p', 'distance'), [
@@ -25,15 +24,15 @@ def at(*p):
     ((-0.1, 0.05, 0.01), 0.0),
 ])  # fmt: skip
 def test_points(p, distance):
-    assert signed_distance(Solid('Point'), at(*p), L, HERE) == pytest.approx(distance, abs=1e-17)
+    assert signed_distance(at(Body('Point'), *p), L) == pytest.approx(distance, abs=1e-17)
 
 
 def test_points_of_boxes_in_fifty_digits():
     rng = np.random.default_rng(3)
     for q in rng.uniform(-0.2, 0.2, (40, 3)):
         least = min(
-            closed_forms.point_distance(2, np.array(box.sizes) / 2, list(map(mpf, q - middle)))
-            for box, middle in L.boxes()
+            closed_forms.point_distance(2, np.array(box.size) / 2, list(map(mpf, q - box.p)))
+            for box in L.parts
         )
         found, _ = point_distance(L.corners, list(map(mpf, q)))
         # Within the union no box tells how far its surface is, but that it is as deep.
@@ -53,20 +52,20 @@ def test_a_vertex_of_the_ball_is_told_in_forty_digits():
 
 
 def test_spheres_go_straight_out_or_nothing_is_known():
-    ball = Solid('Sphere', (0.02,))
-    assert signed_distance(ball, at(-0.095, 0.03, 0.0), L, HERE) == pytest.approx(-0.025)
-    assert signed_distance(ball, at(-0.06, 0.0, 0.0), L, HERE) == pytest.approx(-0.06)
+    ball = Body('Sphere', (0.02,))
+    assert signed_distance(at(ball, -0.095, 0.03, 0.0), L) == pytest.approx(-0.025)
+    assert signed_distance(at(ball, -0.06, 0.0, 0.0), L) == pytest.approx(-0.06)
     # In the inner corner, in both walls: straight out of one is into the other.
-    assert signed_distance(ball, at(0.01, 0.01, 0.0), L, HERE) is None
+    assert signed_distance(at(ball, 0.01, 0.01, 0.0), L) is None
 
 
 def test_boxes_and_the_l_itself():
-    box = Solid('Box', (0.02, 0.02, 0.02))
-    assert signed_distance(box, at(0.05, 0.06, 0.0), L, HERE) == pytest.approx(0.04)
-    assert signed_distance(box, at(-0.1, 0.03, 0.0), L, HERE) == pytest.approx(-0.01)
-    assert signed_distance(box, at(0.005, 0.005, 0.0), L, HERE) is None
-    assert signed_distance(L, at(2 * UNIT, 0.0, 0.01), L, HERE) == pytest.approx(0.0, abs=1e-17)
-    assert signed_distance(L, at(0.19, 0.0, 0.0), L, HERE) == pytest.approx(-0.01)
+    box = Body('Box', (0.02, 0.02, 0.02))
+    assert signed_distance(at(box, 0.05, 0.06, 0.0), L) == pytest.approx(0.04)
+    assert signed_distance(at(box, -0.1, 0.03, 0.0), L) == pytest.approx(-0.01)
+    assert signed_distance(at(box, 0.005, 0.005, 0.0), L) is None
+    assert signed_distance(at(L, 2 * UNIT, 0.0, 0.01), L) == pytest.approx(0.0, abs=1e-17)
+    assert signed_distance(at(L, 0.19, 0.0, 0.0), L) == pytest.approx(-0.01)
     half_turn = np.diag([-1.0, -1.0, 1.0])
-    turned = half_turn, np.array([0.11, 0.11, 0.0])
-    assert signed_distance(L, turned, L, HERE) == pytest.approx(0.01 * 2**0.5)
+    turned = L.placed(half_turn, np.array([0.11, 0.11, 0.0]))
+    assert signed_distance(turned, L) == pytest.approx(0.01 * 2**0.5)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from oracles.pairs import random_rotation
 
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth.supports import DIGITS, posed
 
@@ -16,8 +16,7 @@ def test_support_points_lie_on_the_surface_at_the_exact_height(shape):
     rng = np.random.default_rng(1)
     R, p = random_rotation(rng), rng.normal(size=3)
     body = posed(shape, R, p)
-    n = rng.normal(size=(20, 3))
-    n /= np.linalg.norm(n, axis=1)[:, None]
+    n = random_directions(rng, 20)
     for each, point in zip(n, body.points(n), strict=True):
         q = R.T @ (point - p)
         assert float(closed_forms.point_distance(*shape, q)) == pytest.approx(0, abs=1e-15)

@@ -17,16 +17,11 @@ from oracles.worlds import (
     scaled_parameters,
 )
 
-from drake_geom_ros import geometry
+from drake_geom_ros.evidence.asking import PairScene
+from drake_geom_ros.evidence.bodies import HALVES, Body
 from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth.convex import signed_distance
-from drake_geom_ros.geometry import (
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
-    ProximityProperties,
-    SceneGraph,
-)
+from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
@@ -43,7 +38,6 @@ from drake_geom_ros.geometry._proximity.pair_table import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
-from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 ORACLE = 1e-12  # what the oracle, a search over directions, may be off by [m]
 DISTANCES = (0.2, 2e-3, 0.0, -2e-3, -0.02, -0.08)
@@ -72,23 +66,14 @@ def answer(world, accuracy='exact'):
 
 def public_answer(row, sizes, Rs, ps):
     """Return the record that a user of the package gets for the row's two shapes."""
-    scene = SceneGraph()
-    source = scene.RegisterSource('accuracy')
-    ids = []
-    for k, (kind, size) in enumerate(zip((row.type_a, row.type_b), sizes, strict=True)):
+    bodies = []
+    for kind, size, R, p in zip((row.type_a, row.type_b), sizes, Rs, ps, strict=True):
         # Kernels take half sizes along the axes of boxes, capsules and cylinders.
-        factors = {'Box': (2, 2, 2), 'Capsule': (1, 2), 'Cylinder': (1, 2)}
         name = SHAPE_NAMES[kind]
-        shape = getattr(geometry, name)(*np.multiply(size, factors.get(name, 1.0)).tolist())
-        frame = scene.RegisterFrame(source, GeometryFrame(name + str(k)))
-        instance = GeometryInstance(RigidTransform(), shape, name)
-        instance.set_proximity_properties(ProximityProperties())
-        ids.append((frame, scene.RegisterGeometry(source, frame, instance)))
-    context = scene.CreateDefaultContext()
-    poses = {ids[k][0]: RigidTransform(RotationMatrix(Rs[k]), ps[k]) for k in range(2)}
-    scene.get_source_pose_port(source).FixValue(context, FramePoseVector(poses))
-    query = scene.get_query_output_port().Eval(context)
-    return query.ComputeSignedDistancePairClosestPoints(ids[0][1], ids[1][1])
+        full = np.divide(size, HALVES.get(name, 1.0)).tolist()
+        bodies.append(Body(name, tuple(full), R, p))
+    scene = PairScene(*bodies)
+    return scene.query.ComputeSignedDistancePairClosestPoints(*scene.ids)
 
 
 @functools.cache
@@ -177,14 +162,13 @@ def test_the_public_query_near_and_far(row, offset):
         assert pair.error_bound <= 1e-9 + 32 * EPS * offset
 
 
-@pytest.mark.parametrize('level', ['bound', 'fast', 'balanced', 'exact'])
+@pytest.mark.parametrize('level', ACCURACY_LEVELS)
 @pytest.mark.parametrize('row', ROWS)
 def test_the_certificate_of_every_level_contains_the_truth(row, level):
-    gaps = {'bound': math.inf, 'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
     for sizes, Rs, ps, phi in cases(row):
         result = answer(pair_world(row, sizes, Rs, ps), level)
         assert abs(result[DISTANCE] - phi) <= result[ERROR_BOUND] + ORACLE
-        assert result[ERROR_BOUND] <= gaps[level]
+        assert result[ERROR_BOUND] <= ACCURACY_GAPS.get(level, math.inf)
 
 
 def test_the_table_holds_every_pair_but_two_half_spaces():

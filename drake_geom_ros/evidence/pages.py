@@ -1,18 +1,31 @@
-"""Where and with what figures were taken: nothing that names the machine or its owner."""
+"""What every page of figures has: tables in Markdown, and where and with what they were taken.
+
+Nothing names the machine or its owner.
+"""
 
 from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import metadata
 
 from drake_geom_ros.evidence import peers
 
 
+def table(
+    headings: Sequence[str], rows: Iterable[Sequence[object]], left: int | None = None
+) -> str:
+    """Return a Markdown table; columns after the first ``left`` are to the right, if given."""
+    right = 0 if left is None else len(headings) - left
+    marks = ['---'] * (len(headings) - right) + ['---:'] * right
+    lines = (headings, marks, *rows)
+    return ''.join(f'| {" | ".join(map(str, line))} |\n' for line in lines)
+
+
 def description() -> str:
     """Return the processor's model, the number of cores and the system, in one line."""
-    return f'{_processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}'
+    return f'{processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}'
 
 
 def versions(peer_names: Sequence[str]) -> dict[str, str]:
@@ -22,7 +35,8 @@ def versions(peer_names: Sequence[str]) -> dict[str, str]:
     return found | {name: peers.version(name) for name in peer_names}
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Return what the machine says that its processor is."""
     try:
         with open('/proc/cpuinfo', encoding='utf-8') as file:
             for line in file:
