@@ -36,20 +36,23 @@ LAYERS = {
         ('math', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
-    'peers': (('math', 'geometry', 'peers'), ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco')),
     'trajectories': (
         ('math', 'geometry', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
     ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
-    'accuracy': (
-        ('math', 'geometry', 'peers', 'accuracy'),
+    'evidence/peers': (
+        ('math', 'geometry', 'evidence/peers'),
+        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
+    ),
+    'evidence': (
+        ('math', 'geometry', 'evidence', 'evidence/peers'),
         ('numpy', 'scipy', 'mpmath', 'matplotlib'),
     ),
     'command_line': (
         (
-            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'peers', 'accuracy'),
-            'command_line',
+            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
+            *('evidence', 'evidence/peers'),
         ),
         ('numpy',),
     ),
@@ -122,11 +125,24 @@ def test_private_modules_stay_within_their_room(path):
         ('ros/scene/live_scene.py', 'from std_msgs.msg import Header', 'std_msgs'),
         ('ros/inputs/tf_input.py', 'from drake_geom_ros.ros import surface', 'surface'),
         ('ros/scene_graph_node.py', 'from drake_geom_ros.ros.demo import client', 'demo'),
+        (
+            'ros/outputs/cycle.py',
+            'from drake_geom_ros.evidence.truth import convex',
+            'evidence',
+        ),
+        ('evidence/laws.py', 'import drake_geom_ros.geometry._proximity.promise', 'promise'),
     ],
 )
 def test_a_forbidden_import_is_seen(path, source, culprit):
     (found,) = forbidden(path, source)
     assert culprit in found
+
+
+def test_only_the_command_line_asks_for_evidence():
+    asking = {
+        room for room, (ours, _) in LAYERS.items() if any('evidence' in each for each in ours)
+    }
+    assert asking == {'evidence', 'evidence/peers', 'command_line'}
 
 
 def test_the_exception_is_allowed():

@@ -5,7 +5,7 @@ import pytest
 from numba import config
 from oracles.pairs import random_pairs
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import creases, sums
 
 BOX, CAPSULE, CYLINDER = 2, 3, 4
