@@ -95,6 +95,7 @@ def test_an_unknown_command_is_named():
         ('requirements/core.txt', [False, True, False, False]),
         ('requirements/lock.txt', [False, True, False, False]),
         ('requirements/peers.txt', [False, False, False, False]),
+        ('requirements/mutants.txt', [False, False, False, False]),
         ('requirements/ros.txt', [False, True, True, True]),
         ('requirements/build.txt', [False, True, True, True]),
         ('msg_defs/msg/Shape.msg', [False, False, True, True]),
@@ -146,6 +147,16 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
         code, _, errors = shell(folder, FAKE_STEPS + 'set_up; prepare_tests')
         assert code == 0, errors
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
+
+
+@pytest.mark.parametrize('name', ['peers', 'mutants'])
+def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(folder, name):
+    script = FAKE_STEPS + f'install_{name}() {{ echo {name} >>"$root/calls"; }}\n'
+    for change in ('', '', '# changed\n'):
+        append(folder / f'requirements/{name}.txt', change)
+        code, _, errors = shell(folder, script + f'prepare_with {name}')
+        assert code == 0, errors
+    assert calls(folder) == ['venv', 'packages', 'messages', name, name]
 
 
 def test_what_was_deleted_is_made_again(folder):

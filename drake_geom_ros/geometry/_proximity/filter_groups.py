@@ -62,9 +62,7 @@ class FilterGroups:
         return mask
 
     def members(self, name: str) -> tuple[int, ...]:
-        """Return the elements of a group, ascending; of the universal group the named ones."""
-        if name == UNIVERSAL:
-            return tuple(sorted(self._membership))
+        """Return the elements of a group, ascending; not of the universal group, which is all."""
         bit = self._bits[name]
         return tuple(sorted(key for key, mask in self._membership.items() if mask >> bit & 1))
 

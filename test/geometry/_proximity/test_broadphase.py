@@ -5,6 +5,7 @@ import pytest
 from oracles.worlds import geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.broadphase import (
+    _overlap,
     box_gap,
     pairs_between,
     pairs_within,
@@ -13,6 +14,7 @@ from drake_geom_ros.geometry._proximity.broadphase import (
     split_wide,
     widest_axis,
 )
+from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
@@ -88,6 +90,19 @@ def test_touching_boxes_far_away_overlap():
     world.update()
     assert pairs_within(boxes_of(world, np.arange(2), np.zeros(2))).tolist() == [[0, 1]]
     assert box_gap(world.p_WGs, world.half_extents, 0, 1) == 0.0
+
+
+@pytest.mark.parametrize('axis', [0, 1, 2])
+@pytest.mark.parametrize('side', [-1.0, 1.0])
+def test_boxes_that_share_a_face_share_a_point(axis, side):
+    """Asked without the padding of ``sorted_boxes``; a gap on any one axis is enough."""
+    lowers, uppers = np.zeros((2, 3)), np.ones((2, 3))
+    lowers[1, axis] += side
+    uppers[1, axis] += side
+    assert _overlap(lowers, uppers, 0, lowers, uppers, 1)
+    lowers[1, axis] += side * EPS
+    uppers[1, axis] += side * EPS
+    assert not _overlap(lowers, uppers, 0, lowers, uppers, 1)
 
 
 def test_gaps_are_lower_bounds_and_tight():

@@ -1,3 +1,8 @@
+import re
+
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.geometry._proximity import filter_log
 from drake_geom_ros.geometry._proximity.filter_log import (
     ALLOW_BETWEEN,
     ALLOW_WITHIN,
@@ -9,6 +14,13 @@ from drake_geom_ros.geometry._proximity.filter_log import (
 )
 
 EVERYTHING = (1, 2, 3, 4, 5)
+
+
+def test_operations_have_the_numbers_of_the_messages():
+    message = (ROOT / 'msg_defs/msg/CollisionFilterStatement.msg').read_text()
+    numbers = re.findall(r'^uint8 ((?:EXCLUDE|ALLOW)_\w+)=(\d+)', message, re.MULTILINE)
+    assert len(numbers) == 4
+    assert [getattr(filter_log, name) for name, _ in numbers] == [int(n) for _, n in numbers]
 
 
 def test_reasons_go_back_to_the_last_allowance_newest_first():
@@ -26,6 +38,8 @@ def test_reasons_go_back_to_the_last_allowance_newest_first():
     log.pull(9)
     log.flatten()
     assert log.reasons(1, 2) == ['persistent declaration 2', 'group g', 'clique c']
+    log.declare([(EXCLUDE_WITHIN, (4, 5), ())])
+    assert log.reasons(4, 5) == ['persistent declaration 3']
 
 
 def test_a_statement_takes_the_place_of_one_about_the_same_sets():

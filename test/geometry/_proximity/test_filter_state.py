@@ -83,6 +83,21 @@ def test_allowing_an_invariant_pair_is_ignored():
     assert state.filtered_pairs() == 0
 
 
+def test_slots_are_given_out_from_the_lowest_and_again_and_each_change_is_a_version():
+    state, versions = FilterState(), [-1]
+    for key in range(70):
+        state.add(key, 100 + key, False)
+        versions.append(state.version)
+    assert state.slots(np.arange(70)).tolist() == list(range(70))
+    for key in (3, 68):
+        state.remove(key)
+        versions.append(state.version)
+    assert (np.diff(versions) > 0).all()
+    for key in (70, 71):
+        state.add(key, 100 + key, False)
+    assert state.slots(np.array([70, 71])).tolist() == [68, 3]
+
+
 # Declarations.
 
 

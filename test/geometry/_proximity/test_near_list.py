@@ -54,6 +54,26 @@ def test_whatever_is_near_is_listed_and_the_list_stands_for_a_while(anchored, mo
     assert near_pairs(world, 0.05) <= listed(near)
 
 
+@pytest.mark.parametrize('anchored', [0, 25, 49])
+@pytest.mark.parametrize('distance', [0.0, 0.3])
+def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(anchored, distance):
+    """Whoever came from afar just now, or rests, gets no margin."""
+    rng = np.random.default_rng(anchored)
+    world = random_world(rng, 50, anchored=anchored)
+    filters = filters_of(world)
+    i, j = np.triu_indices(50, k=1)
+    for updates in (0, PATIENCE, 1):
+        for _ in range(updates):  # all but the first frame come to rest
+            world.set_poses(np.array([1]), world.R_PFs[1:2], rng.uniform(-1.0, 1.0, (1, 3)))
+            world.update()
+        near = NearList(world)
+        near.bring_up_to_date(world, filters, distance)
+        sizes = world.half_extents[i] + world.half_extents[j] + distance
+        wanted = (np.abs(world.p_WGs[i] - world.p_WGs[j]) <= sizes).all(axis=1)
+        wanted &= ~(world.anchored[i] & world.anchored[j])
+        assert listed(near) == set(zip(i[wanted].tolist(), j[wanted].tolist(), strict=True))
+
+
 def test_a_list_for_more_serves_for_less_and_grows_when_it_must():
     world = random_world(np.random.default_rng(0), 40)
     filters, near = filters_of(world), NearList(world)
@@ -116,6 +136,33 @@ def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
             near.seen[slot], near.answers[slot] = 5, 1.0
         known = {pair: near.slacks[slot] for pair, slot in slots.items()}
         creep(rng, world, np.arange(1, 61), 0.03)
+
+
+def slots_of(near):
+    return dict(zip(map(tuple, near.pairs.tolist()), near.slots.tolist(), strict=True))
+
+
+def test_slots_are_used_to_the_last_one_and_keep_what_they_hold_when_they_grow():
+    """58 pairs are given room for 136, which come next; then there are 153."""
+    world = random_world(np.random.default_rng(6), 18)
+    filters, near = filters_of(world), NearList(world)
+    keys = tuple(world.geometries.ids.tolist())
+    filters.apply([(1, keys[:13], ()), (2, keys[17:], keys[:17])])
+    sizes, before = [], {}
+    for allowed in (keys[:1], keys[:17], keys):
+        filters.apply([(3, allowed, ())])
+        near.bring_up_to_date(world, filters, math.inf)
+        after = slots_of(near)
+        sizes.append((len(after), len({*after.values()}), *map(len, near.memory)))
+        assert before.items() <= after.items()
+        for (i, j), slot in before.items():
+            assert near.answers[slot].tolist() == [i] * near.answers.shape[1]
+            assert (near.slacks[slot], near.seen[slot], near.gaps[slot]) == (j, i + j, i * j)
+        for (i, j), slot in after.items():
+            for held, value in zip(near.memory, (i, j, i + j, i * j), strict=True):
+                held[slot] = value
+        before = after
+    assert sizes == [(58, 58, *[136] * 4), (136, 136, *[136] * 4), (153, 153, *[255] * 4)]
 
 
 @pytest.mark.parametrize('moving_plane', [False, True])

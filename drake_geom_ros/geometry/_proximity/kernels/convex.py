@@ -21,6 +21,10 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.axes import least_along_axes
+from drake_geom_ros.geometry._proximity.kernels.barrels import (
+    least_in_long_barrel,
+    least_of_barrels,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     ITERATIVE,
@@ -42,13 +46,18 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     hold,
     nearby_minimum,
+    settle,
     widest_cap,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution import (
     common_axis,
     depth_of_revolution,
 )
+from drake_geom_ros.geometry._proximity.kernels.slices import least_over_slices
 from drake_geom_ros.geometry._proximity.kernels.sums import (
+    AXES_A,
+    AXES_B,
+    SEGMENT,
     difference_of,
     feet,
     likely_normal,
@@ -128,23 +137,55 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
             if unique and newton[2] - depth <= enough:
                 return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
-        complete, h, n, unique = least_on_creases(difference, n, enough, noise)
-        if complete and h > 0.0 and nearby_minimum(difference, n, noise)[0] != NOTHING:
-            a, b = feet(difference, n)
+        complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
+        if complete and h > 0.0:
+            a, b, aside = points_at(difference, n, h, noise)
             if share_a_point(pair, a, b):
-                return h, h, n, a, b, 0.0, unique
-    most_vertices = FEW_VERTICES
-    while True:
-        found = depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices)
-        # Where the difference has the origin on its surface the bounds add up to some tolerances.
-        closed = found[0] - found[1] <= 4.0 * enough or found[0] < -noise
-        if closed or most_vertices == MANY_VERTICES:
-            return found
-        upper, lower, n_in, a, b, aside, unique = found
-        lower = max(lower, deepest(pair, a, b, size) - noise)
-        if upper - lower <= 4.0 * enough:
-            return upper, min(lower, upper), n_in, a, b, aside, unique
-        most_vertices = MANY_VERTICES
+                return h, floor, n, a, b, aside, unique
+    found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
+    # Where the difference has the origin on its surface the bounds add up to some tolerances.
+    if found[0] - found[1] <= 4.0 * enough or found[0] < -noise:
+        return found
+    upper, lower, n, a, b, aside, unique = found
+    lower = max(lower, deepest(pair, a, b, size) - noise)
+    if upper - lower <= 4.0 * enough:
+        return upper, min(lower, upper), n, a, b, aside, unique
+    if lower > 0.0 and difference[2] > 0:
+        complete, h, floor, m, unique = least_of_ring(
+            pair, difference, n, upper, lower, enough, noise
+        )
+        if complete:
+            a, b, aside = points_at(difference, m, h, noise)
+            return h, floor, m, a, b, aside, unique
+    return depth_of_cores(pair, difference, n, near, size, tolerance, MANY_VERTICES)
+
+
+@compiled
+def least_of_ring(pair, difference, n, h, floor, enough, noise):
+    """Return (complete, h, floor, n, unique) where a ring of directions is almost as good as n."""
+    kind_A, kind_B = pair[0], pair[3]
+    found = False, h, floor, n, False
+    if kind_A == CYLINDER:
+        found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
+    if not found[0] and kind_B == CYLINDER:
+        found = least_in_long_barrel(difference, difference[1], AXES_B, n, h, enough, noise)
+    if not found[0] and kind_A == CYLINDER and kind_B == CYLINDER:
+        found = least_of_barrels(difference, n, floor, enough, noise)
+    if not found[0] and kind_B == ELLIPSOID:
+        found = least_over_slices(difference, n, h, enough, noise)
+    return found
+
+
+@compiled
+def points_at(difference, n, h, noise):
+    """Return (a, b, aside) at a normal n of least width h: points of the cores, ``a - b = h n``.
+
+    But for ``aside`` [m], which is rounding where Newton's method knows the minimum.
+    """
+    if nearby_minimum(difference, n, noise)[0] == NOTHING:
+        settle(difference, n)
+    a, b = feet(difference, n)
+    return a, b, norm(sub(sub(a, b), scale(h, n)))
 
 
 @compiled

@@ -203,7 +203,6 @@ def start(pair, known, near, growth, size, noise):
     """
     points, faces, planes, rim, stack, starting_at, heap = growth
     _, _, n, a, b, cap = known
-    put(points, 0, a, b)
     if cap > 0.0 or near:
         ring_points(pair, n, max(0.5 * cap, LEAST_TILT), points)
     if not (cap > 0.0 or near) or is_flat(points, size):

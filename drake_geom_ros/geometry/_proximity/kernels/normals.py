@@ -328,6 +328,26 @@ def nearby_minimum(difference, n, noise):
 
 
 @compiled
+def settle(difference, n):
+    """Set the shares at n to where the points extreme along it are least aside of one another.
+
+    For an n whose h is known to be least, or almost, but where Newton's method found no minimum:
+    on a ring of almost equal values it has no curvature to go by.
+    """
+    terms, _, last, r_A, r_B = difference
+    for k in range(3):
+        terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
+    hold(terms, last, n)
+    e, reach, flat = held_line(terms, last)
+    if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
+        on_face(terms, last, r_A + r_B, n, flat)
+    elif reach > 0.0:
+        f = unit(cross(n, e))
+        _, x, _, _, _, _ = slope_and_bend(terms, last, r_A + r_B, cross(e, f), e, f)
+        share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
+
+
+@compiled
 def sharpness(terms, radius, n, e, f, cap):
     """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see *Caps*)."""
     m11, m12, m22 = -radius, 0.0, -radius

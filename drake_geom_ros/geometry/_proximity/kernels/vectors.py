@@ -81,7 +81,7 @@ def unit(a):
 
 @inlined
 def perpendicular(a):
-    """Return a unit vector at right angles to a: the axis least along a, made orthogonal."""
+    """Return the unit vector along a x e for the axis e least along a, of equal ones the first."""
     x, y, z = abs(a[0]), abs(a[1]), abs(a[2])
     if x <= y and x <= z:
         return unit(cross(a, (1.0, 0.0, 0.0)))

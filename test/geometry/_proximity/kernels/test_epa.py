@@ -1,11 +1,19 @@
 import numpy as np
 import pytest
 from oracles.pairs import random_rotation
+from scipy.spatial import ConvexHull
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import epa
 from drake_geom_ros.geometry._proximity.kernels.sums import difference_of
-from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CONVEX, CYLINDER
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular
 
 ALIGNED = np.eye(3)
 X = (1.0, 0.0, 0.0)
@@ -98,3 +106,73 @@ def test_a_cap_is_left_where_a_face_may_be_nearer_beyond_it():
     # Nearer than 1 within acos(0.9) = 0.451 of m, which is 0.2 from n.
     assert epa.is_in_cap(m, 0.9, n, 1.0, 0.66)
     assert not epa.is_in_cap(m, 0.9, n, 1.0, 0.64)
+
+
+@pytest.mark.parametrize('power', [2.0**-40, 1.0, 2.0**40])
+@pytest.mark.parametrize(
+    ('corners', 'flat'),
+    [
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1e-14]], True),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, -1e-12]], False),
+        ([[0, 0, 1e-14], [0.5, 0, 1], [0, 0.5, 1], [0, 0, 1]], False),
+        ([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0], [1e-6, 1e-6, 1e-14]], True),
+        ([[0, 0, 0], [1e-6, 0, 0], [0, 1e-6, 0], [1e-6, 1e-6, -1e-12]], False),
+        ([[0, 0, 0], [0.5, 0, 0], [1, 0, 0], [0, 0, 1]], True),  # three in a row
+        ([[1, 1, 1]] * 4, True),
+    ],
+)
+def test_flat_is_a_height_that_rounding_makes_at_any_size(corners, flat, power):
+    points = np.zeros((4, 9))
+    points[:, :3] = power * np.array(corners)
+    assert epa.is_flat(points, power) == flat
+
+
+@pytest.mark.parametrize('tilt', [0.1, 0.5, 1.0])
+def test_a_ring_is_three_directions_at_a_tilt_and_the_opposite_one(tilt):
+    """The core of an ellipsoid (1, 1, 1/2) is that less a ball of 1/4 m: known point by point."""
+    pair = ELLIPSOID, np.array([1.0, 1.0, 0.5]), ALIGNED, SPHERE, np.zeros(1), ALIGNED, (0.0,) * 3
+    points = np.zeros((4, 9))
+    epa.ring_points(pair, (0.0, 0.0, 1.0), tilt, points)
+    np.testing.assert_allclose(points[0, :3], [0, 0, -0.25], atol=1e-15)
+    across, along = np.sin(tilt), np.cos(tilt)
+    h = np.hypot(across, 0.5 * along)
+    np.testing.assert_allclose(points[1:, 2], along * (0.25 / h - 0.25), rtol=1e-14)
+    outwards = points[1:, :2] / (across * (1.0 / h - 0.25))
+    np.testing.assert_allclose(outwards @ outwards.T, 1.5 * np.eye(3) - 0.5, atol=1e-14)
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_first_points_are_far_from_one_another_in_every_direction(seed):
+    """The farther of two sides is at least half the width of A - B away."""
+    rng = np.random.default_rng(seed)
+    corners = [rng.normal(size=(4, 3)) * [1.0, 1.0, 10.0**-k] for k in (0, 3)]
+    shapes = [np.concatenate(([4.0], each.ravel())) for each in corners]
+    pair = CONVEX, shapes[0], ALIGNED, CONVEX, shapes[1], ALIGNED, (0.0, 0.0, 0.0)
+    difference = (corners[0][:, None] - corners[1][None]).reshape(-1, 3)
+    n = rng.normal(size=3)
+    n /= np.linalg.norm(n)
+    points = np.zeros((4, 9))
+    points[0, :3] = difference[np.argmax(difference @ n)]
+    epa.first_points(pair, tuple(n), points)
+    p = points[:, :3]
+    assert n @ p[1] == pytest.approx((difference @ n).min(), abs=1e-14)
+    away = [perpendicular(tuple((p[1] - p[0]) / np.linalg.norm(p[1] - p[0])))]
+    normal = np.cross(p[1] - p[0], p[2] - p[0])
+    away.append(normal / np.linalg.norm(normal))
+    for k, m in enumerate(away, start=2):
+        assert abs(np.dot(p[k] - p[0], m)) >= 0.5 * np.ptp(difference @ m) - 1e-14
+    np.testing.assert_allclose(p[1:], points[1:, 3:6] - points[1:, 6:9], atol=1e-15)
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
+    rng = np.random.default_rng(seed)
+    corners = [rng.normal(size=(k, 3)) for k in (8, 14)]
+    shapes = [np.concatenate(([len(each)], each.ravel())) for each in corners]
+    R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
+    upper, _, n, a, b, aside, _ = _grow(CONVEX, shapes[0], CONVEX, shapes[1], R, p, tolerance=0.0)
+    assert aside <= 1e-12
+    assert np.subtract(a, b) == pytest.approx(upper * np.array(n), abs=1e-13)
+    for points, witness in ((corners[0], np.array(a)), (corners[1], R.T @ (np.array(b) - p))):
+        sides = ConvexHull(points).equations
+        assert (sides[:, :3] @ witness + sides[:, 3]).max() == pytest.approx(0.0, abs=1e-12)

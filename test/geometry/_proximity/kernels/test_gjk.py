@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from oracles.pairs import random_rotation
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import gjk
 from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CAPSULE, CONVEX, CYLINDER
 
@@ -74,3 +74,56 @@ def test_beyond_the_cutoff_the_walk_ends_early_with_a_bound():
     )
     assert end == gjk.BEYOND_CUTOFF
     assert 2.0 < lower <= upper
+
+
+def _simplex(*corners):
+    """Return rows of points w = a - b, with b ten times the corner."""
+    points = np.full((4, gjk.WEIGHT + 1), np.nan)
+    for k, corner in enumerate(corners):
+        w = np.array(corner, dtype=float)
+        gjk.put(points, k, tuple(11.0 * w), tuple(10.0 * w))
+    return points
+
+
+def test_a_row_holds_a_point_and_what_it_is_the_difference_of():
+    points = _simplex((1, 2, 3))
+    assert points[0, :9].tolist() == [1, 2, 3, 11, 22, 33, 10, 20, 30]
+    assert [gjk.row(points, 0, column) for column in (0, 3, 6)] == [
+        (1.0, 2.0, 3.0),
+        (11.0, 22.0, 33.0),
+        (10.0, 20.0, 30.0),
+    ]
+
+
+def test_a_point_is_known_by_all_three_coordinates():
+    points = _simplex((1, 2, 3), (4, 5, 6), (7, 8, 9))
+    for w in ((1, 2, 3), (4, 5, 6)):
+        assert gjk.is_known(points, 2, w)
+        for k in range(3):
+            assert not gjk.is_known(points, 2, (*w[:k], 0.5, *w[k + 1 :]))
+    assert not gjk.is_known(points, 2, (7, 8, 9))
+
+
+@pytest.mark.parametrize(
+    ('corners', 'kept', 'nearest'),
+    [
+        ([(1, 1, 1)], [0], (1, 1, 1)),
+        ([(-1, 1, 1), (3, 1, 1)], [0, 1], (0, 1, 1)),
+        ([(1, 1, 1), (3, 1, 1)], [0], (1, 1, 1)),
+        ([(3, 1, 1), (1, 1, 1)], [1], (1, 1, 1)),
+        ([(-1, -1, 2), (2, -1, 2), (-1, 2, 2)], [0, 1, 2], (0, 0, 2)),
+        ([(9, 9, 2), (-1, 1, 2), (1, 1, 2)], [1, 2], (0, 1, 2)),
+        ([(1, 2, 2), (5, 9, 2), (9, 5, 2)], [0], (1, 2, 2)),
+        ([(-1, -1, -1), (3, -1, -1), (-1, 3, -1), (-1, -1, 3)], [0, 1, 2, 3], (0, 0, 0)),
+        ([(0, 0, 9), (-1, -1, 2), (2, -1, 2), (-1, 2, 2)], [1, 2, 3], (0, 0, 2)),
+        ([(5, 5, 9), (1, 1, 2), (-1, 1, 2), (0, 5, 2)], [1, 2], (0, 1, 2)),
+    ],
+)
+def test_a_simplex_keeps_the_corners_that_hold_its_nearest_point(corners, kept, nearest):
+    points = _simplex(*corners)
+    count = gjk.reduce_simplex(points, len(corners))
+    assert points[:count, :3].tolist() == [list(map(float, corners[k])) for k in kept]
+    assert points[:count, gjk.WEIGHT].sum() == pytest.approx(1.0, abs=1e-15)
+    for column, factor in ((0, 1.0), (3, 11.0), (6, 10.0)):
+        found = gjk.combine(points, count, column)
+        assert found == pytest.approx(np.multiply(factor, nearest), abs=1e-14)

@@ -40,14 +40,16 @@ def test_standing_upright_it_meets_the_plane_below_its_centre(kind_A, gap):
     np.testing.assert_allclose(row.p_ACa, [0.0, 0.0, -HEIGHTS[kind_A]], rtol=0, atol=1e-15)
 
 
+@pytest.mark.parametrize('scale', [1e-9, 1.0])
 @pytest.mark.parametrize('kind_A', [2, 3, 4, 5])
-def test_standing_upright_under_any_common_rotation(kind_A):
+def test_standing_upright_under_any_common_rotation(kind_A, scale):
     """The midpoint of the lowest face is taken in spite of the rounding of the poses."""
     rng = np.random.default_rng(kind_A)
     for _ in range(20):
         R = random_rotation(rng)
-        row = check(_kernel(kind_A), _upright(kind_A, HEIGHTS[kind_A]).moved(R))
-        np.testing.assert_allclose(R.T @ row.p_ACa, [0, 0, -HEIGHTS[kind_A]], rtol=0, atol=1e-14)
+        row = check(_kernel(kind_A), _upright(kind_A, HEIGHTS[kind_A]).moved(R).scaled(scale))
+        lowest = [0, 0, -scale * HEIGHTS[kind_A]]
+        np.testing.assert_allclose(R.T @ row.p_ACa, lowest, rtol=0, atol=1e-14 * scale)
 
 
 @pytest.mark.parametrize(('kind_A', 'radius'), [(3, 0.25), (4, 0.25)])

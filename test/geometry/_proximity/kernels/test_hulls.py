@@ -93,3 +93,16 @@ def test_radius_is_that_of_the_farthest_vertex():
     vertices, triangles = hull(on_ball(220, np.random.default_rng(1)) * [1.0, 2.0, 3.0])
     farthest = np.linalg.norm(vertices, axis=1).max()
     assert hull_radius(hull_parameters(vertices, triangles)) == pytest.approx(farthest, rel=1e-15)
+
+
+@pytest.mark.parametrize('size', [1e-200, 1.0, 1e200])
+@pytest.mark.parametrize('farthest', range(5))
+def test_radius_counts_every_vertex_at_any_size(farthest, size):
+    vertices = np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [-1, 0, 0]])
+    vertices[farthest] *= 3.0
+    shape = np.concatenate([[5.0], size * vertices.ravel()])
+    with np.errstate(over='ignore'):
+        assert hull_radius(shape) == pytest.approx(3.0 * size, rel=1e-15)
+    for vertex in vertices:
+        n = vertex / np.linalg.norm(vertex)
+        assert farthest_vertex(shape, *n) == tuple(size * vertex)

@@ -19,10 +19,19 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels import inner_balls
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]
+GRID = np.linspace(-0.8, 0.8, 41)
 
 
 def pair_of(A, B, R_WA, R_WB, p):
@@ -88,6 +97,41 @@ def test_the_deepest_point_is_found_along_an_edge():
     pair = pair_of(box, cylinder, np.eye(3), np.eye(3), (0.1, 0.2, 0.1))
     corner, off = (0.1, 0.2, -0.85), (-0.1, 0.0, -0.85)
     assert inner_balls.deepest(pair, corner, off, 2.0) == pytest.approx(0.3, abs=1e-15)
+
+
+@pytest.mark.parametrize('A', SHAPES, ids=lambda shape: type(shape).__name__)
+@pytest.mark.parametrize('B', SHAPES[1:3], ids=lambda shape: type(shape).__name__)
+def test_the_deepest_point_of_a_line_is_found_up_to_a_17000th_of_it(A, B):
+    rng = np.random.default_rng(1)
+    pair = pair_of(A, B, rotation(rng), rotation(rng), rng.uniform(-0.2, 0.2, 3))
+    c, u = rng.uniform(-0.1, 0.1, 3), rotation(rng)[0]
+    depth, at = inner_balls.deepest_along(pair, tuple(c), tuple(u), 0.8)
+    assert inner_balls.depth_in_both(pair, at, 0.0)[0] == depth
+    way = np.dot(np.subtract(at, c), u)
+    np.testing.assert_allclose(c + way * u, at, atol=1e-15)
+    # No depth changes by more than the way, and there are two.
+    along = [inner_balls.depth_in_both(pair, tuple(c + t * u), 0.0)[0] for t in GRID]
+    assert depth >= max(along) - 2.0 * 1.6 / 17000.0
+
+
+@pytest.mark.parametrize(
+    ('kind', 'shape', 'q', 'depth', 'unique'),
+    [
+        (BOX, [1.0, 2.0, 3.0], (0.25, 1.5, 0.0), 0.5, True),
+        (BOX, [1.0, 2.0, 3.0], (0.5, 1.5, 0.0), 0.5, False),
+        (BOX, [1.0, 2.0, 3.0], (1.0, 0.0, 0.0), 0.0, False),
+        (BOX, [1.0, 2.0, 3.0], (1.0, 2.0, 7.0), -4.0, False),
+        (CYLINDER, [1.0, 2.0], (0.0, 0.25, 1.5), 0.5, True),
+        (CYLINDER, [1.0, 2.0], (0.0, 0.5, -1.5), 0.5, False),
+        (ELLIPSOID, [1.0, 1.0, 0.5], (0.0, 0.0, 0.125), 0.125, True),  # less a ball of 0.25 m
+        (CAPSULE, [0.5, 2.0], (0.0, 3.0, -6.0), -5.0, False),  # a segment
+        (SPHERE, [0.5], (2.0, 3.0, 6.0), -7.0, False),  # a point
+        (CONVEX, [1.0, 0.0, 0.0, 0.0], (0.0, 0.0, 0.0), -math.inf, False),
+    ],
+)
+def test_the_depth_of_a_point_in_a_core(kind, shape, q, depth, unique):
+    found = inner_balls.depth_of_point(kind, np.array(shape), q, 1e-12)
+    assert found == (pytest.approx(depth, rel=1e-15, abs=1e-15), unique)
 
 
 @pytest.mark.parametrize('step', [0.0, 1e-15, 1e-12])

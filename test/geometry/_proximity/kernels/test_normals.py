@@ -71,6 +71,8 @@ def test_nothing_in_a_cap_is_nearer(kinds):
 
 
 def test_kinds_of_minima():
+    kinds = normals.NOTHING, normals.SMOOTH, normals.CREASE, normals.FLAT
+    assert len(set(kinds)) == 4
     rod, cube = np.array([0.1, 1.0]), np.array([0.5, 0.5, 0.5])
     start = (0.9, 0.3, 0.1)
     start = tuple(np.array(start) / np.linalg.norm(start))

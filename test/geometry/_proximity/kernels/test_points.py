@@ -5,8 +5,8 @@ import pytest
 from numba import config
 from oracles.pairs import EPS, NAMES, PARAMETERS, height
 
-from drake_geom_ros.accuracy import closed_forms
-from drake_geom_ros.geometry._proximity.kernels import spheres
+from drake_geom_ros.evidence.truth import closed_forms
+from drake_geom_ros.geometry._proximity.kernels import points, spheres
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
@@ -127,6 +127,31 @@ def test_documented_choice(kind, size, q, distance, grad, unique):
     if grad is not None:
         np.testing.assert_allclose(found[1], grad, rtol=0, atol=1e-15)
     assert found[3] == unique
+
+
+@pytest.mark.parametrize(
+    ('q', 'on_box', 'on_cylinder'),
+    [
+        ((0.1, 0.0, 0.5 + 1e-7), True, True),  # nearer to a cap than the slack
+        ((0.25 + 1e-7, 0.0, 0.1), True, True),
+        ((0.25 + 1e-7, 0.0, 0.5 + 1e-7), False, False),
+        ((0.25 + 1e-5, 0.0, 0.5 + 1e-5), True, True),
+        ((0.25 - 1e-7, 0.0, 0.5 + 1e-7), False, False),
+        ((0.25 - 1e-5, 0.0, 0.5 + 1e-7), True, True),
+        ((0.25 + 1e-7, 0.0, 0.5 - 1e-5), True, True),
+        ((0.15, 0.0, 0.4), False, False),
+        ((0.15, 0.0, 0.4 + 3e-7), False, False),
+        ((0.15, 0.0, 0.4 - 3e-7), False, False),
+        ((0.15, 0.0, 0.4 + 3e-6), True, True),
+        ((0.15, 0.0, 0.4 - 3e-6), True, True),
+        ((3e-7, 0.0, 0.1), False, False),
+        ((3e-6, 0.0, 0.1), True, True),
+    ],
+)
+def test_what_counts_as_equally_near_is_the_slack(q, on_box, on_cylinder):
+    """1e-6 m here; a box as high as the cylinder and as wide, but long."""
+    assert points.box_point((0.25, 9.0, 0.5), q, 1e-6)[3] == on_box
+    assert points.cylinder_point(0.25, 0.5, q, 1e-6)[3] == on_cylinder
 
 
 @pytest.mark.parametrize(

@@ -114,6 +114,56 @@ def test_no_point_of_a_face_is_nearer_than_its_offset(height):
         assert planes[0, polytope.OFFSET] <= nearest + 1e-15
 
 
+@pytest.mark.parametrize('power', [2.0**-40, 1.0, 2.0**40])
+@pytest.mark.parametrize(
+    ('corners', 'normal', 'offset'),
+    [
+        ([(-1, 2, 0), (0, 2, 0), (1, 2, 0)], (0, 1, 0), 2.0),
+        ([(0, 2, 0), (1, 2, 0), (0, 2, 0)], (0, 1, 0), 2.0),
+        ([(0, 2, 1), (0, 2, 1), (0, 2, 1)], (0, 2 / 5**0.5, 1 / 5**0.5), 5**0.5),
+        ([(3, 4, 0), (6, 8, 0), (9, 12, 0)], (0.6, 0.8, 0), 5.0),
+        ([(-1, 0, 0), (0, 0, 0), (1, 0, 0)], None, 0.0),
+        ([(1, 0, 0), (1, 0, 0), (-1, 0, 0)], None, 0.0),
+        ([(0, 0, 2), (1, 0, 2), (0, 1, 2)], (0, 0, 1), 2.0),
+        ([(0, 0, 2), (0, 1, 2), (1, 0, 2)], (0, 0, -1), -2.0),  # the origin is in front of it
+    ],
+)
+def test_corners_in_a_row_have_the_plane_across_the_way_to_them(corners, normal, offset, power):
+    points = np.zeros((4, 9))
+    for k, corner in enumerate(corners):
+        put(points, k, tuple(power * np.array(corner, dtype=float)), ORIGIN)
+    faces = np.array([[0, 1, 2, 0, 0, 0, 1]], dtype=np.int32)
+    planes = np.zeros((1, polytope.PLANE_WIDTH))
+    polytope.set_plane(faces, planes, points, 0, power)
+    found = planes[0, :3]
+    if normal is None:
+        assert np.linalg.norm(found) == pytest.approx(1.0, abs=1e-15)
+        assert found[0] == 0.0
+    else:
+        np.testing.assert_allclose(found, normal, atol=1e-15)
+    assert planes[0, polytope.OFFSET] == pytest.approx(power * offset, rel=1e-15)
+
+
+@pytest.mark.parametrize(('height', 'seen'), [(0.4e-15, False), (1.8e-15, True), (1.0, True)])
+def test_what_is_in_the_plane_of_a_face_does_not_kill_it(height, seen):
+    """Above the slanted face of a tetrahedron and, by the height, above that at x = 0."""
+    tetrahedron = _Polytope([(0, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0)])
+    upright, slanted = (int(np.argmax(tetrahedron.planes[:4, axis])) for axis in (0, 1))
+    tetrahedron.expand(slanted, (height, 0.9, 0.9))
+    tetrahedron.assert_closed()
+    assert tetrahedron.faces[slanted, polytope.ALIVE] == 0
+    assert tetrahedron.faces[upright, polytope.ALIVE] == (0 if seen else 1)
+
+
+def test_there_is_room_to_the_last_face():
+    for rows, grown in ((6, 4), (7, 7)):  # a corner cut off a tetrahedron: three faces for one
+        tetrahedron = _Polytope([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        tetrahedron.faces, tetrahedron.planes = tetrahedron.faces[:rows], tetrahedron.planes[:rows]
+        f = int(np.argmax(tetrahedron.planes[:4, polytope.OFFSET]))
+        tetrahedron.expand(f, (0.5, 0.5, 0.5))
+        assert tetrahedron.total == grown
+
+
 def test_a_face_of_one_point_has_a_normal_still():
     faces = np.array([[0, 1, 2, 0, 0, 0, 1]], dtype=np.int32)
     planes = np.zeros((1, polytope.PLANE_WIDTH))

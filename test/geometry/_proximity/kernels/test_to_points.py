@@ -8,6 +8,7 @@ import pytest
 from drake_geom_ros.geometry._proximity import pair_table
 from drake_geom_ros.geometry._proximity.kernels import calling, calling_points
 from drake_geom_ros.geometry._proximity.pair_table import POINT_KERNELS, SPHERE, load_kernel
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
 CLOSED_FORMS = {
     pair_table.SPHERE: [0.3],
@@ -72,6 +73,56 @@ def test_only_what_is_within_the_threshold_and_only_its_own_rows(kind):
     np.testing.assert_array_equal(some[1::3][expected], every[expected])
     assert np.isnan(some[1::3][~expected]).all()
     assert counts.tolist() == [0, expected.sum(), 0, 0, 0]
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+@pytest.mark.parametrize('p_WQ', [[0.0, 0.0, 0.0], [3.0, 4.0, 12.0]])
+def test_the_bound_counts_the_geometry_and_the_way_to_it(kind, p_WQ):
+    """Both are added up, so neither of them can take from what the other rounds off."""
+    rows, _, _ = answers(kind, np.eye(3), np.zeros(3), np.array([p_WQ]))
+    bound = rows[0, calling_points.POINT_ERROR_BOUND]
+    largest, size = max(CLOSED_FORMS[kind], default=0.0), sum(CLOSED_FORMS[kind])
+    way = np.linalg.norm(p_WQ)
+    assert CLOSED_FORM_ROUNDING * (largest + way) <= bound
+    assert bound <= CLOSED_FORM_ROUNDING * (size + way) + 8 * EPS * max(p_WQ)
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+@pytest.mark.parametrize('power', [2.0**-30, 2.0**30])
+def test_a_power_of_two_changes_no_digit(kind, power, monkeypatch):
+    p_WQs = np.random.default_rng(kind).normal(size=(20, 3)) * [0.2, 0.2, 1e-6]
+    rows, _, _ = answers(kind, np.eye(3), np.zeros(3), p_WQs)
+    shape = power * np.array(CLOSED_FORMS[kind])
+    monkeypatch.setitem(CLOSED_FORMS, kind, shape)
+    scaled, _, _ = answers(kind, np.eye(3), np.zeros(3), power * p_WQs)
+    lengths = [0, 4, 5, 6, calling_points.POINT_ERROR_BOUND]
+    rows[:, lengths] *= power
+    np.testing.assert_array_equal(scaled, rows)
+
+
+def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
+    """A cuboid as a hull, beside two other geometries, against the closed form of the box."""
+    h = np.array(CLOSED_FORMS[pair_table.BOX])
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * h
+    shape = np.concatenate([[8.0], corners.ravel()])
+    rng = np.random.default_rng(1)
+    R_WG, p_WG = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(3, 3)))[0]), rng.normal(size=3)
+    p_WQs = p_WG + rng.normal(size=(6, 3)) * 0.4
+    expected, near, _ = answers(pair_table.BOX, R_WG, p_WG, p_WQs, 0.3, geometries=3, g=2)
+    number = pair_table.ROW_OF_TYPES[SPHERE * pair_table.TYPE_COUNT + pair_table.CONVEX]
+    address = calling.compiled_address(pair_table.ALL_ROWS[number].load_kernel())
+    rows, found = np.full_like(expected, np.nan), np.zeros_like(near)
+    counts = np.zeros(5, dtype=np.int64)
+    load_kernel(POINT_KERNELS[pair_table.CONVEX])(
+        *(address, pair_table.CONVEX, shape, R_WG, p_WG, p_WQs, 0.3, np.linalg.norm(h)),
+        *((0, 6, 2, 3), rows, found, counts),
+    )
+    np.testing.assert_array_equal(found, near)
+    assert 0 < near.sum() < 6
+    assert counts.sum() == counts[calling.ITERATIVE] == near.sum()
+    np.testing.assert_allclose(rows[:, :7], expected[:, :7], atol=1e-13)
+    rounding = 8 * EPS * np.abs([p_WG, *p_WQs]).max()
+    assert (rows[found, calling_points.POINT_ERROR_BOUND] >= rounding / 2).all()
 
 
 def test_every_shape_has_a_kernel_for_points():
