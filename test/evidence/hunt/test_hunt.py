@@ -1,6 +1,5 @@
 """The hunt: it finds nothing in our answers, and whatever is wrong with answers made wrong."""
 
-import dataclasses
 import json
 
 import numpy as np
@@ -13,7 +12,7 @@ from drake_geom_ros.evidence.hunt import asking, report, scene, search
 from drake_geom_ros.evidence.hunt.judge import LAWS
 
 SLOTS = 2 if config.DISABLE_JIT else 32
-ROUNDS = 1 if config.DISABLE_JIT else 6
+ROUNDS = 1 if config.DISABLE_JIT else 5
 PLAIN = Pair(
     Body('Box', (0.4, 0.3, 0.2), np.eye(3), np.zeros(3)),
     Body('Cylinder', (0.1, 0.5), np.array([[1, 0, 0], [0, 0.6, -0.8], [0, 0.8, 0.6]]),
@@ -40,8 +39,13 @@ def test_a_short_run_finds_nothing():
     assert hunt.broken == {}
 
 
-def test_a_run_is_the_same_for_its_seed():
-    first, second = (hunted(seed=5, rounds=1) for _ in range(2))
+@pytest.fixture(scope='module')
+def one_round():
+    return hunted(seed=5, rounds=1)
+
+
+def test_a_run_is_the_same_for_its_seed(one_round):
+    first, second = one_round, hunted(seed=5, rounds=1)
     assert first.judged == second.judged
     assert {key: find.ratio for key, find in first.worst.items()} == {
         key: find.ratio for key, find in second.worst.items()
@@ -103,7 +107,7 @@ def broken_certificate(monkeypatch):
 
 def test_an_entry_is_simple_true_and_read_by_the_catalogue(broken_certificate):
     p = np.array([0.123456789, 0.2, 0.15])
-    pair = dataclasses.replace(PLAIN, b=dataclasses.replace(PLAIN.b, p=p))
+    pair = Pair(PLAIN.a, PLAIN.b.at(p))
     case, ratio = report.minimised(pair, 'certificate')
     assert ratio > 1.0
     assert all(len(f'{x:g}') <= 4 for one in (case.a, case.b) for x in (*one.size, *one.p))
@@ -117,8 +121,8 @@ def test_an_entry_is_simple_true_and_read_by_the_catalogue(broken_certificate):
     assert abs(answer.distance[0] - made.distance) <= made.tolerance + answer.error_bound[0]
 
 
-def test_the_page_has_every_law_and_pair():
-    hunt = hunted(seed=3, rounds=1)
+def test_the_page_has_every_law_and_pair(one_round):
+    hunt = one_round
     page = report.page(hunt, './run hunt')
     assert all(f' {law} ' in page for law in LAWS)
     assert f'{hunt.judged} pairs judged' in page
