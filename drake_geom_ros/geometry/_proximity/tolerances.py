@@ -89,11 +89,6 @@ SMALLEST_SCALE = 1e-8
 # the normal and the witness points gain half of them.
 SHARPER = 1e-3
 
-# Points of two overlapping cores that are farther aside [-] of the normal than this, relative to
-# the pair's size, are no good witnesses: so much EPA may leave where the overlap is as small as
-# its facets on a curved core. Where the cores just touch GJK finds better ones.
-ASIDE = 1e-10
-
 # EPA goes on to this part [-] of the tolerance, for the same reason: a digit costs it a few
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
