@@ -105,6 +105,7 @@ def _gather(  # type: ignore[no-untyped-def]
     frames,
     R_WGs,
     p_WGs,
+    roundings,
     p_WFs,
     outer,
     ids,
@@ -116,7 +117,8 @@ def _gather(  # type: ignore[no-untyped-def]
         ids[k, 0], ids[k, 1] = geometry_ids[a], geometry_ids[b]
         for c in range(PAIR_WIDTH):
             rows[k, c] = answers[s, c]
-        least, promised = answers[s, DISTANCE], promised_bound(gap, a, b, types, outer, p_WGs)
+        least = answers[s, DISTANCE]
+        promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
         if answers[s, METHOD] == BOUND_ONLY:
             least, promised = least - answers[s, ERROR_BOUND], math.inf
         elif answers[s, METHOD] == MESH and least < 0.0:

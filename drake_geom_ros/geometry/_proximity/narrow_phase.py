@@ -43,8 +43,9 @@ from drake_geom_ros.geometry._proximity.pair_table import (
     ROW_OF_TYPES,
     TYPE_COUNT,
 )
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import (
-    pose_rounding,
+    rounding_of_pair,
     size_of_pair,
     tolerance_of_pair,
 )
@@ -96,35 +97,42 @@ def _code(type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents):  # type: ignore[no-untyped-def]
+def _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
     if types[i] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, half_extents, i, j)
+        return plane_gap(R_WGs, p_WGs, roundings, half_extents, i, j)
     if types[j] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, half_extents, j, i)
+        return plane_gap(R_WGs, p_WGs, roundings, half_extents, j, i)
     return box_gap(p_WGs, half_extents, i, j)
 
 
 @inlined
-def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
+def _gap_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the balls around i and j."""
-    squared, reach = 0.0, 0.0
+    squared = 0.0
     for k in range(3):
         apart = p_WGs[j, k] - p_WGs[i, k]
         squared += apart * apart
-        reach = max(reach, abs(p_WGs[i, k]), abs(p_WGs[j, k]))
     if not squared < LARGE_SQUARE:
         return -math.inf  # so large that boxes have to tell
     centres, balls = math.sqrt(squared), outer[i] + outer[j]
-    return centres - balls - 8.0 * EPS * (centres + balls + reach)
+    rounding = roundings[i, RADIUS] + roundings[j, RADIUS]
+    return centres - balls - rounding - 8.0 * EPS * (centres + balls)
 
 
 @inlined
-def _gap_of_bounds(i, j, types, R_WGs, p_WGs, half_extents, outer):  # type: ignore[no-untyped-def]
+def _gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] by boxes and balls."""
     # The ball of a half space has no bound, and its gap is minus infinity.
-    boxes = _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents)
-    return max(boxes, _gap_of_balls(i, j, p_WGs, outer))
+    boxes = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+    return max(boxes, _gap_of_balls(i, j, p_WGs, roundings, outer))
+
+
+@inlined
+def _apart(p_WGs, a, b):  # type: ignore[no-untyped-def]
+    """Return no less than the distance [m] of two origins, what no square overflows."""
+    x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
+    return abs(x) + abs(y) + abs(z)
 
 
 @inlined
@@ -197,11 +205,14 @@ def _slack(least, travelled):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _least(out, gap, size):  # type: ignore[no-untyped-def]
-    """Return what the distance is at least [m], by an answer that was computed for ``gap``."""
+def _least(out, gap, size, rounding):  # type: ignore[no-untyped-def]
+    """Return what the distance is at least [m], by an answer that was computed for ``gap``.
+
+    ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
+    """
     if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
         # A kernel that stopped at the cutoff reports its lower bound.
-        return out[DISTANCE] - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
+        return out[DISTANCE] - rounding - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
     return out[DISTANCE] - out[ERROR_BOUND]
 
 
@@ -229,7 +240,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
     ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
-    R_WGs, p_WGs, half extents, outer and inner radii, travels, stamps.
+    R_WGs, p_WGs, roundings, half extents, outer and inner radii, travels, stamps.
     ``query``: gap [m] (infinite: bounds alone will do), cutoff [m], and whether only pairs count
     that overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that
     is not negative is where to begin, and then one hit is enough. ``queue``: with room for all
@@ -239,7 +250,9 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
     # does an array a pair.
     answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, half_extents, outer, inner, travels, stamps = scene
+    types, starts, pool, R_WGs, p_WGs, roundings, half_extents, outer, inner, travels, stamps = (
+        scene
+    )
     gap, cutoff, penetrating = query
     waiting, distances = queue
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
@@ -261,7 +274,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         else:
             least = -math.inf
             if cutoff < math.inf:
-                least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, half_extents, outer)
+                least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
             near = least <= cutoff
             if near and waiting.size > 0:
                 _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
@@ -276,10 +289,11 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                         *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
-                out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
+                rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
+                out[ERROR_BOUND] += rounding
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
-                least = _least(out, gap, size)
+                least = _least(out, gap, size, rounding)
             else:
                 counts[FAR] += 1
                 seen[s] = -1  # from now on the slack is not the answer's
@@ -305,7 +319,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     spheres took 10 % longer beside this, measured.)
     """
     answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, _, outer, inner, travels, stamps = scene
+    types, starts, pool, R_WGs, p_WGs, roundings, _, outer, inner, travels, stamps = scene
     _, cutoff, penetrating = query
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
@@ -318,13 +332,16 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             counts[CACHED] += 1
         else:
             _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
-            since = slacks[s] - _least(out, gaps[s], size)
+            since = slacks[s] - _least(out, gaps[s], size, 0.0)
             _take_narrower(out, bounds, travelled - since if seen[s] >= 0 else math.inf)
-            out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
+            rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
+            out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
             flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
-            slacks[s] = -math.inf if flat else _slack(_least(out, gaps[s], size), travelled)
+            slacks[s] = (
+                -math.inf if flat else _slack(_least(out, gaps[s], size, rounding), travelled)
+            )
         if _is_hit(out, gaps[s], size, cutoff, penetrating):
             hits[found] = k
             found += 1
@@ -332,12 +349,13 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
 
 
 @compiled
-def near_pairs(pairs, types, R_WGs, p_WGs, half_extents, distance, hits):  # type: ignore[no-untyped-def]
+def near_pairs(pairs, types, R_WGs, p_WGs, roundings, half_extents, distance, hits):  # type: ignore[no-untyped-def]
     """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
     found = 0
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
-        if _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents) <= distance:
+        gap = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        if gap <= distance:
             hits[found] = k
             found += 1
     return found
