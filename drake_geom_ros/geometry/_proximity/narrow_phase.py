@@ -41,6 +41,7 @@ from drake_geom_ros.geometry._proximity.pair_table import (
     CONVEX,
     HALF_SPACE,
     ROW_OF_TYPES,
+    SOLID,
     TYPE_COUNT,
 )
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
@@ -184,11 +185,23 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
 
 
 @inlined
+def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
+    """Tell whether the distance can have changed by more than both bodies have moved [m].
+
+    A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
+    that are apart, and stay so, keep it: then it is the least distance of any two points.
+    """
+    solid = type_a == SOLID or type_b == SOLID
+    return solid and out[DISTANCE] - out[ERROR_BOUND] <= moved
+
+
+@inlined
 def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
     """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
 
-    A support value changes by no more than the points do, so the distance by no more than both
-    bodies have moved. The normal and the witness points are those of the last answer then.
+    A support value changes by no more than the points do, so the distance of convex bodies by no
+    more than both have moved; that of any bodies too, for as long as they stay apart. The normal
+    and the witness points are those of the last answer then.
     """
     if out[ERROR_BOUND] + moved <= bounds[ERROR_BOUND]:
         out[ERROR_BOUND] += moved
@@ -256,13 +269,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     gap, cutoff, penetrating = query
     waiting, distances = queue
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
+    # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
+    # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
+    reach = max(cutoff, 0.0)
     counts[:] = 0
     found = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         travelled = travels[a] + travels[b]
-        if slacks[s] - travelled > cutoff:
+        if slacks[s] - travelled > reach:
             counts[FAR] += 1
             continue
         out = row(answers, s)
@@ -275,7 +291,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             least = -math.inf
             if cutoff < math.inf:
                 least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
-            near = least <= cutoff
+            near = least <= reach
             if near and waiting.size > 0:
                 _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
                 least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
@@ -332,8 +348,12 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             counts[CACHED] += 1
         else:
             _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
-            since = slacks[s] - _least(out, gaps[s], size, 0.0)
-            _take_narrower(out, bounds, travelled - since if seen[s] >= 0 else math.inf)
+            moved = math.inf
+            if seen[s] >= 0:
+                moved = travelled - (slacks[s] - _least(out, gaps[s], size, 0.0))
+            if _may_leap(out, moved, types[a], types[b]):
+                moved = math.inf
+            _take_narrower(out, bounds, moved)
             rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
             out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, math.inf
