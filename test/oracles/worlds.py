@@ -4,6 +4,7 @@ import numpy as np
 
 from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 
 CONVEX = 7
@@ -29,11 +30,13 @@ def scaled_parameters(kind, parameters, scale):
 def geometry_table(frames, types, parameters, R_FGs=None, p_FGs=None):
     """Pack geometries: one frame row, type and parameter list each."""
     n = len(types)
+    R_FGs = np.tile(np.eye(3), (n, 1, 1)) if R_FGs is None else R_FGs
     return GeometryTable(
         ids=np.arange(10, 10 + n, dtype=np.int64),
         frames=np.asarray(frames, dtype=np.int64),
-        R_FGs=np.tile(np.eye(3), (n, 1, 1)) if R_FGs is None else R_FGs,
+        R_FGs=R_FGs,
         p_FGs=np.zeros((n, 3)) if p_FGs is None else p_FGs,
+        roundings=taken_roundings(R_FGs),
         types=np.asarray(types, dtype=np.int64),
         starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
         pool=np.concatenate([np.zeros(0), *map(np.asarray, parameters)]),

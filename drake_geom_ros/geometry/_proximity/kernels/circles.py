@@ -25,10 +25,10 @@ the last digits of a minimum, and the cap that it proves (see ``normals``) ends 
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     nearby_minimum,
-    widest_cap,
 )
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
