@@ -120,13 +120,20 @@ def _gap(vertices, counts, radii, flats, Rs, offset, x, y, z):
 
 
 @njit(cache=True)
+def _out_of_a(Rs, half_space):
+    """Return the unit direction out of A of a pair of which A (1) or B (2) is a half space."""
+    n = Rs[0, :, 2].copy() if half_space == 1 else -Rs[1, :, 2]
+    return n / math.sqrt(np.sum(n**2))  # a rotation may be off orthogonal
+
+
+@njit(cache=True)
 def _gaps(vertices, counts, radii, flats, Rs, offsets, half_spaces, normals):
     out = np.empty(offsets.shape[0])
     for i in range(offsets.shape[0]):
         # A half space ends along its normal only, and an answer's may be off by its rounding.
         n = -normals[i]
         if half_spaces[i]:
-            n = Rs[i, 0, :, 2] if half_spaces[i] == 1 else -Rs[i, 1, :, 2]
+            n = _out_of_a(Rs[i], half_spaces[i])
         out[i] = _gap(
             vertices[i], counts[i], radii[i], flats[i], Rs[i], offsets[i], n[0], n[1], n[2]
         )
@@ -204,7 +211,7 @@ def _widest(vertices, counts, radii, flats, Rs, offsets, half_spaces, normals, e
     for i in range(offsets.shape[0]):
         body = vertices[i], counts[i], radii[i], flats[i], Rs[i], offsets[i]
         if half_spaces[i]:
-            n = Rs[i, 0, :, 2].copy() if half_spaces[i] == 1 else -Rs[i, 1, :, 2]
+            n = _out_of_a(Rs[i], half_spaces[i])
             best[i], best_n[i] = _gap(*body, n[0], n[1], n[2]), n
             continue
         directions = _directions(Rs[i], offsets[i], normals[i], evenly)
