@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
+from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.bodies import COUNTS, Body, Floats, Pair
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.surfaces import height
@@ -53,8 +54,8 @@ def valid(pair: Pair) -> bool:
     if max(skew(pair.a), skew(pair.b)) > ACCEPTED_SKEW:
         return False
     try:
-        return all(one.shape is not None and math.isfinite(height(one, one.p))
-                   for one in (pair.a, pair.b))  # fmt: skip
+        BodyScene((pair.a, pair.b))
+        return all(math.isfinite(height(one, one.p)) for one in (pair.a, pair.b))
     except (RuntimeError, QhullError):
         return False
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numba import config
 
+from drake_geom_ros.evidence.bodies import Body, Pair
 from drake_geom_ros.evidence.hunt import exact, planes, starts
 from drake_geom_ros.evidence.tolerances import SEARCH
 
@@ -33,3 +34,9 @@ def test_the_gap_along_a_normal_is_that_of_the_direction_found():
     packed = planes.packed(pairs)
     gaps, normals = planes.widest(packed, np.zeros((len(pairs), 1, 3)))
     np.testing.assert_allclose(planes.gaps(packed, -normals), gaps, rtol=1e-12)
+
+
+def test_hulls_that_no_scene_takes_are_not_hunted_with():
+    flat = Body('Convex', ((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1e-11)))
+    assert not starts.valid(Pair(Body('Sphere', (1.0,)), flat))
+    assert starts.valid(Pair(Body('Sphere', (1.0,)), Body('Box', (1.0, 1.0, 1e-9))))
