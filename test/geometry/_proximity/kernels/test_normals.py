@@ -94,6 +94,17 @@ def test_kinds_of_minima():
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.SMOOTH
 
 
+def test_what_an_earlier_search_leaned_on_is_forgotten():
+    ball = np.array([0.2, 0.3, 0.4])
+    pair = ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125)
+    difference = sums.difference_of(pair)
+    difference[0][[sums.LEAN_A, sums.LEAN_B], :3] = [[0.1, 0.2, 0.3], [0.3, 0.1, 0.2]]
+    kind, n, h, _ = normals.nearby_minimum(difference, (0.8, 0.6, 0.0), NOISE)
+    assert kind == normals.SMOOTH
+    a, b = sums.feet(difference, n)
+    assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
+
+
 def test_two_needles_that_cross_have_no_cap():
     """Every normal around the common perpendicular but two is worse, but only just."""
     needle = np.array([0.2, 0.2, 0.2 + 2.0**-40])
