@@ -105,6 +105,23 @@ def test_what_an_earlier_search_leaned_on_is_forgotten():
     assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    ('size', 'axis', 'kind'),
+    [
+        ((0.3, 0.2, 0.4), 1, normals.SMOOTH),
+        ((0.3, 0.2, 0.4), 0, normals.NOTHING),  # a saddle, and so the next two
+        ((0.3, 0.4, 0.2), 0, normals.NOTHING),
+        ((0.2, 0.3, 0.4), 1, normals.NOTHING),
+        ((0.3, 0.2, 0.4), 2, normals.NOTHING),  # a maximum
+    ],
+)
+def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
+    """The width of two equal ellipsoids, one in the other, is least along the shortest axis."""
+    pair = ELLIPSOID, np.array(size), np.eye(3), ELLIPSOID, np.array(size), np.eye(3), (0.0,) * 3
+    found = normals.nearby_minimum(sums.difference_of(pair), tuple(np.eye(3)[axis]), NOISE)
+    assert found[0] == kind
+
+
 def test_two_needles_that_cross_have_no_cap():
     """Every normal around the common perpendicular but two is worse, but only just."""
     needle = np.array([0.2, 0.2, 0.2 + 2.0**-40])

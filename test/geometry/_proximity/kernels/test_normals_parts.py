@@ -143,7 +143,7 @@ def _with_ellipsoid(terms, axes, sizes):
 
 
 @pytest.mark.parametrize('axes', [sums.AXES_A, sums.AXES_B])
-@pytest.mark.parametrize('sizes', [(0.5, 0.7, 0.4), (0.7, 0.5, 0.4), (0.3, 0.25, 0.2)])
+@pytest.mark.parametrize('sizes', [(0.5, 0.7, 0.4), (0.7, 0.5, 0.4), (0.5, 0.6, 0.7)])
 @pytest.mark.parametrize('radius', [0.0, 0.03])
 def test_a_smooth_cap_is_as_wide_as_the_least_radius_of_curvature_allows(axes, sizes, radius):
     """It is a^2 / c at the end c of an ellipsoid; (c / (c + longest * cap))^3 is left of it."""
@@ -156,6 +156,17 @@ def test_a_smooth_cap_is_as_wide_as_the_least_radius_of_curvature_allows(axes, s
     assert normals.is_cap(*arguments, 0.999 * cap, 1e-9)
     assert not normals.is_cap(*arguments, 1.001 * cap, 1e-9)
     assert not normals.is_cap(*arguments, 0.999 * cap, 1e-3)
+
+
+def test_a_minimum_whose_width_is_another_than_its_terms_say_is_none(monkeypatch):
+    """Shares that rounding spoilt would tell of a wrong width."""
+    terms = _with_ellipsoid(np.zeros((sums.ROWS, 5)), sums.AXES_A, (0.3, 0.4, 0.5))
+    difference, n = (terms, sums.SEGMENT, sums.SEGMENT, 0.0, 0.0), tuple(X)
+    search = getattr(normals.nearby_minimum, 'py_func', normals.nearby_minimum)
+    for off, kind in ((0.0, normals.SMOOTH), (1e-15, normals.SMOOTH), (1e-13, normals.NOTHING)):
+        told = normals.SMOOTH, n, 0.3 + off, 0.0
+        monkeypatch.setattr(normals, 'descend', lambda *_, told=told: told)
+        assert search(difference, n, 1e-14)[0] == kind
 
 
 @pytest.mark.parametrize(('across', 'proven'), [(1.0, True), (0.2, False)])
