@@ -1,6 +1,7 @@
 """The loop over near pairs: what it reports, what it knows without a kernel, what it forgets."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     FAR,
     POSTPONED,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 SPHERE, BOX, ELLIPSOID, HALF_SPACE = 1, 2, 5, 6
@@ -225,6 +226,27 @@ def test_a_plane_that_turned_knows_nothing_of_before(order, gap):
     loop.world.update()
     assert loop.answer(0.5, gap)[0] == [0]
     assert loop.row(0)[DISTANCE] == pytest.approx(-100.1, rel=1e-12)
+
+
+@pytest.mark.parametrize('least', [0.1, -0.1, 1e-9, 1e9])
+@pytest.mark.parametrize('travelled', [0.0, 0.3, 1e-9, 1e9])
+def test_a_slack_is_rounded_down(least, travelled):
+    for _ in range(20):
+        least, travelled = math.nextafter(least, math.inf), math.nextafter(travelled, math.inf)
+        exact = Fraction(least) + Fraction(travelled)
+        off = exact - Fraction(float(narrow_phase._slack(least, travelled)))
+        assert 0 <= off <= Fraction(8 * EPS * (abs(least) + travelled))
+
+
+def test_what_an_answer_says_at_least():
+    row = np.zeros(PAIR_WIDTH)
+    row[[DISTANCE, ERROR_BOUND, METHOD]] = 10.0, 0.5, BOUND_ONLY
+    for size in (0.1, 100.0):
+        rounding = 10.0 - narrow_phase._least(row, 1e-9, size)  # of a lower bound from a kernel
+        assert 1.0 <= rounding / (ROUNDING * EPS * (size + 10.0)) <= 3.0
+        assert narrow_phase._least(row, math.inf, size) == 9.5  # of an interval from bounds
+    row[METHOD] = ITERATIVE
+    assert narrow_phase._least(row, 1e-9, 0.1) == 9.5
 
 
 def test_gaps_of_balls_are_lower_bounds_and_tight():
