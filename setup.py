@@ -20,7 +20,7 @@ setup(
     maintainer_email='maintainers@drake-geom-ros.invalid',
     python_requires='>=3.10,<3.14',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['scene_files/*.json']},
+    package_data={NAME: ['*/*.schema.json', 'evidence/hard_cases/catalogue/*.json']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),

@@ -3,9 +3,9 @@
     python -m bench.fuzz [--pairs 1e5] [--seed 0]
 
 Shapes and poses are those of ``bench.soak``; half of the pairs are then slid along their normal to
-within 1e-15 to 1e-2 of touching. What breaks a promise (``bench.promises``) is made as simple as
-it stays broken, and printed as an entry for ``test/hard_cases/catalogue``; its ``distance`` is
-what we answered, the truth is for ``hard_cases.truth`` to tell.
+within 1e-15 to 1e-2 of touching. What breaks a promise (``evidence.promises``) is made as simple
+as it stays broken, and printed as an entry for ``evidence/hard_cases/catalogue``; its ``distance``
+is what we answered, the truth is for ``evidence.truth.bodies`` to tell.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.hard_cases.cases import Body, Case, text_of
-from bench.hard_cases.pair_scene import PairScene
-from bench.promises import COARSE, broken
-from bench.soak import SCALES, random_poses, random_shape
-from drake_geom_ros.geometry import Convex, Shape
-from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.peers.measures import kind_of, measures
+from bench.soak import BODIES, SCALES
+from drake_geom_ros.evidence.asking import PairScene
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.hard_cases.cases import Case, text_of
+from drake_geom_ros.evidence.laws import COARSE
+from drake_geom_ros.evidence.promises import broken
+from drake_geom_ros.evidence.random_bodies import awkward_body, awkward_poses
 
 GAPS = (0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)  # of the scale
 DIGITS = (1, 2, 3, 6, 9)
@@ -35,27 +35,17 @@ ROUNDS = 30  # of making one simpler
 def random_pair(rng: np.random.Generator) -> tuple[Body, Body]:
     """Return two bodies at one scale, apart, next to touching or overlapping."""
     scale, lattice = float(rng.choice(SCALES)), bool(rng.random() < 0.4)
-    poses = random_poses(rng, scale, lattice)
+    poses = awkward_poses(rng, scale, lattice, BODIES)
     if rng.random() < 0.2:
         poses[1, 3:] = poses[0, 3:]
-    a, b = (body_of(random_shape(rng, scale, lattice), X) for X in poses[:2])
+    a, b = (awkward_body(rng, scale, lattice).posed(X) for X in poses[:2])
     if rng.random() < 0.1:
         a = replace(a, kind='HalfSpace', size=())
     if rng.random() < 0.5:
         row = PairScene(a, b).distance()
         gap = scale * rng.choice(GAPS) * rng.choice([-1.0, 1.0])
-        b = replace(b, p=b.p + (row.distance[0] - gap) * row.nhat_BA_W[0])
+        b = b.at(b.p + (row.distance[0] - gap) * row.nhat_BA_W[0])
     return a, b
-
-
-def body_of(shape: Shape, pose: np.ndarray) -> Body:
-    """Return the body of a shape at a pose (7,)."""
-    X = RigidTransform.FromArray(pose)
-    if isinstance(shape, Convex):
-        size = tuple(map(tuple, shape.hull_surface()[0].tolist()))
-    else:
-        size = measures(shape)
-    return Body(kind_of(shape), size, X.rotation().matrix(), X.translation())
 
 
 def simplified(a: Body, b: Body) -> tuple[Body, Body]:
@@ -73,9 +63,8 @@ def simplified(a: Body, b: Body) -> tuple[Body, Body]:
 
 def _simpler(a: Body, b: Body) -> Iterator[tuple[Body, Body]]:
     """Yield simpler pairs, the simplest first: fewer digits, no rotations, fewer vertices."""
-    origin = replace(a, p=np.zeros(3)), replace(b, p=b.p - a.p)
     if a.p.any():
-        yield origin
+        yield a.at(np.zeros(3)), b.at(b.p - a.p)
     for one, other, order in ((a, b, 1), (b, a, -1)):
         for simpler in _simpler_bodies(one):
             yield (simpler, other)[::order]
@@ -83,7 +72,7 @@ def _simpler(a: Body, b: Body) -> Iterator[tuple[Body, Body]]:
 
 def _simpler_bodies(one: Body) -> Iterator[Body]:
     if not np.array_equal(one.R, np.eye(3)):
-        yield replace(one, R=np.eye(3))
+        yield one.placed(np.eye(3), one.p)
     if one.kind == 'Convex' and len(one.size) > 4:
         for k in range(len(one.size)):
             yield replace(one, size=one.size[:k] + one.size[k + 1 :])
@@ -94,7 +83,7 @@ def _simpler_bodies(one: Body) -> Iterator[Body]:
             yield replace(one, size=size)
         p = np.array([_short(x, digits) for x in one.p])
         if not np.array_equal(p, one.p):
-            yield replace(one, p=p)
+            yield one.at(p)
 
 
 def _short(x: float, digits: int) -> float:
@@ -116,8 +105,9 @@ def fuzz(pairs: int, seed: int) -> tuple[Counter[str], list[Case]]:
             row = PairScene(a, b).distance()
             about = ', '.join(broken(a, b))
             source = f'bench.fuzz, seed {seed}, pair {number}'
-            bound, distance = float(row.error_bound[0]), float(row.distance[0])
-            found.append(Case(f'fuzz-{seed}-{number}', '', source, about, a, b, distance, bound))
+            distance, bound = float(row.distance[0]), float(row.error_bound[0])
+            told = {'id': f'fuzz-{seed}-{number}', 'source': source, 'about': about}
+            found.append(Case(a, b, distance, bound, **told))
         if number % 1000 == 999:
             took = time.perf_counter() - start
             print(f'\r{number + 1} pairs, {took:.0f} s: {dict(counts)}', end='', flush=True)

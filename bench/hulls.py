@@ -9,8 +9,9 @@ import time
 
 import numpy as np
 from numba import njit
-from scipy.spatial import ConvexHull
 
+from drake_geom_ros.evidence.random_bodies import random_directions
+from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex
 
@@ -29,12 +30,6 @@ def run(shape, ns):
     return total
 
 
-def on_ball(rng, count):
-    """Return unit vectors (count, 3)."""
-    n = rng.normal(size=(count, 3))
-    return n / np.linalg.norm(n, axis=1)[:, None]
-
-
 def nanoseconds(shape, ns):
     """Return the time of one support point."""
     times = []
@@ -47,24 +42,17 @@ def nanoseconds(shape, ns):
 
 def main():
     rng = np.random.default_rng(0)
-    ns = on_ball(rng, DIRECTIONS)
+    ns = random_directions(rng, DIRECTIONS)
     run(np.array([1.0, 0.0, 0.0, 0.0]), ns[:1])
     hull_parameters.CLIMBED = 0
     print(f'{"vertices":>8} {"all":>8} {"climb":>8}   all/climb')
     for count in COUNTS:
-        vertices = on_ball(rng, count)
-        hull = ConvexHull(vertices)
-        turned = np.einsum('ij,ij->i', hull.equations[:, :3], _normals(vertices, hull)) < 0.0
-        hull.simplices[turned] = hull.simplices[turned][:, ::-1]
-        climbed = hull_parameters.hull_parameters(vertices, hull.simplices.astype(np.int64))
+        vertices = random_directions(rng, count)
+        surface = Convex.FromMeshData(MeshData(vertices)).hull_surface()
+        climbed = hull_parameters.hull_parameters(*surface)
         plain = climbed[: 1 + 3 * count]
         times = nanoseconds(plain, ns), nanoseconds(climbed, ns)
         print(f'{count:8} {times[0]:8.0f} {times[1]:8.0f} {times[0] / times[1]:8.1f}')
-
-
-def _normals(vertices, hull):
-    a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
 
 
 if __name__ == '__main__':

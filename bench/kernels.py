@@ -14,6 +14,8 @@ import time
 import numpy as np
 from numba import njit
 
+from drake_geom_ros.evidence.bodies import COUNTS
+from drake_geom_ros.evidence.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     NORMAL,
@@ -24,7 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX, PAIR_TABLE, SHAPE_NAMES
 
 DISTANCES = (0.05, 0.002, 0.0, -0.001, -0.01, -0.05)
-PARAMETERS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+PARAMETERS = dict(enumerate(COUNTS.values(), 1))
 HULL_VERTICES = 64
 ROUNDS = 7
 STEP = 0.001  # [m]
@@ -58,12 +60,6 @@ def random_shapes(rng, kind, count):
     directions /= np.linalg.norm(directions, axis=2)[:, :, None]
     vertices = (directions * rng.uniform(0.05, 0.1, (count, 1, 3))).reshape(count, -1)
     return np.hstack([np.full((count, 1), float(HULL_VERTICES)), vertices])
-
-
-def random_rotations(rng, count):
-    """Return rotation matrices (count, 3, 3)."""
-    Qs = np.linalg.qr(rng.normal(size=(count, 3, 3)))[0]
-    return Qs * np.linalg.det(Qs)[:, None, None]
 
 
 def microseconds(arguments, gap, hints):

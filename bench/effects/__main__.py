@@ -11,7 +11,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -23,6 +22,7 @@ from typing import Any
 from bench.effects import report
 from bench.effects.rungs import LADDER
 from bench.peers.run import machine
+from drake_geom_ros.evidence.pages import processor
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -47,14 +47,6 @@ def others(modules: list[str]) -> set[str]:
     known = metadata.packages_distributions()
     foreign = (m for m in modules if m not in ours and m not in sys.stdlib_module_names)
     return {known[module][0] for module in foreign if module in known}
-
-
-def processor() -> str:
-    """Return what the machine says its processor is."""
-    for line in Path('/proc/cpuinfo').read_text().splitlines():
-        if line.startswith('model name'):
-            return line.partition(':')[2].strip()
-    return platform.processor() or 'unknown processor'
 
 
 def climb(folders: dict[str, Path], cache: Path, runs: int, cold: bool) -> tuple[Any, Any]:

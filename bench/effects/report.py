@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from bench.effects.rungs import RATE, Rung
+from drake_geom_ros.evidence.pages import table
 
 Result = dict[str, Any]
 STEPS = ('core', 'numba', 'scene files', 'scene', 'compile', 'first query')
@@ -62,16 +63,9 @@ Left out: the messages or ROS cannot be imported here ({reason}).
 """
 
 
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a markdown table, the first column to the left."""
-    lines = [headings, ['---', *['---:'] * (len(headings) - 1)], *rows]
-    return ''.join(f'| {" | ".join(line)} |\n' for line in lines)
-
-
 def scenes(ladder: Sequence[Rung]) -> str:
     """Return the table of what the rungs are."""
-    rows = [('scene', 'what it is'), ('---', '---'), *((r.name, r.says) for r in ladder)]
-    return ''.join(f'| {" | ".join(row)} |\n' for row in rows)
+    return table(('scene', 'what it is'), [(r.name, r.says) for r in ladder])
 
 
 def median(results: list[Result], *path: str) -> float:
@@ -107,8 +101,7 @@ def imported(
         modules = warm[rung.name][0]['modules']
         later = [name for step in modules if step not in titles for name in modules[step]]
         rows.append((rung.name, _listed(packages(later) - known)))
-    lines = [('step or scene', 'brings'), ('---', '---'), *rows]
-    return ''.join(f'| {" | ".join(line)} |\n' for line in lines)
+    return table(('step or scene', 'brings'), rows)
 
 
 def _listed(names: set[str]) -> str:
@@ -126,7 +119,7 @@ def compiled(
         row = (str(here['functions']), *_taken([here])) if here else ('-', '-', '-')
         rows.append((rung.name, *row, *_taken(results), kernels))
     headings = ('functions', 'cold [s]', '[MB]', 'warm [s]', '[MB]', 'kernels')
-    return table(('scene', *headings), rows)
+    return table(('scene', *headings), rows, left=1)
 
 
 def _taken(results: list[Result]) -> tuple[str, str]:
@@ -144,7 +137,7 @@ def started(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
         in_order = (*map(three, seconds[:-1]), three(1e3 * seconds[-1]), three(sum(seconds)))
         rows.append((rung.name, *in_order, three(memory)))
     steps = (f'{step} [s]' for step in STEPS[:-1])
-    return table(('scene', *steps, 'first query [ms]', 'all [s]', 'memory [MB]'), rows)
+    return table(('scene', *steps, 'first query [ms]', 'all [s]', 'memory [MB]'), rows, left=1)
 
 
 def computed(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
@@ -165,7 +158,7 @@ def computed(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
                 )
             )
     columns = ('scene, query', 'frames, geometries moved', 'looked at', 'filtered', 'far')
-    return table((*columns, 'kept', 'computed', '[us]'), rows)
+    return table((*columns, 'kept', 'computed', '[us]'), rows, left=1)
 
 
 def allocated(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
@@ -173,7 +166,7 @@ def allocated(ladder: Sequence[Rung], warm: dict[str, list[Result]]) -> str:
         (rung.name, *(three(median(warm[rung.name], 'allocated', k)) for k in ('held', 'cycle')))
         for rung in ladder
     ]
-    return table(('scene', 'context [kB]', 'a cycle [kB]'), rows)
+    return table(('scene', 'context [kB]', 'a cycle [kB]'), rows, left=1)
 
 
 def published(cases: Sequence[tuple[Any, Result]]) -> str:
@@ -198,7 +191,7 @@ def published(cases: Sequence[tuple[Any, Result]]) -> str:
             )
         )
     headings = ('case', 'start [s]', 'memory [MB]', 'processor [ms]')
-    return table((*headings, 'received [1/s]', 'ran', 'not, and why'), rows)
+    return table((*headings, 'received [1/s]', 'ran', 'not, and why'), rows, left=1)
 
 
 def _not_run(effects: dict[str, tuple[float, float, str]]) -> str:

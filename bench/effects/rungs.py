@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bench.ros.scenes import two_arms
-
-Floats = NDArray[np.float64]
+from drake_geom_ros.evidence.bodies import Floats
+from drake_geom_ros.evidence.random_bodies import random_directions
 
 SCENE, FRAMES, POSES = 'scene.yaml', 'frames.json', 'poses.npy'  # the files of a rung
 CYCLES = 200  # poses of a rung, one a cycle
@@ -103,8 +102,7 @@ def anchored(folder: Path) -> None:
 
 def _hull_points(seed: int, count: int) -> Floats:
     """Return points (count, 3) on a sphere of radius 0.1 m, all of them corners of the hull."""
-    points = np.random.default_rng(seed).normal(size=(count, 3))
-    return np.round(0.1 * points / np.linalg.norm(points, axis=1, keepdims=True), 6)
+    return np.round(0.1 * random_directions(np.random.default_rng(seed), count), 6)
 
 
 def hulls(folder: Path) -> None:

@@ -8,9 +8,8 @@ import matplotlib
 from matplotlib import pyplot
 from matplotlib.ticker import LogLocator
 
-from bench.peers.report import LIBRARIES, Measurement, number
+from bench.peers.report import LIBRARIES, Measurement, number, over_pydrake
 from bench.peers.scenes import QUERIES
-from bench.peers.targets import over_pydrake
 
 matplotlib.use('Agg')
 

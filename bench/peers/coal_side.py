@@ -10,9 +10,8 @@ from __future__ import annotations
 import coal
 import numpy as np
 
-from bench.peers.our_shapes import our_shape
-from bench.peers.scenes import Floats, Scene, Shape
-from drake_geom_ros.peers.coal_peer import coal_shape
+from bench.peers.scenes import Floats, Scene
+from drake_geom_ros.evidence.peers.coal_peer import coal_shape
 
 NAME = 'Coal'
 MOST_CONTACTS = 10**6
@@ -26,9 +25,12 @@ class Side:
         self.answers = {'penetration': self._penetration, 'candidates': self._candidates}
         if not scene.filtered:
             self.answers['has_collisions'] = self._has_collisions
-        self._bodies = [coal.CollisionObject(_shape(s)) for s in scene.bodies]
+        self._bodies = [coal.CollisionObject(coal_shape(b.shape)) for b in scene.bodies]
         self._moving = _manager(self._bodies)
-        self._standing = [coal.CollisionObject(_shape(s), _pose(X)) for s, X in scene.anchored]
+        self._standing = [
+            coal.CollisionObject(coal_shape(b.shape), coal.Transform3s(b.R, b.p))
+            for b in scene.anchored
+        ]
         self._anchored = _manager(self._standing)
 
     def layout(self, poses: Floats) -> tuple[list[coal.Quaternion], Floats]:
@@ -79,11 +81,3 @@ def _manager(objects: list[coal.CollisionObject]) -> coal.DynamicAABBTreeCollisi
         manager.registerObject(each)
     manager.setup()
     return manager
-
-
-def _pose(X: Floats) -> coal.Transform3s:
-    return coal.Transform3s(coal.Quaternion(X[3:]), X[:3])
-
-
-def _shape(shape: Shape) -> coal.CollisionGeometry:
-    return coal_shape(our_shape(shape))

@@ -12,11 +12,10 @@ from pydrake import geometry, math
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
-from scipy.spatial.transform import Rotation
 
-from bench.peers.our_shapes import our_shape
-from bench.peers.scenes import NEAR, Floats, Scene, Shape
-from drake_geom_ros.peers.pydrake_peer import drake_shape
+from bench.peers.scenes import NEAR, Floats, Scene
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.peers.pydrake_peer import drake_shape
 
 NAME = 'pydrake'
 
@@ -29,13 +28,12 @@ class Side:
         self._plant, graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
         inertia = SpatialInertia.SolidSphereWithMass(1.0, 0.1)
         bodies, ids = [], []
-        for number, shape in enumerate(scene.bodies):
+        for number, one in enumerate(scene.bodies):
             bodies.append(self._plant.AddRigidBody(f'body {number}', inertia))
-            ids.append(self._register(bodies[-1], math.RigidTransform(), shape, f'b{number}'))
-        for number, (shape, X) in enumerate(scene.anchored):
-            rotation = math.RotationMatrix(Rotation.from_quat(X[3:]).as_matrix())
-            X_WG = math.RigidTransform(rotation, X[:3])
-            self._register(self._plant.world_body(), X_WG, shape, f'a{number}')
+            ids.append(self._register(bodies[-1], math.RigidTransform(), one, f'b{number}'))
+        for number, one in enumerate(scene.anchored):
+            X_WG = math.RigidTransform(math.RotationMatrix(one.R), one.p)
+            self._register(self._plant.world_body(), X_WG, one, f'a{number}')
         self._plant.Finalize()
         for a, b in scene.filtered:
             declaration = geometry.CollisionFilterDeclaration().ExcludeBetween(
@@ -59,10 +57,12 @@ class Side:
         self._points = scene.points
 
     def _register(
-        self, body: object, X_BG: math.RigidTransform, shape: Shape, name: str
+        self, body: object, X_BG: math.RigidTransform, one: Body, name: str
     ) -> geometry.GeometryId:
         friction = CoulombFriction(1.0, 1.0)
-        return self._plant.RegisterCollisionGeometry(body, X_BG, _shape(shape), name, friction)
+        return self._plant.RegisterCollisionGeometry(
+            body, X_BG, drake_shape(one.shape), name, friction
+        )
 
     def layout(self, poses: Floats) -> Floats:
         """Return poses (n, 7) as positions of the plant: qw qx qy qz x y z of each body."""
@@ -91,7 +91,3 @@ class Side:
 
     def _has_collisions(self) -> int:
         return int(self._query.HasCollisions())
-
-
-def _shape(shape: Shape) -> geometry.Shape:
-    return drake_shape(our_shape(shape))

@@ -10,9 +10,8 @@ from __future__ import annotations
 import fcl  # noqa: TID251  (the ban is for the package; this is a measurement of fcl itself)
 import numpy as np
 
-from bench.peers.our_shapes import our_shape
-from bench.peers.scenes import Floats, Scene, Shape
-from drake_geom_ros.peers.fcl_peer import fcl_shape
+from bench.peers.scenes import Floats, Scene
+from drake_geom_ros.evidence.peers.fcl_peer import fcl_shape
 
 NAME = 'python-fcl'
 MOST_CONTACTS = 10**6
@@ -25,12 +24,14 @@ class Side:
         self.answers = {'penetration': self._penetration}
         if not scene.filtered:
             self.answers['has_collisions'] = self._has_collisions
-        self._bodies = [fcl.CollisionObject(_shape(s), fcl.Transform()) for s in scene.bodies]
+        self._bodies = [
+            fcl.CollisionObject(fcl_shape(b.shape), fcl.Transform()) for b in scene.bodies
+        ]
         self._moving = _manager(self._bodies)
         self._anchored = _manager(
             [
-                fcl.CollisionObject(_shape(s), fcl.Transform(X[[6, 3, 4, 5]], X[:3]))
-                for s, X in scene.anchored
+                fcl.CollisionObject(fcl_shape(b.shape), fcl.Transform(b.R, b.p))
+                for b in scene.anchored
             ]
         )
 
@@ -65,7 +66,3 @@ def _manager(objects: list[fcl.CollisionObject]) -> fcl.DynamicAABBTreeCollision
     manager.registerObjects(objects)
     manager.setup()
     return manager
-
-
-def _shape(shape: Shape) -> fcl.CollisionGeometry:
-    return fcl_shape(our_shape(shape))

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Floats = NDArray[np.float64]
+from drake_geom_ros.evidence.arms import SWING, link_poses
+from drake_geom_ros.evidence.bodies import Floats
 
 TURN = 0.01  # [rad] how far a body turns in a cycle, at most, about each axis
 
@@ -62,6 +62,33 @@ class Walk:
             poses[cycle, ~rests, 3:] = turned.as_quat()[~rests]
         poses[:, rests, :3] = start[rests]
         return poses
+
+
+@dataclass(frozen=True)
+class ArmMotion:
+    """Joints that swing at random about a posture (2, 7) [rad]; ``moving`` (2, 7) says which."""
+
+    posture: Floats
+    moving: Floats
+
+    def tenth(self) -> ArmMotion:
+        """Return the motion of the last joint of one arm: 1 of 14 links moves."""
+        moving = np.zeros_like(self.moving)
+        moving[0, -1] = 1.0
+        return replace(self, moving=moving)
+
+    def poses(self, cycles: int, seed: int) -> Floats:
+        """Return poses (cycles, 14, 7) of the links' centres in World."""
+        rng = np.random.default_rng(seed)
+        start = self.posture + rng.uniform(-SWING, SWING, (2, 7))
+        steps = rng.uniform(-TURN, TURN, (cycles, 2, 7)) * self.moving
+        angles = start + np.cumsum(steps, axis=0)
+        return link_poses(reflected(angles, self.posture - SWING, self.posture + SWING))
+
+
+def swinging(posture: Floats) -> ArmMotion:
+    """Return the motion about a posture in which every joint takes part."""
+    return ArmMotion(posture, np.ones((2, 7)))
 
 
 def reflected(values: Floats, lower: Floats, upper: Floats) -> Floats:

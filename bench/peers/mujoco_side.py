@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import mujoco
 
-from bench.peers.our_shapes import our_shape
 from bench.peers.scenes import Floats, Scene
-from drake_geom_ros.peers.mujoco_peer import add_geom
+from drake_geom_ros.evidence.peers.mujoco_peer import add_geom
 
 NAME = 'MuJoCo'
 MEMORY = 2**29  # [bytes] for contacts
@@ -22,14 +21,13 @@ class Side:
         self.answers = {'penetration': self._penetration}
         spec = mujoco.MjSpec()
         spec.memory = MEMORY
-        for number, shape in enumerate(scene.bodies):
+        for number, one in enumerate(scene.bodies):
             body = spec.worldbody.add_body(name=f'body {number}')
             body.add_freejoint()
-            add_geom(spec, body, our_shape(shape), f'body {number}')
-        for number, (shape, X) in enumerate(scene.anchored):
-            name = f'anchored {number}'
-            geom = add_geom(spec, spec.worldbody, our_shape(shape), name)
-            geom.pos, geom.quat = X[:3], X[[6, 3, 4, 5]]
+            add_geom(spec, body, one.shape, f'body {number}')
+        for number, one in enumerate(scene.anchored):
+            geom = add_geom(spec, spec.worldbody, one.shape, f'anchored {number}')
+            geom.pos, geom.quat = one.p, one.pose.rotation().ToQuaternionAsVector()
         for a, b in scene.filtered:
             spec.add_exclude(bodyname1=f'body {a}', bodyname2=f'body {b}')
         self._model = spec.compile()

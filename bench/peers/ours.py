@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from bench.peers.our_shapes import our_shape
-from bench.peers.scenes import NEAR, Floats, Scene, Shape
+from bench.peers.scenes import NEAR, Floats, Scene
 from drake_geom_ros import geometry
-from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.evidence.asking import BodyScene
 
 NAME = 'ours'
 
@@ -17,20 +15,12 @@ class Side:
     """A scene graph with one frame a body."""
 
     def __init__(self, scene: Scene) -> None:
-        graph = geometry.SceneGraph()
-        self._source = graph.RegisterSource('bench')
-        frames, ids = [], []
-        for number, shape in enumerate(scene.bodies):
-            frame = geometry.GeometryFrame(f'body {number}')
-            frames.append(graph.RegisterFrame(self._source, frame))
-            ids.append(self._register(graph, frames[-1], shape, f'body {number}'))
-        for number, (shape, X_WG) in enumerate(scene.anchored):
-            self._register(graph, graph.world_frame_id(), shape, f'anchored {number}', X_WG)
+        built = BodyScene(scene.bodies, scene.anchored)
         for a, b in scene.filtered:
             declaration = geometry.CollisionFilterDeclaration().ExcludeBetween(
-                geometry.GeometrySet([ids[a]]), geometry.GeometrySet([ids[b]])
+                geometry.GeometrySet([built.ids[a]]), geometry.GeometrySet([built.ids[b]])
             )
-            graph.collision_filter_manager().Apply(declaration)
+            built.graph.collision_filter_manager().Apply(declaration)
         self.answers = {
             'penetration': self._penetration,
             'candidates': self._candidates,
@@ -39,23 +29,11 @@ class Side:
             'points': self._to_points,
             'has_collisions': self._has_collisions,
         }
-        self._frames = np.array([frame.get_value() for frame in frames])
+        self._frames = np.array([frame.get_value() for frame in built.frames])
         self._points = scene.points
-        self._context = graph.CreateDefaultContext()
-        self._port = graph.get_source_pose_port(self._source)
-        self.query = graph.get_query_output_port().Eval(self._context)
-
-    def _register(
-        self,
-        graph: geometry.SceneGraph,
-        frame: geometry.FrameId,
-        shape: Shape,
-        name: str,
-        X_FG: Floats | None = None,
-    ) -> geometry.GeometryId:
-        instance = geometry.GeometryInstance(_transform(X_FG), our_shape(shape), name)
-        instance.set_proximity_properties(geometry.ProximityProperties())
-        return graph.RegisterGeometry(self._source, frame, instance)
+        self._context = built.graph.CreateDefaultContext()
+        self._port = built.graph.get_source_pose_port(built.source)
+        self.query = built.asked(self._context)
 
     def layout(self, poses: Floats) -> Floats:
         """Return poses (n, 7) as this library takes them."""
@@ -86,9 +64,3 @@ class Side:
 
     def _has_collisions(self) -> int:
         return int(self.query.HasCollisions())
-
-
-def _transform(X: Floats | None) -> RigidTransform:
-    if X is None:
-        return RigidTransform()
-    return RigidTransform(RotationMatrix(Rotation.from_quat(X[3:]).as_matrix()), X[:3])

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import platform
 from collections.abc import Sequence
-from importlib import metadata
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 from bench.peers import chart, first_call, report
-from bench.peers.report import Measurement
+from bench.peers.report import GROWTH, Measurement
 from bench.peers.scenes import Scene, build
 from bench.peers.sides import Side, installed
-from bench.peers.targets import GROWTH
 from bench.peers.timing import Turn, interleave
+from drake_geom_ros.evidence.pages import table, versions
+from drake_geom_ros.evidence.peers import installed as installed_peers
 
-PACKAGES = ('drake', 'mujoco', 'python-fcl', 'coal', 'numba', 'numpy')
 LIMITS = {'python-fcl': 1.0, 'Coal': 1.0, 'MuJoCo': 1.0, 'pydrake': 2.0, 'ours': 30.0}  # [s]
 QUICK_LIMIT = 0.25  # [s] a cycle, of peers
 POSES = 100  # cycles until the motion is run backwards
@@ -113,7 +111,7 @@ class Run:
         print('\n'.join(['', *summary]))
         parts = [
             f'# Beside the peers\n\n{machine()}\n\n{HOW}\n\n![chart](peers.png)',
-            report.markdown(rows, report.HEADINGS),
+            table(report.HEADINGS, rows, left=2),
             *('\n'.join(f'- {line}' for line in lines) for lines in (summary, self._notes)),
             '## What our queries did in their last cycle',
             '\n'.join(f'- {line}' for line in self._effects),
@@ -125,18 +123,10 @@ class Run:
 
 def machine() -> str:
     """Return what the figures were taken on and with."""
-    versions = []
-    for name in PACKAGES:
-        try:
-            versions.append(f'{name} {metadata.version(name)}')
-        except metadata.PackageNotFoundError:
-            continue
+    told = ', '.join(f'{name} {version}' for name, version in versions(installed_peers()).items())
     threads = os.environ.get('NUMBA_NUM_THREADS', 'as many as cores')
     load = os.getloadavg()[0]
-    return (
-        f'Python {platform.python_version()}, {", ".join(versions)}; {os.cpu_count()} cores, '
-        f'load {load:.1f}; Numba threads: {threads}'
-    )
+    return f'{told}; {os.cpu_count()} cores, load {load:.1f}; Numba threads: {threads}'
 
 
 def effects(told: Any) -> str:

@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from bench.peers.arms import APART, BENT, arms, links
-from bench.peers.motion import Motion, Walk
-
-Floats = NDArray[np.float64]
+from bench.peers.motion import Motion, Walk, swinging
+from drake_geom_ros.evidence import arms
+from drake_geom_ros.evidence.bodies import Body, Floats
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
 
 # Space for each body [m^3] at which bodies of these sizes have about one contact each.
 ROOM = {'spheres': 0.032, 'mixed': 0.030, 'hulls': 0.020, 'anchored': 0.02}
@@ -24,46 +22,23 @@ TENTH, SPREAD = '/tenth', '/apart'
 
 
 @dataclass(frozen=True)
-class Shape:
-    """A shape by the name and the arguments [m] that it has in pydrake.geometry.
-
-    A Convex has ``vertices`` (n, 3) [m] instead of arguments.
-    """
-
-    kind: str
-    sizes: tuple[float, ...] = ()
-    vertices: Floats | None = None
-
-    def radius(self) -> float:
-        """Return the radius [m] of the ball about the shape's origin that holds it."""
-        s = self.sizes
-        if self.vertices is not None:
-            return float(np.linalg.norm(self.vertices, axis=1).max())
-        if self.kind == 'Box':
-            return float(np.linalg.norm(s) / 2)
-        if self.kind == 'Capsule':
-            return s[0] + s[1] / 2
-        return float(np.hypot(s[0], s[1] / 2)) if self.kind == 'Cylinder' else max(s)
-
-
-@dataclass(frozen=True)
 class Scene:
     """Bodies that are posed every cycle, one frame each, among anchored ones.
 
-    ``anchored`` are shapes with poses (7,), ``filtered`` pairs of bodies by number, ``points``
-    (m, 3) [m] the query points, ``queries`` what is asked of the scene.
+    ``anchored`` are at their poses, ``filtered`` are pairs of bodies by number, ``points`` (m, 3)
+    [m] the query points, ``queries`` what is asked of the scene.
     """
 
     name: str
-    bodies: list[Shape]
+    bodies: list[Body]
     motion: Motion
     points: Floats
-    anchored: list[tuple[Shape, Floats]]
+    anchored: list[Body]
     filtered: list[tuple[int, int]]
     queries: tuple[str, ...] = QUERIES
 
 
-def shape(kind: str, rng: np.random.Generator) -> Shape:
+def shape(kind: str, rng: np.random.Generator) -> Body:
     """Return a shape of a kind, about 0.2 m wide."""
     a, b, c = rng.uniform(0.07, 0.13, 3)
     sizes = {
@@ -73,20 +48,18 @@ def shape(kind: str, rng: np.random.Generator) -> Shape:
         'Cylinder': (0.8 * a, 2 * b),
         'Ellipsoid': (a, b, c),
     }
-    return Shape(kind, sizes[kind])
+    return Body(kind, sizes[kind])
 
 
-def hull(rng: np.random.Generator) -> Shape:
+def hull(rng: np.random.Generator) -> Body:
     """Return the hull of 64 points on an ellipsoid: each of them is a vertex of it."""
-    directions = rng.normal(size=(64, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
-    return Shape('Convex', vertices=directions * rng.uniform(0.08, 0.15, 3))
+    return Body('Convex', random_directions(rng, 64) * rng.uniform(0.08, 0.15, 3))
 
 
-def free(name: str, bodies: list[Shape], half: float, rng: np.random.Generator) -> Scene:
+def free(name: str, bodies: list[Body], half: float, rng: np.random.Generator) -> Scene:
     """Return a cube of side 2 ``half`` [m] in which bodies walk at random."""
     corners = np.full((len(bodies), 3), half)
-    walk = Walk(-corners, corners, step=0.01 * np.array([body.radius() for body in bodies]))
+    walk = Walk(-corners, corners, step=0.01 * np.array([body.radius for body in bodies]))
     return Scene(name, bodies, walk, rng.uniform(-half, half, (100, 3)), [], [])
 
 
@@ -97,8 +70,8 @@ def half_side(room: str, count: int) -> float:
 
 def spread(scene: Scene) -> Scene:
     """Return a scene of free bodies with a cell for each, so that nothing touches."""
-    radii = np.array([b.radius() for b in scene.bodies])
-    cell = 2.1 * max(radii.max(), *(s.radius() for s, _ in scene.anchored), 0.0)
+    radii = np.array([b.radius for b in scene.bodies])
+    cell = 2.1 * max(radii.max(), *(s.radius for s in scene.anchored), 0.0)
     count = len(radii) + len(scene.anchored)
     side = int(np.ceil(count ** (1 / 3)))
     centres = cell * np.indices((side, side, side)).reshape(3, -1).T[:count]
@@ -107,9 +80,7 @@ def spread(scene: Scene) -> Scene:
     moving, standing = centres[: len(radii)], centres[len(radii) :]
     slack = 0.5 * cell - radii[:, None]
     walk = Walk(moving - slack, moving + slack, step=0.01 * radii)
-    anchored = [
-        (s, np.concatenate((p, X[3:]))) for (s, X), p in zip(scene.anchored, standing, strict=True)
-    ]
+    anchored = [body.at(p) for body, p in zip(scene.anchored, standing, strict=True)]
     return replace(scene, motion=walk, anchored=anchored)
 
 
@@ -126,7 +97,7 @@ def mixed(count: int) -> Scene:
     return free(f'mixed-{count}', all_kinds(count, rng), half_side('mixed', count), rng)
 
 
-def all_kinds(count: int, rng: np.random.Generator) -> list[Shape]:
+def all_kinds(count: int, rng: np.random.Generator) -> list[Body]:
     """Return shapes of all kinds in turn."""
     return [shape(KINDS[k % len(KINDS)], rng) for k in range(count)]
 
@@ -148,30 +119,19 @@ def anchored(thousands: int) -> Scene:
     scene = free(f'anchored-{1000 * thousands}', all_kinds(30, rng), half, rng)
     for block in range(thousands):
         centre = np.array([2 * half * block, 0.0, 0.0])
-        for q in Rotation.random(1000, rng=rng).as_quat():
-            X_WG = np.concatenate((centre + rng.uniform(-half, half, 3), q))
-            scene.anchored.append((shape('Box', rng), X_WG))
+        for R in random_rotations(rng, 1000):
+            p = centre + rng.uniform(-half, half, 3)
+            scene.anchored.append(shape('Box', rng).placed(R, p))
     return scene
 
 
 def two_arms(posture: Floats) -> Scene:
     """Two arms over a table with 20 boxes, adjacent links filtered."""
     rng = np.random.default_rng(7)
-    up = np.array([0.0, 0.0, 0.0, 1.0])
-    table = (Shape('Box', (2.0, 1.4, 0.1)), np.array([0.0, 0.0, -0.05, *up]))
-    boxes = [table]
-    for turn in rng.uniform(-np.pi, np.pi, 20):
-        sizes = rng.uniform(0.05, 0.15, 3)
-        place = [*rng.uniform((-0.9, -0.6), (0.9, 0.6)), sizes[2] / 2 + 0.001]
-        boxes.append((Shape('Box', tuple(sizes)), np.array([*place, 0, 0, *_turned(turn)])))
-    bodies = [Shape(kind, sizes) for kind, sizes in links()]
+    table = arms.table(rng)
     points = rng.uniform((-1, -0.7, 0), (1, 0.7, 1.2), (100, 3))
     adjacent = [(7 * arm + k, 7 * arm + k + 1) for arm in range(2) for k in range(6)]
-    return Scene('arms', bodies, arms(posture), points, boxes, adjacent)
-
-
-def _turned(angle: float) -> tuple[float, float]:
-    return float(np.sin(angle / 2)), float(np.cos(angle / 2))
+    return Scene('arms', arms.links(), swinging(posture), points, table, adjacent)
 
 
 def tenth(scene: Scene) -> Scene:
@@ -181,14 +141,14 @@ def tenth(scene: Scene) -> Scene:
 
 def apart(scene: Scene) -> Scene:
     """Return the scene as one without collisions, which only has_collisions is asked of."""
-    scene = two_arms(APART) if scene.name == 'arms' else spread(scene)
+    scene = two_arms(arms.APART) if scene.name == 'arms' else spread(scene)
     return replace(scene, name=scene.name + SPREAD, queries=('has_collisions',))
 
 
 FULL: dict[str, Callable[[], Scene]] = {
     **{f'spheres-{n}': partial(spheres, n) for n in (50, 200, 1000)},
     **{f'mixed-{n}': partial(mixed, n) for n in (50, 200, 1000)},
-    'arms': partial(two_arms, BENT),
+    'arms': partial(two_arms, arms.BENT),
     'hulls-20': partial(hulls, 20),
     **{f'anchored-{n}000': partial(anchored, n) for n in (1, 2)},
 }

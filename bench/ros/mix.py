@@ -19,7 +19,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from bench.ros.hostile import requests
-from drake_geom_ros.ros.services import SERVICES
+from drake_geom_ros.ros.services.table import SERVICES
 
 Life = Generator[Any, Any, None]
 _REASON_LENGTH = 60

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from drake_geom_ros import peers
+from drake_geom_ros.evidence import peers
 from drake_geom_ros.geometry import ArgumentError, GeometryError
 
 NEEDED = ('scipy', 'mpmath', 'matplotlib')
@@ -56,8 +56,8 @@ def run(options: argparse.Namespace) -> int:
             f'pip install {" ".join(missing)} (requirements/test.txt and demo.txt have versions)'
         )
     # Only now: nothing else needs what these import.
-    from drake_geom_ros.accuracy.run import Request
-    from drake_geom_ros.accuracy.run import run as measure
+    from drake_geom_ros.evidence.accuracy.run import Request
+    from drake_geom_ros.evidence.accuracy.run import run as measure
 
     request = Request(
         output=output_of(options),

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._mesh_library import connected_pieces
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
-from drake_geom_ros.geometry._proximity.kernels.solid_overlap import windings_beside
+from drake_geom_ros.geometry._proximity.kernels.solid_points import find_astray
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import CORNERS, tree_of
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.solid_packing import solid_parameters
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -76,8 +77,9 @@ def _solid(source: MeshSource, scale: tuple[float, ...]) -> tuple[int, Floats]:
     # Without edges to climb: what is certified by this hull is certified by every vertex.
     hull = np.concatenate(([len(hull_vertices)], hull_vertices.ravel(), [0.0]))
     planes = planes_of(hull_vertices, hull_triangles)
-    parameters, windings = solid_parameters(hull, corners, pieces, planes)
-    check_simple(parameters, corners[at_crowded_edges(triangles)], windings, name)
+    largest = largest_triangles(corners, pieces)
+    parameters, numbers = solid_parameters(hull, corners, largest, planes)
+    check_simple(parameters, numbers[largest], numbers[at_crowded_edges(triangles)], name)
     parameters.flags.writeable = False
     return SOLID, parameters
 
@@ -172,6 +174,13 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
     return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 
 
+def largest_triangles(corners: Floats, pieces: list[Indices]) -> Indices:
+    """Return the number (c,) of each piece's triangle of largest area, of corners (n, 3, 3)."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    return np.array([piece[np.argmax(areas[piece])] for piece in pieces], dtype=np.int64)
+
+
 def at_crowded_edges(triangles: Indices) -> Indices:
     """Return the numbers of the triangles at edges that more than two have in common."""
     edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
@@ -180,33 +189,37 @@ def at_crowded_edges(triangles: Indices) -> Indices:
     return np.flatnonzero((counts[at.ravel()] > 2).reshape(-1, 3).any(axis=1))
 
 
-def check_simple(parameters: Floats, crowded: Floats, windings: Floats, name: str) -> None:
+def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: str) -> None:
     """Raise MeshFileError where triangles cross or pieces do not bound a body together.
 
-    ``windings`` (c, 2) are the winding numbers beneath and above each piece: 1 and 0. So they must
-    be at ``crowded`` triangles (k, 3, 3): two surfaces may cross along edges that both have.
+    ``pieces`` (c,) has a triangle of each piece. Two surfaces may cross along edges of one or of
+    both, where no triangle goes through another: of the triangles that touch others there, and of
+    the ``crowded`` ones (k,), some lie in a body then. All are named by their numbers in the
+    parameters.
     """
     crossing = np.empty((2, 3, 3))
-    if first_crossing(parameters, crossing):
+    touching = np.zeros(tree_of(SOLID, parameters)[3], dtype=np.bool_)
+    if first_crossing(parameters, crossing, touching):
         raise _crosses_itself(name, crossing)
-    wrong = _are_wrong(windings)
-    if wrong.any():
+    astray = _astray(parameters, pieces)
+    if len(astray):
         raise MeshFileError(
-            f'{name} bounds no solid: {int(wrong.sum())} of its {len(windings)} closed surfaces '
+            f'{name} bounds no solid: {len(astray)} of its {len(pieces)} closed surfaces '
             'lie in another and are turned like a body, or in none and are turned like a cavity; '
             f'leave out bodies within bodies, and turn cavities inside out. {_ADVICE}'
         )
-    beside = np.empty((len(crowded), 2))
-    windings_beside(parameters, crowded, beside)
-    wrong = _are_wrong(beside)
-    if wrong.any():
-        raise _crosses_itself(name, crowded[wrong][:1])
+    touching[crowded] = True
+    astray = _astray(parameters, np.flatnonzero(touching))
+    if len(astray):
+        at = tree_of(SOLID, parameters)[2] + CORNERS * int(astray[0])
+        raise _crosses_itself(name, parameters[at : at + CORNERS].reshape(1, 3, 3))
 
 
-def _are_wrong(windings: Floats) -> NDArray[np.bool_]:
-    """Return which winding numbers (k, 2) beneath and above a triangle are not 1 and 0."""
-    wrong: NDArray[np.bool_] = (np.round(windings) != [1.0, 0.0]).any(axis=1)
-    return wrong
+def _astray(parameters: Floats, triangles: Indices) -> Indices:
+    """Return which of the triangles have another body beneath them, or above."""
+    flags = np.empty(len(triangles), dtype=np.bool_)
+    find_astray(parameters, triangles, flags)
+    return triangles[flags]
 
 
 def _crosses_itself(name: str, crossing: Floats) -> MeshFileError:

@@ -8,12 +8,15 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.pose_rounding import TURN, shift_of, taken_roundings
 from drake_geom_ros.geometry._proximity.rehearsal import rehearse
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._records import GeometryRecord
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.ids import FrameId, SourceId
 
+Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
@@ -168,8 +171,37 @@ def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
         frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
         R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
         p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
+        roundings=_roundings(model, geometries),
         types=np.array([kind for kind, _ in packed], dtype=np.int64),
         starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
         pool=np.concatenate([np.zeros(0), *parameters]),
     )
     return frames, table
+
+
+def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
+    """Return turn [-] and shift [m] (n, 2) of X_FG; that of a geometry on a geometry is a product.
+
+    See ``_proximity/pose_rounding``.
+    """
+    rotations = np.array([g.X_PG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3)
+    roundings = taken_roundings(rotations)
+    for row, geometry in zip(roundings, geometries, strict=True):
+        # From the geometry on the frame to the one that is asked for.
+        line = [geometry]
+        while line[0].parent_id is not None:
+            line.insert(0, model.geometries[line[0].parent_id])
+        if len(line) > 1:
+            row[:] = _rounding_of_line(line)
+    return roundings
+
+
+def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
+    """Return turn [-] and shift [m] of X_FG of the last of geometries, each on the one before."""
+    turn = shift = reach = 0.0
+    for geometry in line:
+        p_PG, p_FG = geometry.X_PG.translation(), geometry.X_FG.translation()
+        shift = shift_of(turn, shift, reach, float(np.abs(p_PG).sum()))
+        turn += float(taken_roundings(geometry.X_PG.rotation().matrix()[None])[0, TURN])
+        reach = float(np.abs(p_FG).sum())
+    return turn, shift

@@ -116,8 +116,9 @@ class QueryObject:
         size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``.
 
         Pairs that were answered from bounds alone (method BOUND_ONLY: by the level, or left by
-        the ``time_budget``) are reported where they may overlap: none that does is missing. Their
-        depth is the middle of the certified interval, which ends at 0 where they may be apart.
+        the ``time_budget``) are reported where they may overlap: none that does is missing. Where
+        they may be apart, too, the depth is half of the largest possible one, and the error bound
+        so wide that minus the signed distance is within it of the depth.
 
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """

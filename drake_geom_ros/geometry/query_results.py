@@ -59,7 +59,8 @@ class PenetrationAsPointPair:
     """Two overlapping geometries, by the pair of points that most deeply penetrate each other.
 
     ``depth = (p_WCb - p_WCa) . nhat_BA_W`` [m], positive; -1 in a record nobody filled.
-    ``nhat_BA_W`` is unit and points out of B into A. ``|depth - true depth| <= error_bound``.
+    ``nhat_BA_W`` is unit and points out of B into A. ``|depth - true depth| <= error_bound``; the
+    true depth of bodies that are apart, which bounds alone may report, is minus their distance.
     """
 
     id_A: GeometryId = field(default_factory=_no_id)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
 
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._ports import QueryPort, SourcePosePort
@@ -28,12 +28,24 @@ from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
 
 _P = ParamSpec('_P')
-_R = TypeVar('_R')
+_R = TypeVar('_R', covariant=True)
+
+
+class _WithOrWithoutContext(Protocol[_P, _R]):
+    """A method of a scene graph as callers see it: its arguments, a context before them or not."""
+
+    @overload
+    def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R: ...
+
+    @overload
+    def __call__(
+        self, context: SceneGraphContext | None, *args: _P.args, **kwargs: _P.kwargs
+    ) -> _R: ...
 
 
 def _or_on_context(
     method: Callable[Concatenate[SceneGraph, SceneGraph | SceneGraphContext, _P], _R],
-) -> Callable[..., _R]:
+) -> _WithOrWithoutContext[_P, _R]:
     """Let a method be called with or without a context before its arguments.
 
     The method gets whoever holds the model and the filters to change: the context if one is
@@ -53,7 +65,7 @@ def _or_on_context(
     shown = inspect.signature(method)
     given = [p for name, p in shown.parameters.items() if name != 'on']
     call.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
-    return call
+    return cast('_WithOrWithoutContext[_P, _R]', call)
 
 
 class SceneGraph:

@@ -39,7 +39,7 @@ def rotations_from_quaternions(qxqyqzqw: ArrayLike, what: str = 'quaternions') -
     """Return R (n, 3, 3) of quaternions (n, 4), which are normalised first.
 
     Raises RuntimeError as ``matrices_from_poses`` does. Formula (Euler-Rodrigues):
-    R = I + 2 w [v]x + 2 [v]x [v]x for q = (v, w).
+    R = I + s w [v]x + s [v]x [v]x for q = (v, w), s = 2 / |q|^2.
     """
     quaternions = checked_rows(qxqyqzqw, 4, what, 'qx qy qz qw')
     norms = np.linalg.norm(quaternions, axis=1)
@@ -50,14 +50,16 @@ def rotations_from_quaternions(qxqyqzqw: ArrayLike, what: str = 'quaternions') -
             f'{what}[{k}]: the quaternion {quaternions[k].tolist()} has norm {norms[k]:.6g}; '
             f'allowed is 1 +- {QUATERNION_NORM:g}, in the order qx qy qz qw'
         )
-    x, y, z, w = (quaternions / norms[:, None]).T
+    x, y, z, w = quaternions.T
+    # Not by components divided by the norm: their rounding would count twice.
+    s = 2.0 / (x * x + y * y + (z * z + w * w))
     Rs = np.empty((len(quaternions), 3, 3))
-    Rs[:, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    Rs[:, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    Rs[:, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
-    Rs[:, 0, 1], Rs[:, 1, 0] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
-    Rs[:, 0, 2], Rs[:, 2, 0] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
-    Rs[:, 1, 2], Rs[:, 2, 1] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+    Rs[:, 0, 0] = 1.0 - s * (y * y + z * z)
+    Rs[:, 1, 1] = 1.0 - s * (x * x + z * z)
+    Rs[:, 2, 2] = 1.0 - s * (x * x + y * y)
+    Rs[:, 0, 1], Rs[:, 1, 0] = s * (x * y - w * z), s * (x * y + w * z)
+    Rs[:, 0, 2], Rs[:, 2, 0] = s * (x * z + w * y), s * (x * z - w * y)
+    Rs[:, 1, 2], Rs[:, 2, 1] = s * (y * z - w * x), s * (y * z + w * x)
     return Rs
 
 

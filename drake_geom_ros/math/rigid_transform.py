@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
-from drake_geom_ros.math.rotations import RollPitchYaw, RotationMatrix, as_vector
+from drake_geom_ros.math.rotations import (
+    RollPitchYaw,
+    RotationMatrix,
+    as_vector,
+    orthogonal,
+)
 
 Floats = NDArray[np.float64]
 
@@ -108,7 +113,8 @@ class RigidTransform:
     def InvertAndCompose(self, other: RigidTransform) -> RigidTransform:
         """Return X_BC of this X_AB and the other X_AC."""
         R_BA = self._R.matrix().T
-        return RigidTransform._make(R_BA @ other._R.matrix(), R_BA @ (other._p - self._p))
+        R_BC = orthogonal(R_BA @ other._R.matrix())
+        return RigidTransform._make(R_BC, R_BA @ (other._p - self._p))
 
     @overload
     def multiply(self, other: RigidTransform) -> RigidTransform: ...
@@ -118,7 +124,8 @@ class RigidTransform:
         """Return X_AC for an X_BC, or p_AQ, of the same shape, for p_BQ (3,) or (3, n) [m]."""
         R = self._R.matrix()
         if isinstance(other, RigidTransform):
-            return RigidTransform._make(R @ other._R.matrix(), self._p + R @ other._p)
+            R_AC = orthogonal(R @ other._R.matrix())
+            return RigidTransform._make(R_AC, self._p + R @ other._p)
         p_BQ = np.asarray(other, dtype=np.float64)
         if p_BQ.ndim not in (1, 2) or p_BQ.shape[0] != 3:
             raise RuntimeError(f'RigidTransform: cannot move shape {p_BQ.shape}, (3,) or (3, n)')

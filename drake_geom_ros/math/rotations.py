@@ -9,16 +9,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.math.batched import quaternions_from_rotations, rotations_from_quaternions
-from drake_geom_ros.math.tolerances import DIRECTION_NORM, ROTATION
+from drake_geom_ros.math.tolerances import (
+    ALMOST_ROTATION,
+    DIRECTION_NORM,
+    ORTHOGONAL,
+    ROTATION,
+)
 
 Floats = NDArray[np.float64]
+
+_IDENTITY = np.eye(3)
 
 
 class RotationMatrix:
     """A rotation R_AB, which takes a vector from B's axes to A's: ``v_A = R_AB @ v_B``.
 
     Made of nothing (the identity), a matrix (3, 3), a ``RollPitchYaw``, or a unit quaternion: an
-    array w x y z in Drake's order, or an object with ``wxyz()``. Raises RuntimeError for a matrix
+    array w x y z in Drake's order, or an object with ``wxyz()``. A matrix that is off orthogonal,
+    by no more than ``ALMOST_ROTATION``, stands for the rotation nearest to it, which is taken in
+    its place; products are kept orthogonal alike, however many. Raises RuntimeError for a matrix
     that is not a rotation or a quaternion that is not of unit length.
 
         >>> R_WA = RotationMatrix.MakeZRotation(math.pi / 2)
@@ -134,7 +143,7 @@ class RotationMatrix:
 
     def InvertAndCompose(self, other: RotationMatrix) -> RotationMatrix:
         """Return R_BC of this R_AB and the other R_AC."""
-        return RotationMatrix._make(self._R.T @ other._R)
+        return RotationMatrix._make(orthogonal(self._R.T @ other._R))
 
     @overload
     def multiply(self, other: RotationMatrix) -> RotationMatrix: ...
@@ -143,7 +152,7 @@ class RotationMatrix:
     def multiply(self, other: RotationMatrix | ArrayLike) -> RotationMatrix | Floats:
         """Return R_AC for an R_BC, or v_A, of the same shape, for v_B (3,) or (3, n)."""
         if isinstance(other, RotationMatrix):
-            return RotationMatrix._make(self._R @ other._R)
+            return RotationMatrix._make(orthogonal(self._R @ other._R))
         v_B = np.asarray(other, dtype=np.float64)
         if v_B.ndim not in (1, 2) or v_B.shape[0] != 3:
             raise RuntimeError(f'RotationMatrix: cannot rotate shape {v_B.shape}, (3,) or (3, n)')
@@ -279,6 +288,19 @@ def rotation_error(R: Floats) -> float:
     return float(np.abs(R @ R.T - np.eye(3)).max())
 
 
+def orthogonal(R: Floats) -> Floats:
+    """Return the rotation nearest to R (3, 3), which is almost one; R itself where it is one.
+
+    One step of the iteration of Newton and Schulz towards the polar factor, whose error is 3/8 of
+    the square of the defect R^T R - I (Higham, Functions of Matrices, section 8.3).
+    """
+    defect = R.T @ R - _IDENTITY
+    if np.abs(defect).max() <= ORTHOGONAL:
+        return R
+    nearest: Floats = R - 0.5 * (R @ defect)
+    return nearest
+
+
 def _read_only(array: Floats) -> Floats:
     """Return the array, closed for writing: values share it without copying."""
     array.flags.writeable = False
@@ -303,12 +325,12 @@ def _matrix_of(rotation: Any) -> Floats:
     if wxyz_or_R.shape != (3, 3):
         raise RuntimeError(f'RotationMatrix: shape {wxyz_or_R.shape} is neither (3, 3) nor (4,)')
     error = rotation_error(wxyz_or_R)
-    if not error <= ROTATION:
+    if not error <= ALMOST_ROTATION:
         raise RuntimeError(
             f'RotationMatrix: {wxyz_or_R.tolist()} is not a rotation: max |R R^T - I| is '
-            f'{error:.2g}, allowed {ROTATION:g}; see RotationMatrix.ProjectToRotationMatrix'
+            f'{error:.2g}, allowed {ALMOST_ROTATION:g}; see RotationMatrix.ProjectToRotationMatrix'
         )
-    return wxyz_or_R
+    return orthogonal(wxyz_or_R)
 
 
 def _angles_of(value: Any) -> Floats:

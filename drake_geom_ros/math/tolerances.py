@@ -11,9 +11,19 @@ QUATERNION_NORM = 1e-3
 # poses, a million of them, then stay within float64.
 FARTHEST = 2.0**1004
 
-# max |R R^T - I| [-] of a matrix that is taken as a rotation: what the results promise of their
-# unit vectors. A product of thousands of rotations stays below it, float32 numbers do not.
+# max |R R^T - I| [-] of a rotation to working precision: what the results promise of their unit
+# vectors, and how far from the identity a rotation may be that is nearly it.
 ROTATION = 1e-12
+
+# max |R R^T - I| [-] of a matrix that is taken as a rotation: a product of a million of them, made
+# without a care, stays below it; of a thousand matrices in single precision that turn about one
+# axis two are, of others none. The rotation nearest to it is what is taken.
+ALMOST_ROTATION = 1e-10
+
+# max |R R^T - I| [-] up to which a matrix is kept as it is: a rotation that was computed with
+# care, or made orthogonal before, is off by 3 EPS. How far such a matrix may be from the nearest
+# rotation is part of what geometry/_proximity/tolerances.py allows for one that is taken in.
+ORTHOGONAL = 6.0 * 2.0**-52
 
 # Shortest vector [-] whose direction is trusted (Drake's choice for MakeFromOneVector and
 # HalfSpace.MakePose).

@@ -1,7 +1,7 @@
 """Replay files: JSON with the fields of Replay, written whole or not at all.
 
-Numbers have all their digits; those that are not finite are ``NaN`` and ``Infinity``, as Python
-writes them.
+``replay.schema.json`` says what they hold. Numbers have all their digits; those that are not
+finite are ``NaN`` and ``Infinity``, as Python writes them.
 """
 
 from __future__ import annotations
@@ -11,11 +11,12 @@ import json
 import os
 import tempfile
 from pathlib import Path
-from types import UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any
 
-from drake_geom_ros.replay.record import Replay
+from drake_geom_ros.replay.record import Answer, Question, Replay
 from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.scene_files.schema import faults, read_schema
+from drake_geom_ros.scene_files.yaml_text import key_text
 
 _FORMAT = 'drake_geom_ros replay 1'
 
@@ -42,39 +43,12 @@ def read(path: str | Path) -> Replay:
         raise SceneFileError(f'not JSON: {error}', file) from None
     if not isinstance(data, dict) or data.pop('format', None) != _FORMAT:
         raise SceneFileError(f'no replay file: format must be {_FORMAT!r}', file)
-    replay: Replay = _value(data, Replay, '', file)
-    return replay
+    for where, reason in faults(data, read_schema('drake_geom_ros.replay', 'replay.schema.json')):
+        raise SceneFileError(reason, file, key=key_text(where))
+    question, answer = Question(**_record(data['question'])), Answer(**_record(data['answer']))
+    return Replay(**_record({**data, 'question': question, 'answer': answer}))
 
 
-def _value(data: Any, kind: Any, key: str, file: str) -> Any:
-    """Return plain ``data`` as a value of a kind that the records have; SceneFileError if not."""
-    if dataclasses.is_dataclass(kind):
-        return _record(data, kind, key, file)
-    if isinstance(kind, UnionType):  # ... | None
-        return None if data is None else _value(data, get_args(kind)[0], key, file)
-    if get_origin(kind) is tuple:
-        items = get_args(kind)
-        count = 3 if items[-1] is Ellipsis else len(items)
-        if not isinstance(data, list) or len(data) != count:
-            raise SceneFileError(f'must be a list of {count}', file, key=key)
-        return tuple(_value(item, items[0], f'{key}[{k}]', file) for k, item in enumerate(data))
-    if get_origin(kind) is not None:  # a mapping of texts
-        if not isinstance(data, dict) or not all(isinstance(v, str) for v in data.values()):
-            raise SceneFileError('must be an object of texts', file, key=key)
-        return data
-    if kind is float and type(data) is int:
-        return float(data)
-    if type(data) is not kind:
-        raise SceneFileError(f'{str(data)[:80]!r} must be of type {kind.__name__}', file, key=key)
-    return data
-
-
-def _record(data: Any, kind: Any, key: str, file: str) -> Any:
-    hints = get_type_hints(kind)
-    if not isinstance(data, dict) or data.keys() != hints.keys():
-        raise SceneFileError(f'must have the keys {", ".join(hints)}', file, key=key)
-    fields = {
-        name: _value(data[name], hint, f'{key}.{name}'.lstrip('.'), file)
-        for name, hint in hints.items()
-    }
-    return kind(**fields)
+def _record(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields of a record: what is a list in JSON is a tuple there."""
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in data.items()}

@@ -1,7 +1,7 @@
 """Stands between a node's callbacks and the executor: what fails is counted and logged.
 
 An exception that reached the executor would end the node, and with it the service that others rely
-on.
+on. No ROS import here.
 """
 
 from __future__ import annotations
@@ -10,53 +10,59 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from drake_geom_ros.ros.diagnostics import Diagnostics
-from drake_geom_ros.ros.services import shortened
-
 _LOG_PERIOD = 5.0  # [s] at most one line about the same thing in this time
+_LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
 
 
 class Guard:
     """Calls what takes messages, answers requests and is due by a timer; from any thread."""
 
-    def __init__(self, logger: Any, diagnostics: Diagnostics) -> None:
+    def __init__(self, logger: Any, count: Callable[[str, str], None]) -> None:
+        """``count(name, reason)`` is told of each message and each task that failed."""
         self._logger = logger
-        self._diagnostics = diagnostics
+        self._count = count
         self._silent_until: dict[str, float] = {}  # of the steady clock [s], by what is told of
 
-    def take(self, name: str, take: Callable[..., Any], *message: Any) -> None:
+    def succeeds(self, task: Callable[[], object]) -> bool:
+        """Do something that may well be refused; return whether it was done, and log if not."""
+        error = _failure_of(task)
+        if error is not None:
+            self._logger.error(f'not {_name_of(task)}: {str(error) or repr(error)}')
+        return error is None
+
+    def take(self, name: str, take: Callable[..., object], *message: Any) -> None:
         """Take a message of the input ``name``; an exception is a refusal of it."""
-        try:
-            take(*message)
-        except Exception as error:
+        error = _failure_of(take, *message)
+        if error is not None:
             # RuntimeError is what those raise who refuse; nobody foresaw the others.
-            reason = (
-                str(error) if isinstance(error, RuntimeError) else f'internal error: {error!r}'
-            )
-            self._diagnostics.refuse(name, reason)
+            refusal = isinstance(error, RuntimeError)
+            reason = str(error) if refusal else f'internal error: {error!r}'
+            self._count(name, reason)
             if self._may_tell(name):
-                self._logger.warning(f'a message of {name} was refused: {shortened(reason)}')
+                self._logger.warning(f'a message of {name} was refused: {_shortened(reason)}')
 
-    def attempt(self, task: Callable[[], None]) -> None:
+    def attempt(self, task: Callable[[], object]) -> None:
         """Do what is due; nobody foresaw an exception."""
-        try:
-            task()
-        except Exception as error:
-            name = task.__name__.lstrip('_')
-            self._diagnostics.refuse(name, f'internal error: {error!r}')
+        error = _failure_of(task)
+        if error is not None:
+            name = _name_of(task)
+            self._count(name, f'internal error: {error!r}')
             if self._may_tell(name):
-                self._logger.error(f'internal error in {name}: {shortened(repr(error))}')
+                self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
 
-    def answer(self, answer: Callable[[Any, Any], Any], request: Any, response: Any) -> Any:
-        """Answer a request; what ``answer`` itself does not refuse nobody foresaw."""
-        try:
-            answer(request, response)
-        except Exception as error:
-            text = f'internal error: {shortened(repr(error))}'
-            response.success, response.message = False, text
+    def answer(
+        self, handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any
+    ) -> Any:
+        """Have a handler answer a request, and say in the response whether it did."""
+        error = _failure_of(handler, scene, request, response)
+        response.success = error is None
+        if isinstance(error, RuntimeError):
+            response.message = _shortened(str(error))
+        elif error is not None:
+            response.message = f'internal error: {_shortened(repr(error))}'
             name = type(request).__name__
             if self._may_tell(name):
-                self._logger.error(f'{name}: {text}')
+                self._logger.error(f'{name}: {response.message}')
         return response
 
     def _may_tell(self, about: str) -> bool:
@@ -69,3 +75,22 @@ class Guard:
         if may:
             self._silent_until[about] = now + _LOG_PERIOD
         return may
+
+
+def _failure_of(task: Callable[..., object], *arguments: Any) -> Exception | None:
+    """Do something, and return the exception that it raised instead of raising it."""
+    try:
+        task(*arguments)
+    except Exception as error:
+        return error
+    return None
+
+
+def _name_of(task: Callable[..., object]) -> str:
+    return task.__name__.lstrip('_')
+
+
+def _shortened(text: str) -> str:
+    """Return a message without its middle where it is too long to be read."""
+    half = _LONGEST_MESSAGE // 2
+    return text if len(text) <= _LONGEST_MESSAGE else f'{text[:half]} ... {text[-half:]}'

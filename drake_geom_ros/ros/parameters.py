@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from drake_geom_ros.geometry import ACCURACY_LEVELS
-from drake_geom_ros.ros.file_access import ALL_PACKAGES
+from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES
 
 
 @dataclass(frozen=True)

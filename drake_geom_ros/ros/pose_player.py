@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import array
 import sys
+from typing import Any
 
 import numpy as np
 from drake_geom_msgs.msg import (
@@ -46,7 +47,7 @@ _TEXTS = {
 class PosePlayer(Node):
     """Publishes where every frame of a scene is, ``rate`` times a second."""
 
-    def __init__(self, **kwargs) -> None:
+    def __init__(self, **kwargs: Any) -> None:
         super().__init__('pose_player', **kwargs)
         scene_file = self._declare('scene_file', '')
         if not scene_file:
@@ -74,7 +75,9 @@ class PosePlayer(Node):
             f'{rate:g} Hz, {self._motion.duration:g} s long{", again and again" * self._loop}'
         )
 
-    def _declare(self, name: str, default, limits: FloatingPointRange | None = None):
+    def _declare(
+        self, name: str, default: object, limits: FloatingPointRange | None = None
+    ) -> Any:
         descriptor = ParameterDescriptor(
             description=_TEXTS[name],
             read_only=True,

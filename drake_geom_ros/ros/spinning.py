@@ -163,13 +163,14 @@ def run_node(
     ``refusals``, for what it was given cannot be. A node names the callback groups that get
     threads of their own in its ``threaded_groups``.
     """
+    expected: tuple[type[Exception], ...] = (_BadArgumentsError, *refusals)
     with StopSignals(once=True) as signals:
         try:
             _initialise(sys.argv[1:] if args is None else args)
             node = make_node()
             spin_until_stopped(node, signals, groups=getattr(node, 'threaded_groups', ()))
             node.destroy_node()
-        except (_BadArgumentsError, *refusals) as error:
+        except expected as error:
             print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)
             return 2
         finally:

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -82,11 +81,11 @@ class _Registration:
         self,
         scene_graph: SceneGraph,
         description: SceneDescription,
-        context: Any = None,
+        context: SceneGraphContext | None = None,
     ):
         self._scene_graph = scene_graph
         self._description = description
-        self._on = () if context is None else (context,)
+        self._context = context
         self._sources: dict[str, SourceId] = {}
         self._frames: dict[tuple[str, str], FrameId] = {}
         self._geometries: dict[tuple[str, str, str], GeometryId] = {}
@@ -96,7 +95,9 @@ class _Registration:
         description = self._description
         for name in description.sources:
             with _blame(Location(description.file, key=f'source {name}')):
-                self._sources[name] = self._scene_graph.RegisterSource(*self._on, name)
+                self._sources[name] = self._scene_graph.RegisterSource(
+                    context=self._context, name=name
+                )
         for frame in description.frames:
             with _blame(frame.where):
                 self._register_frame(frame)
@@ -134,22 +135,27 @@ class _Registration:
         if frame.name == WORLD:
             raise RuntimeError(f'a frame cannot be called {WORLD!r}: that is the world frame')
         self._frames[frame.source, frame.name] = self._scene_graph.RegisterFrame(
-            *self._on,
-            self._sources[frame.source],
-            self._frame_id(frame.source, frame.parent),
-            GeometryFrame(frame.name, frame.group),
+            context=self._context,
+            source_id=self._sources[frame.source],
+            parent_id=self._frame_id(frame.source, frame.parent),
+            frame=GeometryFrame(frame.name, frame.group),
         )
 
     def _register_geometry(self, geometry: GeometryDescription) -> None:
         source_id = self._sources[geometry.source]
         geometry_id = self._scene_graph.RegisterGeometry(
-            *self._on,
-            source_id,
-            self._frame_id(geometry.source, geometry.frame),
-            GeometryInstance(geometry.X_FG, geometry.shape, geometry.name),
+            context=self._context,
+            source_id=source_id,
+            frame_id=self._frame_id(geometry.source, geometry.frame),
+            geometry=GeometryInstance(geometry.X_FG, geometry.shape, geometry.name),
         )
         for properties in geometry.roles.values():
-            self._scene_graph.AssignRole(*self._on, source_id, geometry_id, properties)
+            self._scene_graph.AssignRole(
+                context=self._context,
+                source_id=source_id,
+                geometry_id=geometry_id,
+                properties=properties,
+            )
         self._geometry_ids.append(geometry_id)
         if Role.kProximity in geometry.roles:
             self._geometries[geometry.source, geometry.frame, geometry.name] = geometry_id
@@ -168,7 +174,7 @@ class _Registration:
         return GeometrySet(geometry_ids=geometry_ids, frame_ids=frame_ids)
 
     def _apply(self, entry: FilterDescription) -> None:
-        manager = self._scene_graph.collision_filter_manager(*self._on)
+        manager = self._scene_graph.collision_filter_manager(self._context)
         if isinstance(entry, GroupDescription):
             manager.AddGroup(entry.name, self._set(entry.members), entry.ignores)
         elif isinstance(entry, CliqueDescription):

@@ -1,13 +1,14 @@
-"""Checks a document against ``scene.schema.json``: the first fault becomes an error."""
+"""Checks documents against JSON schemas (draft 7): the first fault becomes an error."""
 
 import json
+from collections.abc import Iterator
 from functools import cache
 from importlib import resources
 from typing import Any
 
 import jsonschema
 
-from drake_geom_ros.scene_files.yaml_text import Document
+from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 
 _TYPE_NAMES = {
     'object': 'a mapping',
@@ -16,31 +17,47 @@ _TYPE_NAMES = {
     'number': 'a number',
     'integer': 'an integer',
     'boolean': 'true or false',
+    'null': 'nothing',
 }
 # Longest value that a message quotes.
 _QUOTED = 60
 
 
 @cache
-def scene_schema() -> dict[str, Any]:
-    """Return the JSON schema (draft 7) of scene files."""
-    folder = resources.files('drake_geom_ros.scene_files')
-    schema: dict[str, Any] = json.loads((folder / 'scene.schema.json').read_text('utf-8'))
+def read_schema(package: str, name: str) -> dict[str, Any]:
+    """Return the schema that lies in a package as a file of that name."""
+    schema: dict[str, Any] = json.loads((resources.files(package) / name).read_text('utf-8'))
     return schema
 
 
-def check_schema(document: Document) -> None:
+def scene_schema() -> dict[str, Any]:
+    """Return the JSON schema (draft 7) of scene files."""
+    return read_schema('drake_geom_ros.scene_files', 'scene.schema.json')
+
+
+def check_schema(document: Document, schema: dict[str, Any]) -> None:
     """Raise SceneFileError for the first line at which the document breaks the schema."""
-    validator = jsonschema.Draft7Validator(scene_schema())
-    faults = [
-        document.at(*_blamed_path(error)).error(_reason(error))
-        for error in validator.iter_errors(document.value)
-    ]
-    if faults:
-        raise min(faults, key=lambda fault: fault.line or 0)
+    errors = [document.at(*path).error(why) for path, why in faults(document.value, schema)]
+    if errors:
+        raise min(errors, key=lambda error: error.line or 0)
 
 
-def _blamed_path(error: Any) -> tuple[str | int, ...]:
+def faults(value: Any, schema: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
+    """Yield where a value breaks a schema, and in what: with the value and what is allowed."""
+    errors = list(jsonschema.Draft7Validator(schema).iter_errors(value))
+    unknown = [_rule_for_keys(e) for e in errors if e.validator == 'additionalProperties']
+    for error in errors:
+        # A key that is misspelt is missed too, and the misspelling is to blame.
+        if error.validator != 'required' or _rule_for_keys(error) not in unknown:
+            yield _blamed_path(error), _reason(error)
+
+
+def _rule_for_keys(error: Any) -> tuple[list[str | int], list[str | int]]:
+    """Return the mapping that is at fault, and the part of the schema that says its keys."""
+    return list(error.absolute_path), list(error.absolute_schema_path)[:-1]
+
+
+def _blamed_path(error: Any) -> KeyPath:
     """Return the path of the key to blame: an unknown key itself, not the mapping around it."""
     path = tuple(error.absolute_path)
     if error.validator == 'additionalProperties':

@@ -23,7 +23,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.names import NameTable
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.schema import check_schema
+from drake_geom_ros.scene_files.schema import check_schema, scene_schema
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
 
@@ -37,7 +37,7 @@ def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) ->
     Raises SceneFileError for a document that breaks the schema, for values that a pose, a shape
     or a property refuses, for files that cannot be found or read, and for unknown names.
     """
-    check_schema(document)
+    check_schema(document, scene_schema())
     return _SceneParser(document, folder, resolver).parse()
 
 

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+Floats = NDArray[np.float64]
+
 
 class MonotoneCubic:
     """A C1 curve through waypoints, monotone between neighbours and at rest at both ends.
@@ -33,7 +35,7 @@ class MonotoneCubic:
             raise ValueError(f'waypoint times must increase strictly, got {self.times.tolist()}')
         self._slopes = _fritsch_butland_slopes(self.times, self.values)
 
-    def value(self, t: ArrayLike) -> NDArray[np.float64]:
+    def value(self, t: ArrayLike) -> Floats:
         """Return the curve (..., m) at times t (...) [s]; before and after it, its ends."""
         segment, s = self.locate(t)
         h = np.diff(self.times)[segment][..., None]
@@ -43,21 +45,9 @@ class MonotoneCubic:
         bend = s * (1.0 - s) * ((1.0 - s) * m0 - s * m1)
         # The clip only takes rounding away: still joints stay exactly still.
         y = (1.0 - shape) * y0 + shape * y1 + bend
-        return np.clip(y, np.minimum(y0, y1), np.maximum(y0, y1))
+        return np.asarray(np.clip(y, np.minimum(y0, y1), np.maximum(y0, y1)))
 
-    def derivative(self, t: ArrayLike) -> NDArray[np.float64]:
-        """Return the rate of change (..., m) [1/s] at times t (...) [s]; 0 outside the range."""
-        segment, s = self.locate(t)
-        h = np.diff(self.times)[segment][..., None]
-        secant = (self.values[segment + 1] - self.values[segment]) / h
-        m0, m1 = self._slopes[segment], self._slopes[segment + 1]
-        return (
-            6.0 * s * (1.0 - s) * secant
-            + (1.0 - s) * (1.0 - 3.0 * s) * m0
-            + s * (3.0 * s - 2.0) * m1
-        )
-
-    def max_speed(self) -> NDArray[np.float64]:
+    def max_speed(self) -> Floats:
         """Return the largest absolute rate of change of each of the m values (m,) [1/s].
 
         The rate of a segment is a parabola in s: its extremes are at the ends and the vertex.
@@ -72,9 +62,9 @@ class MonotoneCubic:
             np.where(straight, 0.0, -linear / np.where(straight, 1.0, 2 * square)), 0, 1
         )
         rates = [np.abs(m0), np.abs(m1), np.abs((square * vertex + linear) * vertex + m0)]
-        return np.max(rates, axis=(0, 1))
+        return np.asarray(np.max(rates, axis=(0, 1)))
 
-    def locate(self, t: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    def locate(self, t: ArrayLike) -> tuple[NDArray[np.intp], Floats]:
         """Return of times t (...) the segment (...) and the place in it (..., 1) in [0, 1]."""
         t = np.clip(np.asarray(t, dtype=float), self.times[0], self.times[-1])
         segment = np.searchsorted(self.times, t, side='right') - 1
@@ -83,7 +73,7 @@ class MonotoneCubic:
         return segment, np.asarray((t - self.times[segment]) / h)[..., None]
 
 
-def _fritsch_butland_slopes(times: NDArray, values: NDArray) -> NDArray[np.float64]:
+def _fritsch_butland_slopes(times: Floats, values: Floats) -> Floats:
     """Return the slope at every waypoint (k, m), zero at the ends."""
     h = np.diff(times)[:, None]
     secants = np.diff(values, axis=0) / h

@@ -95,7 +95,8 @@ def _root(robot: Any) -> str:
             f'{robot.name}: links must form one tree; roots are {roots}, '
             f'links with several parents {sorted({c for c in children if children.count(c) > 1})}'
         )
-    return roots[0]
+    root: str = roots[0]
+    return root
 
 
 def _parents_first(robot: Any) -> list[Any]:
@@ -158,7 +159,8 @@ def _unit_axis(joint: Any) -> NDArray[np.float64]:
     length = float(np.linalg.norm(joint.axis))
     if joint.type in _MOVING and not (np.isfinite(length) and length > 0.0):
         raise ValueError(f'joint {joint.name} has axis {joint.axis}; it must not be zero')
-    return joint.axis / length if length > 0.0 else joint.axis
+    axis: NDArray[np.float64] = joint.axis
+    return axis / length if length > 0.0 else axis
 
 
 def _cross_matrices(axes: NDArray[np.float64]) -> NDArray[np.float64]:

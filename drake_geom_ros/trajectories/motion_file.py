@@ -16,25 +16,26 @@
       - {at: 0.0, pose: [0, 0, 1, 0, 0, 0, 1]}  # x y z [m], qx qy qz qw
       - {at: 1.0, pose: [0, 0, 2, 0, 0, 0, 1]}
 
-A CSV file instead holds timed poses alone, see ``read_timed_poses``.
+``motion.schema.json`` says it all. A CSV file holds timed poses alone: see ``read_timed_poses``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
-from drake_geom_ros.scene_files.yaml_text import Document, read_yaml
+from drake_geom_ros.scene_files.schema import check_schema, read_schema
+from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
 from drake_geom_ros.trajectories.motion import Grasp, Motion, RobotMotion
 from drake_geom_ros.trajectories.timed_poses import TimedPoses, read_timed_poses
 
-Floats = NDArray[np.float64]
+_Made = TypeVar('_Made')
 
 
 def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
@@ -47,7 +48,10 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     a tree of simple joints.
     """
     robots = {robot.name: robot for robot in scene.robots if robot.urdf is not None}
-    kinematics = {path: _kinematics(path) for path in {r.urdf for r in robots.values()}}
+    urdfs = {robot.urdf for robot in robots.values()}
+    kinematics: dict[Path | None, Kinematics] = {
+        urdf: _kinematics(urdf) for urdf in urdfs if urdf is not None
+    }
     document = _read(path)
     curves, grasps, timed = {}, [], {}
     if isinstance(document, Document):
@@ -129,53 +133,52 @@ def _rest(kinematics: Kinematics) -> MonotoneCubic:
 
 
 class _Reader:
-    """Takes the parts of a motion file, each error with its place."""
+    """Takes the parts of a motion file of the right form, each error with its place."""
 
     def __init__(self, document: Document):
+        check_schema(document, read_schema('drake_geom_ros.trajectories', 'motion.schema.json'))
         self._document = document
-        top = self._mapping(document.value, (), (), ('robots', 'grasps', 'frames'))
-        self._robots = self._named(top.get('robots'), 'robots')
-        self._grasps = self._list(top.get('grasps') or [], ('grasps',))
-        self._frames = self._named(top.get('frames'), 'frames')
+
+    def _part(self, key: str) -> Any:
+        """Return a part of the file; nothing where it is left out or left empty."""
+        return self._document.value.get(key) or {}
 
     def curves(self, kinematics: Mapping[str, Kinematics]) -> dict[str, MonotoneCubic]:
         """Return the joint curves of every robot that the file moves."""
         curves = {}
-        for name, value in self._robots.items():
+        for name, entry in self._part('robots').items():
             if name not in kinematics:
                 there = ', '.join(kinematics) or 'none'
                 raise self._error(
                     f'the scene has no such robot; there are {there}', 'robots', name
                 )
-            curves[name] = self._curve(value, kinematics[name], ('robots', name))
+            curves[name] = self._curve(entry, kinematics[name], ('robots', name))
         return curves
 
-    def _curve(self, value: Any, robot: Kinematics, path: tuple) -> MonotoneCubic:
-        entry = self._mapping(value, path, ('joints', 'waypoints'))
-        names = self._list(entry['joints'], (*path, 'joints'))
+    def _curve(self, entry: Any, robot: Kinematics, path: KeyPath) -> MonotoneCubic:
+        names, waypoints = entry['joints'], entry['waypoints']
         for index, name in enumerate(names):
             if name not in robot.joint_names or name in names[:index]:
                 raise self._error(
                     f'{name!r} is not one of {", ".join(robot.joint_names)}, or is there twice',
-                    *path,
-                    'joints',
-                    index,
+                    *(*path, 'joints', index),
                 )
-        times, values = self._timed(entry['waypoints'], (*path, 'waypoints'), 'q', len(names))
+        path = (*path, 'waypoints')
+        for k, waypoint in enumerate(waypoints):
+            if len(waypoint['q']) != len(names):
+                reason = f'{len(waypoint["q"])} numbers; {len(names)} are wanted'
+                raise self._error(reason, *path, k, 'q')
         columns = [robot.joint_names.index(name) for name in names]
-        q = np.repeat(np.clip(0.0, robot.lower, robot.upper)[None], len(times), axis=0)
-        q[:, columns] = values
+        q = np.repeat(np.clip(0.0, robot.lower, robot.upper)[None], len(waypoints), axis=0)
+        q[:, columns] = np.array([w['q'] for w in waypoints]).reshape(-1, len(names))
         if bad := np.argwhere((q < robot.lower) | (q > robot.upper)).tolist():
             k, j = bad[0]
             raise self._error(
                 f'{robot.joint_names[j]} = {q[k, j]} must lie in '
                 f'[{robot.lower[j]}, {robot.upper[j]}]',
-                *path,
-                'waypoints',
-                k,
-                'q',
+                *(*path, k, 'q'),
             )
-        curve = self._checked(lambda: MonotoneCubic(times, q), (*path, 'waypoints'))
+        curve = self._checked(lambda: MonotoneCubic([w['at'] for w in waypoints], q), path)
         speeds = curve.max_speed()
         if (too_fast := speeds > robot.max_speed).any():
             j = int(np.argmax(too_fast))
@@ -183,50 +186,24 @@ class _Reader:
                 f'{robot.joint_names[j]} reaches {speeds[j]:.3g} per second; at most '
                 f'{robot.max_speed[j]} is allowed: leave more time between the waypoints',
                 *path,
-                'waypoints',
             )
         return curve
 
     def grasps(self) -> list[Grasp]:
         """Return the grasps."""
-        grasps = []
-        for index, value in enumerate(self._grasps):
-            path = ('grasps', index)
-            keys = ('frame', 'link', 'gripper', 'start', 'end')
-            entry = self._mapping(value, path, keys)
-            grasps.append(
-                Grasp(
-                    frame=str(entry['frame']),
-                    link=str(entry['link']),
-                    gripper=tuple(map(str, self._list(entry['gripper'], (*path, 'gripper')))),
-                    start=self._number(entry['start'], (*path, 'start')),
-                    end=self._number(entry['end'], (*path, 'end')),
-                )
-            )
-        return grasps
+        return [
+            Grasp(**{**entry, 'gripper': tuple(entry['gripper'])})
+            for entry in self._part('grasps')
+        ]
 
     def frames(self) -> dict[str, TimedPoses]:
         """Return the free frames with timed poses."""
-        frames = {}
-        for name, value in self._frames.items():
-            path = ('frames', name)
-            times, poses = self._timed(value, path, 'pose', 7)
-            frames[name] = self._checked(lambda t=times, p=poses: TimedPoses(t, p), path)
-        return frames
+        return {
+            name: self._checked(partial(_timed_poses, rows), ('frames', name))
+            for name, rows in self._part('frames').items()
+        }
 
-    def _timed(self, value: Any, path: tuple, key: str, width: int) -> tuple[list, Floats]:
-        """Return times and values (k, width) of a list of ``{at: t, key: [...]}``."""
-        times, rows = [], []
-        for index, item in enumerate(self._list(value, path)):
-            entry = self._mapping(item, (*path, index), ('at', key))
-            times.append(self._number(entry['at'], (*path, index, 'at')))
-            row = self._list(entry[key], (*path, index, key))
-            if len(row) != width:
-                raise self._error(f'{len(row)} numbers; {width} are wanted', *path, index, key)
-            rows.append([self._number(v, (*path, index, key, i)) for i, v in enumerate(row)])
-        return times, np.array(rows, dtype=float).reshape(-1, width)
-
-    def _checked(self, make: Any, path: tuple) -> Any:
+    def _checked(self, make: Callable[[], _Made], path: KeyPath) -> _Made:
         try:
             return make()
         except (ValueError, RuntimeError) as error:
@@ -235,29 +212,7 @@ class _Reader:
     def _error(self, reason: str, *path: str | int) -> SceneFileError:
         return self._document.at(*path).error(reason)
 
-    def _mapping(self, value: Any, path: tuple, needed: tuple, optional: tuple = ()) -> dict:
-        if not isinstance(value, dict):
-            raise self._error(f'a mapping with {", ".join(needed + optional)} is wanted', *path)
-        for key in value:
-            if key not in needed + optional:
-                allowed = ', '.join(needed + optional)
-                raise self._error(f'unknown key; allowed are {allowed}', *path, key)
-        for key in needed:
-            if key not in value:
-                raise self._error(f'key {key!r} is missing', *path)
-        return value
 
-    def _named(self, value: Any, key: str) -> dict:
-        if value is not None and not isinstance(value, dict):
-            raise self._error('a mapping from names is wanted', key)
-        return value or {}
-
-    def _list(self, value: Any, path: tuple) -> list:
-        if not isinstance(value, list):
-            raise self._error('a list is wanted', *path)
-        return value
-
-    def _number(self, value: Any, path: tuple) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._error(f'{value!r} is not a number', *path)
-        return float(value)
+def _timed_poses(rows: list[dict[str, Any]]) -> TimedPoses:
+    poses = np.array([row['pose'] for row in rows], dtype=float).reshape(-1, 7)
+    return TimedPoses([row['at'] for row in rows], poses)

@@ -70,10 +70,10 @@ def slerp(q0: ArrayLike, q1: ArrayLike, u: ArrayLike) -> NDArray[np.float64]:
     turns = 2.0 * np.arctan2(chord, np.linalg.norm(q1 + q0, axis=-1, keepdims=True)) / np.pi
 
     def weight(v: NDArray[np.float64]) -> NDArray[np.float64]:
-        return v * np.sinc(v * turns) / np.sinc(turns)
+        return np.asarray(v * np.sinc(v * turns) / np.sinc(turns))
 
     q = weight(1.0 - u) * q0 + weight(u) * q1
-    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
 
 
 def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:
@@ -94,8 +94,8 @@ def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:
                 raise ValueError(f'{path}:{reader.line_num}: {error}') from None
             rows.setdefault(row['frame'], []).append(numbers)
     frames = {}
-    for name, numbers in rows.items():
-        table = np.array(numbers)
+    for name, lines in rows.items():
+        table = np.array(lines)
         try:
             frames[name] = TimedPoses(table[:, 0], table[:, 1:])
         except (ValueError, RuntimeError) as error:

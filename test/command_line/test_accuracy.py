@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros import peers
 from drake_geom_ros.command_line import accuracy, program
+from drake_geom_ros.evidence import peers
 from drake_geom_ros.geometry import ArgumentError
 
 

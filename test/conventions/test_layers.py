@@ -7,6 +7,25 @@ from conventions.source_tree import PACKAGE, SOURCES, imports_of, name_of
 
 ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interfaces', 'std_srvs')
 
+# What the rooms of the node may import of ours beside one another, and of others beside NumPy.
+_CORE = ('math', 'geometry', 'scene_files')
+_HELD = (*_CORE, 'ros/conversions', 'ros/scene')
+ROS_ROOMS = {
+    'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
+    'ros/scene': (_HELD, ('numpy',)),
+    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
+    'ros/outputs': ((*_HELD, 'replay', 'ros/outputs'), ('numpy', 'ROS')),
+    'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/demo': (
+        (*_CORE, 'trajectories', 'ros/conversions', 'ros', 'ros/demo'),
+        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
+    ),
+    'ros': (
+        (*_HELD, 'trajectories', 'ros/inputs', 'ros/outputs', 'ros/services', 'ros'),
+        ('numpy', 'ROS'),
+    ),
+}
+
 # Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
 LAYERS = {
     '': (('command_line',), ()),
@@ -17,31 +36,27 @@ LAYERS = {
         ('math', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
-    'peers': (('math', 'geometry', 'peers'), ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco')),
     'trajectories': (
         ('math', 'geometry', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
     ),
-    'demo': (
-        ('math', 'geometry', 'scene_files', 'trajectories', 'demo'),
-        ('numpy', 'matplotlib', 'mpl_toolkits'),
-    ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
-    'accuracy': (
-        ('math', 'geometry', 'peers', 'accuracy'),
+    'evidence/peers': (
+        ('math', 'geometry', 'evidence/peers'),
+        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
+    ),
+    'evidence': (
+        ('math', 'geometry', 'evidence', 'evidence/peers'),
         ('numpy', 'scipy', 'mpmath', 'matplotlib'),
     ),
     'command_line': (
         (
-            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'peers', 'accuracy'),
-            'command_line',
+            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
+            *('evidence', 'evidence/peers'),
         ),
         ('numpy',),
     ),
-    'ros': (
-        ('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'demo', 'ros'),
-        ('numpy', 'ROS'),
-    ),
+    **ROS_ROOMS,
 }
 # One file for what nobody else may touch.
 EXCEPTIONS = {
@@ -102,12 +117,32 @@ def test_private_modules_stay_within_their_room(path):
         ('geometry/shapes.py', 'from . import ids', 'relative'),
         ('geometry/shapes.py', 'from std_msgs.msg import Header', 'std_msgs'),
         ('scene_files/urdf.py', 'import drake_geom_ros.geometry._proximity.world', 'world'),
-        ('ros/cycle.py', 'from drake_geom_ros.geometry._proximity import engine', 'engine'),
+        (
+            'ros/outputs/cycle.py',
+            'from drake_geom_ros.geometry._proximity import engine',
+            'engine',
+        ),
+        ('ros/scene/live_scene.py', 'from std_msgs.msg import Header', 'std_msgs'),
+        ('ros/inputs/tf_input.py', 'from drake_geom_ros.ros import surface', 'surface'),
+        ('ros/scene_graph_node.py', 'from drake_geom_ros.ros.demo import client', 'demo'),
+        (
+            'ros/outputs/cycle.py',
+            'from drake_geom_ros.evidence.truth import convex',
+            'evidence',
+        ),
+        ('evidence/laws.py', 'import drake_geom_ros.geometry._proximity.promise', 'promise'),
     ],
 )
 def test_a_forbidden_import_is_seen(path, source, culprit):
     (found,) = forbidden(path, source)
     assert culprit in found
+
+
+def test_only_the_command_line_asks_for_evidence():
+    asking = {
+        room for room, (ours, _) in LAYERS.items() if any('evidence' in each for each in ours)
+    }
+    assert asking == {'evidence', 'evidence/peers', 'command_line'}
 
 
 def test_the_exception_is_allowed():

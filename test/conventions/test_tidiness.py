@@ -26,7 +26,7 @@ def small_numbers(source):
 
 @pytest.mark.parametrize('path', SOURCES, ids=name_of)
 def test_epsilons_stand_in_tolerances(path):
-    allowed = {NANOSECOND} if path.relative_to(PACKAGE).parts[0] in ('ros', 'demo') else set()
+    allowed = {NANOSECOND} if path.relative_to(PACKAGE).parts[0] == 'ros' else set()
     if path.name not in NUMBERS_ALLOWED:
         assert [text for text in small_numbers(path.read_text()) if text not in allowed] == []
 

@@ -5,8 +5,14 @@ import sys
 import textwrap
 
 from conventions.source_tree import PACKAGE, ROOT, SOURCES, module_of
+from conventions.test_layers import LAYERS, room_of
 
-CORE = [module_of(path) for path in SOURCES if path.relative_to(PACKAGE).parts[0] != 'ros']
+# All whose room may not import ROS, rooms of the node among them.
+CORE = [
+    module_of(path)
+    for path in SOURCES
+    if 'ROS' not in LAYERS[room_of(str(path.relative_to(PACKAGE)))][1]
+]
 
 NO_ROS = """
 import sys

@@ -9,11 +9,10 @@ from types import SimpleNamespace as Plain
 import numpy as np
 import pytest
 from conventions.source_tree import ROOT
+from ros.live_scenes import live_scene
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
-from drake_geom_ros.ros.live_scene import LiveScene
-from drake_geom_ros.ros.tf_input import TfInput
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.ros.inputs.tf_input import TfInput
 
 TEXT = (ROOT / 'docs/inputs.md').read_text()
 
@@ -43,11 +42,12 @@ def transform(told):
 @pytest.mark.parametrize('order', [1, -1])
 def test_the_transforms_put_the_ball_where_the_text_says(order):
     commands = re.findall(r'static_transform_publisher (.*)$', TEXT, re.M)
-    live = LiveScene('exact', time.monotonic)
-    live.add(read_scene(ROOT / 'scenes/minimal.yaml'))
-    tf = TfInput(live, time.monotonic)
+    tf = TfInput(time.monotonic)
+    live = live_scene(ROOT / 'scenes/minimal.yaml')
     for command in commands[::order]:
-        tf.take(Plain(transforms=[transform(options(command))]), static=True)
+        with live.editing() as scene:
+            tf.take(scene, Plain(transforms=[transform(options(command))]), static=True)
     told = re.search(r'The ball is at x = (\S+), y = (\S+), z = (\S+) now', TEXT)
-    position = live.query.X_WF(live.names.frame('ball')).translation()
+    view = live.view()
+    position = view.query.X_WF(view.names.frame('ball')).translation()
     np.testing.assert_allclose(position, [float(number) for number in told.groups()], atol=1e-15)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
-from hard_cases.blocks import surface
 from oracles.solids import surface_of
 
+from drake_geom_ros.evidence.grids import surface
 from drake_geom_ros.geometry import (
     Box,
     GeometryInstance,

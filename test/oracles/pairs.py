@@ -4,11 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drake_geom_ros.accuracy import closed_forms
+from drake_geom_ros.evidence import laws
+from drake_geom_ros.evidence.bodies import COUNTS
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.surfaces import height_of, reach_of
+from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels import calling
 
 NAMES = {1: 'sphere', 2: 'box', 3: 'capsule', 4: 'cylinder', 5: 'ellipsoid', 6: 'half_space'}
-PARAMETERS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+PARAMETERS = dict(enumerate(COUNTS.values(), 1))
 EPS = np.finfo(float).eps
 
 
@@ -68,10 +72,7 @@ class Row:
 
 def height(kind, size, q):
     """Signed distance of a point close to a shape's surface, quickly."""
-    if kind == closed_forms.ELLIPSOID:
-        level = np.linalg.norm(q / size)
-        return level * (level - 1) / np.linalg.norm(q / size**2)
-    return float(closed_forms.point_distance(kind, size, q))
+    return height_of((kind, size), q)
 
 
 def evaluate(kernel, pair):
@@ -85,11 +86,8 @@ def evaluate(kernel, pair):
     assert np.all(np.isfinite(out)), pair
     row = Row(out[0], out[1:4], out[4:7], out[7:10], out[10], bool(out[11]), int(out[12]))
     rounding = 32 * EPS * pair.extent
-    assert abs(np.linalg.norm(row.nhat) - 1) <= 1e-14, pair
-    assert np.allclose(row.p_ACa - row.p_ACb, row.distance * row.nhat, rtol=0, atol=rounding), (
-        pair,
-        row,
-    )
+    assert laws.off_unit(row.nhat) <= 1e-14, pair
+    assert laws.off_span(row.distance, row.nhat, row.p_ACa, row.p_ACb) <= rounding, (pair, row)
     for kind, size, R, p in (
         (pair.kind_A, pair.size_A, pair.R_WA, row.p_ACa),
         (pair.kind_B, pair.size_B, pair.R_WB, row.p_ACb - pair.p_AB_W),
@@ -100,18 +98,7 @@ def evaluate(kernel, pair):
 
 def support(kind, size, R, n):
     """Support value of a shape along the unit n."""
-    d = R.T @ n
-    if kind == closed_forms.SPHERE:
-        return size[0]
-    if kind == closed_forms.BOX:
-        return float(np.abs(d) @ size)
-    if kind == closed_forms.CAPSULE:
-        return size[0] + size[1] * abs(d[2])
-    if kind == closed_forms.CYLINDER:
-        return size[0] * np.hypot(d[0], d[1]) + size[1] * abs(d[2])
-    if kind == closed_forms.ELLIPSOID:
-        return float(np.linalg.norm(size * d))
-    return 0.0 if d[2] > 0.5 else np.inf
+    return reach_of((kind, size), R.T @ n)
 
 
 def width_along_normal(pair, nhat):
@@ -120,22 +107,6 @@ def width_along_normal(pair, nhat):
     h_A = support(pair.kind_A, pair.size_A, pair.R_WA, n)
     h_B = support(pair.kind_B, pair.size_B, pair.R_WB, -n)
     return float(pair.p_AB_W @ n) - h_A - h_B
-
-
-def random_rotation(rng, near=None):
-    """A random rotation matrix, at an angle of ``near`` [rad] to the identity if given."""
-    q = rng.normal(size=4)
-    if near is not None:
-        q[1:] *= np.sin(near / 2) / np.linalg.norm(q[1:])
-        q[0] = np.cos(near / 2)
-    w, x, y, z = q / np.linalg.norm(q)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def random_pairs(rng, kinds, count, scale=1.0):

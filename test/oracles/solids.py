@@ -9,28 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drake_geom_ros.evidence import grids
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels import calling
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, BOX, ROW_OF_TYPES, TYPE_COUNT
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
-# Outlines on the unit grid, as the cells that they cover; each is extruded by one unit along z.
-CELLS = {
-    'L': [(0, 0), (1, 0), (0, 1)],
-    'U': [(0, 0), (1, 0), (2, 0), (0, 1), (2, 1)],
-    'ring': [(x, y) for x in range(3) for y in range(3) if (x, y) != (1, 1)],
-}
-# The same as few boxes: lower corner, upper corner.
-PARTS = {
-    'L': [((0, 0, 0), (2, 1, 1)), ((0, 0, 0), (1, 2, 1))],
-    'U': [((0, 0, 0), (3, 1, 1)), ((0, 0, 0), (1, 2, 1)), ((2, 0, 0), (3, 2, 1))],
-    'ring': [
-        ((0, 0, 0), (3, 1, 1)),
-        ((0, 2, 0), (3, 3, 1)),
-        ((0, 0, 0), (1, 3, 1)),
-        ((2, 0, 0), (3, 3, 1)),
-    ],
-}
+CELLS = {'L': grids.L, 'U': grids.U, 'ring': grids.RING}
 
 
 @dataclass(frozen=True)
@@ -57,27 +42,8 @@ class Body:
 
 
 def surface_of(name, cuts=1):
-    """The triangles of a union of unit cells, each side cut into ``cuts`` by ``cuts`` squares."""
-    cells = {(x, y, 0) for x, y in CELLS[name]}
-    vertices, triangles = [], []
-    for cell in sorted(cells):
-        for axis in range(3):
-            for side in (0, 1):
-                beside = np.array(cell)
-                beside[axis] += 2 * side - 1
-                if tuple(beside) in cells:
-                    continue
-                u, v = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
-                corner = np.array(cell, dtype=float) + side * np.eye(3)[axis]
-                for i in range(cuts):
-                    for j in range(cuts):
-                        at = len(vertices)
-                        square = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
-                        vertices += [corner + a / cuts * u + b / cuts * v for a, b in square]
-                        quad = [at, at + 1, at + 2, at + 3]
-                        quad = quad if side else quad[::-1]
-                        triangles += [quad[:3], [quad[0], quad[2], quad[3]]]
-    return MeshData(vertices, triangles)
+    """The surface of a union of unit cells, each side cut into ``cuts`` by ``cuts`` squares."""
+    return MeshData(*grids.surface(CELLS[name], cuts=cuts))
 
 
 @functools.cache
@@ -89,7 +55,7 @@ def solid(name, R, p, scale=1.0, cuts=1):
     """A solid at a pose, its corner at p."""
     kind, parameters = _parameters(name, scale, cuts)
     boxes = tuple(
-        (0.5 * scale * (np.array(b) - a), 0.5 * scale * np.add(a, b)) for a, b in PARTS[name]
+        (0.5 * scale * np.array(box.size), scale * box.p) for box in grids.boxes(CELLS[name])
     )
     return Body(kind, parameters, np.asarray(R), np.asarray(p, dtype=float), boxes)
 

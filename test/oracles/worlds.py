@@ -2,18 +2,19 @@
 
 import numpy as np
 
+from drake_geom_ros.evidence.bodies import COUNTS
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 
 CONVEX = 7
-PARAMETER_COUNTS = {1: 1, 2: 3, 3: 2, 4: 2, 5: 3, 6: 0}
+PARAMETER_COUNTS = dict(enumerate(COUNTS.values(), 1))
 
 
 def random_parameters(rng, kind):
     """Return the kernel parameters of a random shape of about 0.2 m."""
     if kind == CONVEX:
-        directions = rng.normal(size=(20, 3))
-        directions /= np.linalg.norm(directions, axis=1)[:, None]
-        vertices = directions * rng.uniform(0.05, 0.2, 3)
+        vertices = random_directions(rng, 20) * rng.uniform(0.05, 0.2, 3)
         return np.concatenate(([len(vertices)], vertices.ravel()))
     return rng.uniform(0.05, 0.2, PARAMETER_COUNTS[kind])
 
@@ -26,28 +27,16 @@ def scaled_parameters(kind, parameters, scale):
     return scaled
 
 
-def random_rotations(rng, n):
-    """Return n uniformly random rotation matrices (n, 3, 3)."""
-    q = rng.normal(size=(n, 4))
-    w, x, y, z = (q / np.linalg.norm(q, axis=1)[:, None]).T
-    return np.stack(
-        [
-            np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], -1),
-            np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], -1),
-            np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], -1),
-        ],
-        axis=-2,
-    )
-
-
 def geometry_table(frames, types, parameters, R_FGs=None, p_FGs=None):
     """Pack geometries: one frame row, type and parameter list each."""
     n = len(types)
+    R_FGs = np.tile(np.eye(3), (n, 1, 1)) if R_FGs is None else R_FGs
     return GeometryTable(
         ids=np.arange(10, 10 + n, dtype=np.int64),
         frames=np.asarray(frames, dtype=np.int64),
-        R_FGs=np.tile(np.eye(3), (n, 1, 1)) if R_FGs is None else R_FGs,
+        R_FGs=R_FGs,
         p_FGs=np.zeros((n, 3)) if p_FGs is None else p_FGs,
+        roundings=taken_roundings(R_FGs),
         types=np.asarray(types, dtype=np.int64),
         starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
         pool=np.concatenate([np.zeros(0), *map(np.asarray, parameters)]),

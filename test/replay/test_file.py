@@ -75,17 +75,23 @@ def test_a_file_is_whole_or_not_there(tmp_path, monkeypatch):
 def changes():
     """Yield a change of a file's data and the words of the refusal."""
     yield lambda data: data.update(format='other'), 'format must be'
-    yield lambda data: data.pop('scene'), 'must have the keys'
-    yield lambda data: data.update(more=1), 'must have the keys'
-    yield lambda data: data.update(question=7), 'question: must have the keys'
-    yield lambda data: data.update(scene=7), 'scene: .*7.* type str'
-    yield lambda data: data['question'].update(hint=[1.0, 2.0]), 'question.hint: must be a list'
-    yield lambda data: data['question'].update(geometry_a=['s', 'f', 1]), r'geometry_a\[2\]'
-    yield lambda data: data['answer'].update(distance='near'), 'answer.distance'
+    yield lambda data: data.pop('scene'), 'misses `scene`'
+    yield lambda data: data.update(more=1), 'more: is no key here; allowed are scene, question'
+    yield lambda data: data.update(question=7), 'question: 7 must be a mapping'
+    yield lambda data: data.update(scene=7), 'scene: 7 must be text'
+    yield (
+        lambda data: data['question'].update(hint=[1.0, 2.0]),
+        'question.hint: has 2 items; 3 are',
+    )
+    yield (
+        lambda data: data['question'].update(geometry_a=['s', 'f', 1]),
+        r'question.geometry_a\[2\]: 1 must',
+    )
+    yield lambda data: data['answer'].update(distance='near'), "answer.distance: 'near' must"
     yield lambda data: data['answer'].update(distance=True), 'answer.distance'
     yield lambda data: data['answer'].update(breaks_promise=1), 'breaks_promise'
-    yield lambda data: data.update(ids=[1, 2.5]), r'ids\[1\]'
-    yield lambda data: data.update(versions={'numpy': 2}), 'versions: must be an object of texts'
+    yield lambda data: data.update(ids=[1, 2.5]), r'ids\[1\]: 2.5 must be an integer'
+    yield lambda data: data.update(versions={'numpy': 2}), 'versions.numpy: 2 must be text'
 
 
 @pytest.mark.parametrize(('change', 'message'), list(changes()))

@@ -17,6 +17,13 @@ def node(tmp_path_factory, request):
 
 
 @pytest.fixture
+def scene(live):
+    """Return the scene of a test's ``live``, held by the test's thread as long as it runs."""
+    with live.editing() as scene:
+        yield scene
+
+
+@pytest.fixture
 def client(node):
     """Return a client of the node, and show the node's log when it died."""
     from ros.harness import Client

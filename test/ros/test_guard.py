@@ -5,9 +5,8 @@ from types import SimpleNamespace as Plain
 
 import pytest
 
-from drake_geom_ros.ros.diagnostics import Diagnostics
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.live_scene import LiveScene
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 
 
 class Log:
@@ -33,13 +32,13 @@ def diagnostics():
 
 @pytest.fixture
 def guard(log, diagnostics):
-    return Guard(log, diagnostics)
+    return Guard(log, diagnostics.refuse)
 
 
 def told(diagnostics):
-    live = LiveScene('exact', time.monotonic)
     cycle = Plain(count=0, worst_error_bound=0.0)
-    return {v.key: v.value for v in diagnostics.message(live, 1.0, cycle, 1.0).status[0].values}
+    message = diagnostics.message({}, 0, 1.0, cycle, 1.0)
+    return {v.key: v.value for v in message.status[0].values}
 
 
 def refuse(message):
@@ -93,10 +92,31 @@ def test_a_task_that_fails_is_done_again_the_next_time(guard, log, diagnostics):
 
 
 def test_a_request_is_answered_whatever_happens(guard, log):
-    response = guard.answer(break_down, Plain(), Plain(success=True, message=''))
+    response = guard.answer(break_down, None, Plain(), Plain(success=True, message=''))
     assert not response.success
     assert 'internal error: IndexError' in response.message
     assert log.lines == [('error', f'SimpleNamespace: {response.message}')]
+
+
+def test_an_answer_says_whether_it_did_what_was_asked(guard, log):
+    def handler(scene, request, response):
+        response.found = scene[request]
+
+    response = guard.answer(handler, {'a': 1}, 'a', Plain(success=False, message=''))
+    assert (response.success, response.message, response.found) == (True, '', 1)
+    response = guard.answer(lambda *_: refuse('b'), {}, 'b', Plain(success=True, message=''))
+    assert (response.success, response.message) == (False, 'b is none')
+    assert log.lines == []
+
+
+def test_what_may_fail_is_told_and_nothing_is_counted(guard, log, diagnostics):
+    def configured():
+        refuse('scene')
+
+    assert guard.succeeds(lambda: None)
+    assert not guard.succeeds(configured)
+    assert log.lines == [('error', 'not configured: scene is none')]
+    assert told(diagnostics)['latest refusal'] == 'none'
 
 
 def test_long_reasons_are_shortened(guard, log):

@@ -10,7 +10,7 @@ import yaml
 from ros.harness import ROOT, environment, start_node
 from ros.scene_calls import accepted
 
-from drake_geom_ros.ros.services import SERVICES
+from drake_geom_ros.ros.services.table import SERVICES
 
 README = (ROOT / 'README.md').read_text()
 

@@ -1,5 +1,8 @@
+import json
+
 import jsonschema
 import pytest
+from conventions.source_tree import PACKAGE, name_of
 
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
@@ -11,11 +14,12 @@ GEOMETRY = '- {name: b, shape: {type: %s}}\n'
 
 
 def check(text):
-    check_schema(read_yaml(text, 'arms.yaml'))
+    check_schema(read_yaml(text, 'arms.yaml'), scene_schema())
 
 
-def test_the_schema_is_itself_valid():
-    jsonschema.Draft7Validator.check_schema(scene_schema())
+@pytest.mark.parametrize('path', sorted(PACKAGE.rglob('*.schema.json')), ids=name_of)
+def test_a_schema_is_itself_valid(path):
+    jsonschema.Draft7Validator.check_schema(json.loads(path.read_text()))
 
 
 def test_every_key_of_the_schema_can_be_used():
@@ -92,6 +96,10 @@ filters:
          '4: geometries[1].name: 7 must be text (in quotes where it reads as a number)'),
         (HEAD + '- {name: " ", shape: {type: half_space}}',
          "4: geometries[1].name: ' ': a name has at least one character that is not blank"),
+        # What is misspelt is missing too.
+        (HEAD + '- {nam: b, shape: {type: half_space}}',
+         '4: geometries[1].nam: is no key here; allowed are name, source, frame, pose, shape, '
+         'roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, colour: red}',
          '4: geometries[1].colour: is no key here; allowed are name, source, frame, pose, shape, '
          'roles'),

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
-from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import World
 
 Floats = NDArray[np.float64]
@@ -46,8 +46,9 @@ class PairBatch(NamedTuple):
     def penetrating(self) -> PairBatch:
         """Return those that overlap by more than touching, that is by more than rounding.
 
-        Of bounds alone those that may. Two bodies that are apart have the depth 0, so the interval
-        of the depth ends there: its middle is above 0 then, and half its width the error bound.
+        Of bounds alone those that may. A depth is positive, and the middle of an interval that
+        reaches beyond 0 need not be: half of the largest depth is the answer then, and the error
+        bound grows until it holds the whole interval.
         """
         keep = self.rows[:, OVERLAPS] > 0.0
         ids, rows = self.ids[keep], self.rows[keep]
@@ -56,7 +57,8 @@ class PairBatch(NamedTuple):
         if unsure.any():
             some = rows[unsure]
             some[:, DISTANCE] = 0.5 * (some[:, DISTANCE] - some[:, ERROR_BOUND])
-            some[:, ERROR_BOUND] = -some[:, DISTANCE]
+            # As far as to the other end. Four sums, each rounded by EPS of this at most.
+            some[:, ERROR_BOUND] = (most[unsure] - some[:, DISTANCE]) * (1.0 + 4.0 * EPS)
             spans = some[:, DISTANCE : DISTANCE + 1] * some[:, NORMAL : NORMAL + 3]
             some[:, WITNESS_B : WITNESS_B + 3] = some[:, WITNESS_A : WITNESS_A + 3] - spans
             rows[unsure] = some
@@ -105,6 +107,7 @@ def _gather(  # type: ignore[no-untyped-def]
     frames,
     R_WGs,
     p_WGs,
+    roundings,
     p_WFs,
     outer,
     ids,
@@ -116,7 +119,8 @@ def _gather(  # type: ignore[no-untyped-def]
         ids[k, 0], ids[k, 1] = geometry_ids[a], geometry_ids[b]
         for c in range(PAIR_WIDTH):
             rows[k, c] = answers[s, c]
-        least, promised = answers[s, DISTANCE], promised_bound(gap, a, b, types, outer, p_WGs)
+        least = answers[s, DISTANCE]
+        promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
         if answers[s, METHOD] == BOUND_ONLY:
             least, promised = least - answers[s, ERROR_BOUND], math.inf
         elif answers[s, METHOD] == MESH and least < 0.0:

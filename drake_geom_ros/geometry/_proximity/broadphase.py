@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
 
 Floats = NDArray[np.float64]
@@ -161,11 +162,14 @@ def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def plane_gap(R_WGs, p_WGs, half_extents, h, g):  # type: ignore[no-untyped-def]
-    """Return a lower bound of the distance [m] of the box around g above the half space h."""
+def plane_gap(R_WGs, p_WGs, roundings, half_extents, h, g):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the box around g above the half space h.
+
+    Boxes have room for the rounding of their poses; that of h is taken off, see ``pose_rounding``.
+    """
     height, extent, size = 0.0, 0.0, 0.0
     for k in range(3):
         height += R_WGs[h, k, 2] * (p_WGs[g, k] - p_WGs[h, k])
         extent += abs(R_WGs[h, k, 2]) * half_extents[g, k]
         size += abs(p_WGs[g, k]) + abs(p_WGs[h, k]) + half_extents[g, k]
-    return height - extent - 4.0 * EPS * size
+    return height - extent - roundings[h, RADIUS] - (roundings[h, TILT] + 4.0 * EPS) * size

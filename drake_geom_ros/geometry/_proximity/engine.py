@@ -127,8 +127,8 @@ class Engine:
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
         near = self._near(world, filters, distance)
-        scene = world.geometries.types, world.R_WGs, world.p_WGs, world.half_extents
-        count = near_pairs(near.pairs, *scene, distance, self._hits)
+        scene = world.geometries.types, world.R_WGs, world.p_WGs, world.roundings
+        count = near_pairs(near.pairs, *scene, world.half_extents, distance, self._hits)
         self._counts[:] = 0
         self._counts[FAR] = len(near.pairs) - count
         self._times[4] = time.perf_counter()
@@ -229,7 +229,7 @@ class Engine:
         count = point_phase(
             *(POINT_ADDRESSES, ADDRESSES),
             (pair_rows, table.types, table.ids, world.outer_radii),
-            (table.starts, table.pool, world.R_WGs, world.p_WGs),
+            (table.starts, table.pool, world.R_WGs, world.p_WGs, world.roundings),
             *(p_WQs, threshold, rows, found, points, ids, self._counts[BY_METHOD:]),
         )
         self._considered, self._filtered = capacity, 0

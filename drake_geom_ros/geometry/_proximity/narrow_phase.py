@@ -41,10 +41,12 @@ from drake_geom_ros.geometry._proximity.pair_table import (
     CONVEX,
     HALF_SPACE,
     ROW_OF_TYPES,
+    SOLID,
     TYPE_COUNT,
 )
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import (
-    pose_rounding,
+    rounding_of_pair,
     size_of_pair,
     tolerance_of_pair,
 )
@@ -96,35 +98,42 @@ def _code(type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents):  # type: ignore[no-untyped-def]
+def _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
     if types[i] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, half_extents, i, j)
+        return plane_gap(R_WGs, p_WGs, roundings, half_extents, i, j)
     if types[j] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, half_extents, j, i)
+        return plane_gap(R_WGs, p_WGs, roundings, half_extents, j, i)
     return box_gap(p_WGs, half_extents, i, j)
 
 
 @inlined
-def _gap_of_balls(i, j, p_WGs, outer):  # type: ignore[no-untyped-def]
+def _gap_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] of the balls around i and j."""
-    squared, reach = 0.0, 0.0
+    squared = 0.0
     for k in range(3):
         apart = p_WGs[j, k] - p_WGs[i, k]
         squared += apart * apart
-        reach = max(reach, abs(p_WGs[i, k]), abs(p_WGs[j, k]))
     if not squared < LARGE_SQUARE:
         return -math.inf  # so large that boxes have to tell
     centres, balls = math.sqrt(squared), outer[i] + outer[j]
-    return centres - balls - 8.0 * EPS * (centres + balls + reach)
+    rounding = roundings[i, RADIUS] + roundings[j, RADIUS]
+    return centres - balls - rounding - 8.0 * EPS * (centres + balls)
 
 
 @inlined
-def _gap_of_bounds(i, j, types, R_WGs, p_WGs, half_extents, outer):  # type: ignore[no-untyped-def]
+def _gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
     """Return a lower bound of the distance [m] by boxes and balls."""
     # The ball of a half space has no bound, and its gap is minus infinity.
-    boxes = _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents)
-    return max(boxes, _gap_of_balls(i, j, p_WGs, outer))
+    boxes = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+    return max(boxes, _gap_of_balls(i, j, p_WGs, roundings, outer))
+
+
+@inlined
+def _apart(p_WGs, a, b):  # type: ignore[no-untyped-def]
+    """Return no less than the distance [m] of two origins, what no square overflows."""
+    x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
+    return abs(x) + abs(y) + abs(z)
 
 
 @inlined
@@ -176,11 +185,23 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
 
 
 @inlined
+def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
+    """Tell whether the distance can have changed by more than both bodies have moved [m].
+
+    A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
+    that are apart, and stay so, keep it: then it is the least distance of any two points.
+    """
+    solid = type_a == SOLID or type_b == SOLID
+    return solid and out[DISTANCE] - out[ERROR_BOUND] <= moved
+
+
+@inlined
 def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
     """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
 
-    A support value changes by no more than the points do, so the distance by no more than both
-    bodies have moved. The normal and the witness points are those of the last answer then.
+    A support value changes by no more than the points do, so the distance of convex bodies by no
+    more than both have moved; that of any bodies too, for as long as they stay apart. The normal
+    and the witness points are those of the last answer then.
     """
     if out[ERROR_BOUND] + moved <= bounds[ERROR_BOUND]:
         out[ERROR_BOUND] += moved
@@ -197,11 +218,14 @@ def _slack(least, travelled):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _least(out, gap, size):  # type: ignore[no-untyped-def]
-    """Return what the distance is at least [m], by an answer that was computed for ``gap``."""
+def _least(out, gap, size, rounding):  # type: ignore[no-untyped-def]
+    """Return what the distance is at least [m], by an answer that was computed for ``gap``.
+
+    ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
+    """
     if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
         # A kernel that stopped at the cutoff reports its lower bound.
-        return out[DISTANCE] - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
+        return out[DISTANCE] - rounding - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
     return out[DISTANCE] - out[ERROR_BOUND]
 
 
@@ -229,7 +253,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
     ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
-    R_WGs, p_WGs, half extents, outer and inner radii, travels, stamps.
+    R_WGs, p_WGs, roundings, half extents, outer and inner radii, travels, stamps.
     ``query``: gap [m] (infinite: bounds alone will do), cutoff [m], and whether only pairs count
     that overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that
     is not negative is where to begin, and then one hit is enough. ``queue``: with room for all
@@ -239,17 +263,22 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
     # does an array a pair.
     answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, half_extents, outer, inner, travels, stamps = scene
+    types, starts, pool, R_WGs, p_WGs, roundings, half_extents, outer, inner, travels, stamps = (
+        scene
+    )
     gap, cutoff, penetrating = query
     waiting, distances = queue
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
+    # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
+    # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
+    reach = max(cutoff, 0.0)
     counts[:] = 0
     found = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         travelled = travels[a] + travels[b]
-        if slacks[s] - travelled > cutoff:
+        if slacks[s] - travelled > reach:
             counts[FAR] += 1
             continue
         out = row(answers, s)
@@ -261,8 +290,8 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         else:
             least = -math.inf
             if cutoff < math.inf:
-                least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, half_extents, outer)
-            near = least <= cutoff
+                least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
+            near = least <= reach
             if near and waiting.size > 0:
                 _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
                 least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
@@ -276,10 +305,11 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                         *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
-                out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
+                rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
+                out[ERROR_BOUND] += rounding
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
-                least = _least(out, gap, size)
+                least = _least(out, gap, size, rounding)
             else:
                 counts[FAR] += 1
                 seen[s] = -1  # from now on the slack is not the answer's
@@ -305,7 +335,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     spheres took 10 % longer beside this, measured.)
     """
     answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, _, outer, inner, travels, stamps = scene
+    types, starts, pool, R_WGs, p_WGs, roundings, _, outer, inner, travels, stamps = scene
     _, cutoff, penetrating = query
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
@@ -318,13 +348,20 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             counts[CACHED] += 1
         else:
             _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
-            since = slacks[s] - _least(out, gaps[s], size)
-            _take_narrower(out, bounds, travelled - since if seen[s] >= 0 else math.inf)
-            out[ERROR_BOUND] += pose_rounding(p_WGs, a, b)
+            moved = math.inf
+            if seen[s] >= 0:
+                moved = travelled - (slacks[s] - _least(out, gaps[s], size, 0.0))
+            if _may_leap(out, moved, types[a], types[b]):
+                moved = math.inf
+            _take_narrower(out, bounds, moved)
+            rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
+            out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
             flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
-            slacks[s] = -math.inf if flat else _slack(_least(out, gaps[s], size), travelled)
+            slacks[s] = (
+                -math.inf if flat else _slack(_least(out, gaps[s], size, rounding), travelled)
+            )
         if _is_hit(out, gaps[s], size, cutoff, penetrating):
             hits[found] = k
             found += 1
@@ -332,12 +369,13 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
 
 
 @compiled
-def near_pairs(pairs, types, R_WGs, p_WGs, half_extents, distance, hits):  # type: ignore[no-untyped-def]
+def near_pairs(pairs, types, R_WGs, p_WGs, roundings, half_extents, distance, hits):  # type: ignore[no-untyped-def]
     """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
     found = 0
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
-        if _gap_of_boxes(i, j, types, R_WGs, p_WGs, half_extents) <= distance:
+        gap = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        if gap <= distance:
             hits[found] = k
             found += 1
     return found

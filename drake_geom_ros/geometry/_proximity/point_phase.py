@@ -21,6 +21,7 @@ from drake_geom_ros.geometry._proximity.pair_table import (
     TYPE_COUNT,
     load_kernel,
 )
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 
 BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
 # Of the point kernels by shape type, compiled once a process.
@@ -49,12 +50,12 @@ def point_phase(  # type: ignore[no-untyped-def]
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
     ``table`` holds row in the pair table of SPHERE against each geometry, type, id and outer
-    radius, ``scene`` starts, pool, R_WGs and p_WGs. The first of ``rows`` (m n, POINT_WIDTH),
-    ``points`` and ``ids`` (m n,) are filled, in the order of points, then ids. ``found`` (m n,)
-    comes in as False, ``counts`` get how many answers there are by each method.
+    radius, ``scene`` starts, pool, R_WGs, p_WGs and roundings. The first of ``rows`` (m n,
+    POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in the order of points, then ids.
+    ``found`` (m n,) comes in as False, ``counts`` get how many answers there are by each method.
     """
     pair_rows, types, geometry_ids, outer = table
-    starts, pool, R_WGs, p_WGs = scene
+    starts, pool, R_WGs, p_WGs, roundings = scene
     m, n = p_WQs.shape[0], types.size
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
@@ -62,7 +63,13 @@ def point_phase(  # type: ignore[no-untyped-def]
             call_points_kernel(
                 *(addresses[types[g]], pair_addresses[pair_rows[g]], types[g]),
                 *(part(pool, starts[g], starts[g + 1]), row(R_WGs, g), row(p_WGs, g)),
-                *(p_WQs, threshold, outer[g], (first, last, g, n), rows, found, counts),
+                *(
+                    p_WQs,
+                    threshold,
+                    (outer[g], roundings[g, RADIUS], roundings[g, TILT]),
+                    (first, last, g, n),
+                ),
+                *(rows, found, counts),
             )
     count = 0
     for q in range(m):

@@ -26,19 +26,19 @@ def read_poses(poses, norm_tolerance, farthest, Rs, ps):  # type: ignore[no-unty
             if not math.isfinite(poses[k, c]):
                 return k
         x, y, z, w = poses[k, 3], poses[k, 4], poses[k, 5], poses[k, 6]
-        norm = math.sqrt(x * x + y * y + z * z + w * w)
-        if not abs(norm - 1.0) <= norm_tolerance:
+        squared = x * x + y * y + (z * z + w * w)
+        if not abs(math.sqrt(squared) - 1.0) <= norm_tolerance:
             return k
-        x, y, z, w = x / norm, y / norm, z / norm, w / norm
+        s = 2.0 / squared
         for c in range(3):
             ps[k, c] = poses[k, c]
         R = Rs[k]
-        R[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-        R[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-        R[2, 2] = 1.0 - 2.0 * (x * x + y * y)
-        R[0, 1], R[1, 0] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
-        R[0, 2], R[2, 0] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
-        R[1, 2], R[2, 1] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+        R[0, 0] = 1.0 - s * (y * y + z * z)
+        R[1, 1] = 1.0 - s * (x * x + z * z)
+        R[2, 2] = 1.0 - s * (x * x + y * y)
+        R[0, 1], R[1, 0] = s * (x * y - w * z), s * (x * y + w * z)
+        R[0, 2], R[2, 0] = s * (x * z + w * y), s * (x * z - w * y)
+        R[1, 2], R[2, 1] = s * (y * z - w * x), s * (y * z + w * x)
     return poses.shape[0]
 
 

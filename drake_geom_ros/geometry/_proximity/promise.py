@@ -10,6 +10,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 
 
@@ -30,21 +31,24 @@ def tolerance_of_pair(gap, a, b, outer):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def pose_rounding(p_WGs, a, b):  # type: ignore[no-untyped-def]
-    """Return what composing world poses may have cost the pair [m]: far away, digits."""
-    reach = 0.0
-    for k in range(3):
-        reach = max(reach, abs(p_WGs[a, k]), abs(p_WGs[b, k]))
-    return 8.0 * EPS * reach
+def rounding_of_pair(a, b, extent, roundings):  # type: ignore[no-untyped-def]
+    """Return what composing world poses may have cost the pair [m], see ``pose_rounding``.
+
+    ``extent`` [m] is the size of the pair and the distance of the origins: no point of a body is
+    farther than this from the origin of a half space.
+    """
+    rounding = roundings[a, RADIUS] + roundings[b, RADIUS]
+    tilt = roundings[a, TILT] + roundings[b, TILT]
+    return rounding + tilt * extent if tilt > 0.0 else rounding
 
 
 @inlined
-def promised_bound(gap, a, b, types, outer, p_WGs):  # type: ignore[no-untyped-def]
+def promised_bound(gap, a, b, types, outer, p_WGs, roundings):  # type: ignore[no-untyped-def]
     """Return the largest error bound [m] that keeps the promise of a level with this gap."""
     squared = 0.0
     for k in range(3):
         apart = p_WGs[b, k] - p_WGs[a, k]
         squared += apart * apart
     extent = size_of_pair(a, b, types, outer) + math.sqrt(squared)
-    rounding = PROMISED_ROUNDING * EPS * extent + pose_rounding(p_WGs, a, b)
+    rounding = PROMISED_ROUNDING * EPS * extent + rounding_of_pair(a, b, extent, roundings)
     return tolerance_of_pair(gap, a, b, outer) + rounding

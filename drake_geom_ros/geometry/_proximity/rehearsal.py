@@ -30,6 +30,7 @@ def rehearse() -> None:
         frames=np.arange(count),  # the first is anchored
         R_FGs=np.tile(np.eye(3), (count, 1, 1)),
         p_FGs=np.zeros((count, 3)),
+        roundings=np.zeros((count, 2)),
         types=np.ones(count, dtype=np.int64),
         starts=np.arange(count + 1),
         pool=np.ones(count),

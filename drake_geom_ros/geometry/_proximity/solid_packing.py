@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.solid_overlap import points_beneath
+from drake_geom_ros.geometry._proximity.kernels.solid_overlap import write_points_beneath
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     AREA,
     AREA_VECTOR,
@@ -31,16 +31,15 @@ SUMS = 16  # numbers that a node is made of
 
 
 def solid_parameters(
-    hull: Floats, corners: Floats, pieces: list[Indices], planes: Floats
-) -> tuple[Floats, Floats]:
-    """Return the kernel parameters of a solid and the windings (c, 2) of its pieces.
+    hull: Floats, corners: Floats, pieces: Indices, planes: Floats
+) -> tuple[Floats, Indices]:
+    """Return the kernel parameters of a solid and the numbers (n,) of its triangles in them.
 
-    Parameters are laid out as ``kernels.solid_tree`` says; windings are of ``points_beneath``.
-    ``hull`` are the parameters of CONVEX; ``corners`` (n, 3, 3) [m] of the triangles,
-    counter-clockwise from outside; ``pieces`` the triangles of each connected surface;
-    ``planes`` (f, 4) of the hull's faces: outward unit normal and offset [m].
+    Parameters are laid out as ``kernels.solid_tree`` says. ``hull`` are the parameters of CONVEX;
+    ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces`` (c,) a
+    triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit normal
+    and offset [m].
     """
-    largest = _largest(corners, pieces)
     leaves = 1
     while leaves * MOST_IN_LEAF < len(corners):
         leaves *= 2
@@ -51,16 +50,10 @@ def solid_parameters(
     beside = np.zeros((len(pieces), 3))
     parts = hull, header, nodes, corners, beside, planes, np.array([float(len(hull))])
     parameters = np.concatenate([part.ravel() for part in parts])
-    windings = np.empty((len(pieces), 2))
-    points_beneath(parameters, largest, windings)
-    return parameters, windings
-
-
-def _largest(corners: Floats, pieces: list[Indices]) -> Floats:
-    """Return the corners (c, 3, 3) of each piece's triangle of largest area."""
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(normals, axis=1)
-    return corners[[piece[np.argmax(areas[piece])] for piece in pieces]]
+    numbers = np.empty(len(corners), dtype=np.int64)
+    numbers[order] = np.arange(len(corners))
+    write_points_beneath(parameters, numbers[pieces])
+    return parameters, numbers
 
 
 def leaf_bounds(count: int, leaves: int) -> Indices:

@@ -15,6 +15,25 @@ LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 # one more, a closed form has CLOSED_FORM_ROUNDING: this is 1.6 and 4 times as much.
 PROMISED_ROUNDING = 128.0
 
+# What poses cost in rounding (``pose_rounding``): the worst cases, in units u = EPS / 2. A
+# rotation that is taken in is off [-], in the Frobenius norm, by no more than this from the one
+# that was given. Of a quaternion: 2 / |q|^2 is off by 4 u, which moves R by 4 u |R - I|, at most
+# 12 u; products, sums and this factor of them add 10 u, the difference from 1 adds 2 u. Of a
+# matrix in which no element of |R R^T - I| is above 6 EPS (``math.tolerances.ORTHOGONAL``), as
+# computed: half of 3 (6 + 1.5) EPS.
+ROTATION_TAKEN = 12.0 * EPS
+
+# A product of two rotations adds this [-]: 3 u times the norm of |R||S|, which is at most 3, and
+# what making it orthogonal rounds, half of the 9 u in R^T R - I and 2 u in the difference.
+ROTATION_STEP = 8.0 * EPS
+
+# Rounding of p + R q in three sums, over |p| + |q| [-]: 4 u (|p| + sqrt(3) |q|), and u (|p| + |q|)
+# for the difference of the result and another position.
+POSITION_STEP = 4.0 * EPS
+
+# How far the matrix of a posed geometry may be from a rotation [-]: taken in, times one taken in.
+ROTATION_DEFECT = 2.0 * ROTATION_TAKEN + ROTATION_STEP
+
 # Depth [m], relative to the pair's size, that a pair must exceed to count as penetrating:
 # touching is not penetrating, and rounding leaves a touching pair within a few EPS of zero.
 TOUCHING_DEPTH = 1e-14
@@ -88,11 +107,6 @@ SMALLEST_SCALE = 1e-8
 # GJK goes on to this part [-] of the tolerance: the last three digits cost it a step or two, and
 # the normal and the witness points gain half of them.
 SHARPER = 1e-3
-
-# Points of two overlapping cores that are farther aside [-] of the normal than this, relative to
-# the pair's size, are no good witnesses: so much EPA may leave where the overlap is as small as
-# its facets on a curved core. Where the cores just touch GJK finds better ones.
-ASIDE = 1e-10
 
 # EPA goes on to this part [-] of the tolerance, for the same reason: a digit costs it a few
 # vertices, and a pair that touches has its bounds on either side of zero.

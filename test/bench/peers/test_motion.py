@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from bench.peers.arms import APART, BENT, LENGTHS, arms
-from bench.peers.motion import Walk, reflected
+from bench.peers.motion import Walk, reflected, swinging
+from drake_geom_ros.evidence.arms import APART, BENT, LENGTHS
 
 
 def test_mirrors_keep_values_inside_and_leave_those_that_are():
@@ -28,7 +28,7 @@ def test_links_stay_joined():
     """The end of each link is where the next one begins, in every cycle."""
     from scipy.spatial.transform import Rotation
 
-    poses = arms(BENT).poses(10, seed=3)
+    poses = swinging(BENT).poses(10, seed=3)
     half = 0.5 * np.array([*LENGTHS, *LENGTHS])
     for cycle in poses:
         along = Rotation.from_quat(cycle[:, 3:]).apply([0.0, 0.0, 1.0]) * half[:, None]
@@ -38,5 +38,5 @@ def test_links_stay_joined():
 
 
 def test_of_an_arm_a_tenth_is_one_link():
-    poses = arms(APART).tenth().poses(10, seed=3)
+    poses = swinging(APART).tenth().poses(10, seed=3)
     assert (np.ptp(poses, axis=0) != 0.0).any(axis=1).nonzero()[0].tolist() == [6]

@@ -5,6 +5,7 @@ import pytest
 from bench.peers import chart, report
 from bench.peers.report import Measurement
 from bench.peers.timing import Taken
+from drake_geom_ros.evidence.pages import table
 
 
 def taken(microseconds, found=3, left_out=''):
@@ -53,7 +54,7 @@ def test_a_row_has_a_cell_for_every_heading():
     assert told['pydrake/ours'] == '8.1x'
     assert told['results: ours'] == '3'
     assert len(report.text_line(row)) == sum(report.WIDTHS)
-    assert report.markdown([row], report.HEADINGS).count('\n') == 3
+    assert table(report.HEADINGS, [row], left=2).count('\n') == 3
 
 
 def test_a_library_that_was_left_out_has_no_time_and_a_reason():

@@ -141,5 +141,6 @@ def test_the_gap_above_a_plane():
     world = World(frames, table)
     world.set_poses(np.array([1]), np.eye(3)[None], np.array([[0.0, 0.0, 1.5]]))
     world.update()
-    gap = plane_gap(world.R_WGs, world.p_WGs, world.half_extents, 0, 1)
+    posed = world.R_WGs, world.p_WGs, world.roundings
+    gap = plane_gap(*posed, world.half_extents, 0, 1)
     assert 0.4 - 1e-13 <= gap <= 0.4

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from oracles.exact_poses import mp, rotation_of_quaternion
 
 from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
+from drake_geom_ros.geometry._proximity.tolerances import ROTATION_TAKEN
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
@@ -24,6 +26,17 @@ def test_the_same_as_in_numpy(n):
     expected_Rs, expected_ps = matrices_from_poses(poses)
     np.testing.assert_allclose(Rs, expected_Rs, atol=1e-15)
     np.testing.assert_array_equal(ps, expected_ps)
+
+
+def test_rotations_are_those_of_the_quaternions_normalised_exactly():
+    poses = random_poses(300)
+    poses[::3, 6] *= 1e-3  # about half a turn rounding costs most
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1)[:, None]
+    Rs, ps = np.empty((300, 3, 3)), np.empty((300, 3))
+    read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps)
+    for R, pose in zip(Rs, poses, strict=True):
+        error = mp.matrix(R.tolist()) - rotation_of_quaternion(pose[3:])
+        assert mp.mnorm(error, 'f') <= ROTATION_TAKEN / 2
 
 
 @pytest.mark.parametrize('value', [np.nan, np.inf, 1.1, 0.0])

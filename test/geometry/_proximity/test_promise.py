@@ -26,10 +26,18 @@ def test_the_gap_is_relative_below_a_metre(radii, expected):
 def test_far_from_the_origin_and_far_apart_rounding_is_allowed_for():
     types, outer = np.array([SPHERE, HALF_SPACE, SPHERE]), np.array([1.0, math.inf, 1.0])
     p_WGs = np.array([[0.0, 0, 0], [0, 0, -1], [1e6, 0, 0]])
-    near = promised_bound(1e-9, 0, 1, types, outer, p_WGs)
+    roundings = np.array([[1e-15, 0.0], [0.0, 2e-15], [1e-8, 0.0]])  # radius and tilt
+    scene = types, outer, p_WGs, roundings
+    near = promised_bound(1e-9, 0, 1, *scene)
     assert 1e-9 < near < 1.001e-9
-    far = promised_bound(1e-9, 0, 2, types, outer, p_WGs)
-    assert 2e-8 < far < 5e-8
+    far = promised_bound(1e-9, 0, 2, *scene)
+    assert 3e-8 < far < 6e-8
+    # The farther a body is from the origin of a half space, the more the turn of that counts.
+    aside = p_WGs.copy()
+    aside[0, 1] = 1e6
+    more = promised_bound(1e-9, 0, 1, types, outer, aside, roundings)
+    less = promised_bound(1e-9, 0, 1, types, outer, aside, roundings * [1.0, 0.0])
+    assert more - less == pytest.approx(2e-15 * 1e6, rel=1e-5)
 
 
 @pytest.mark.parametrize('level', LEVEL_GAPS)

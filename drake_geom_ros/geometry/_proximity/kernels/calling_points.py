@@ -2,14 +2,15 @@
 
 Conventions::
 
-    kernel(address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts)
+    kernel(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 ========== ========================================================================
 address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
 kind       shape type number, shape: its parameters, R_WG, p_WG: its pose
 p_WQs      points (m, 3) [m]
 threshold  [m] what is farther away is left out
-outer      [m] radius of a ball about Go that holds the geometry
+ball       outer radius [m] about Go, radius [m] and tilt [-] of the rounding of the pose, see
+           ``pose_rounding``
 span       first, last, g, n: answer the points first to last - 1; the answer of point k
            belongs into row k n + g
 rows       (m n, POINT_WIDTH) answers, found: (m n,) becomes True where there is one
@@ -38,18 +39,22 @@ POINT_WIDTH = 10
 _vector, _matrix = types.float64[::1], types.float64[:, ::1]
 POINTS_SIGNATURE = types.void(
     *(types.intp, types.int64, _vector, _matrix, _vector, _matrix),
-    *(types.float64, types.float64, types.UniTuple(types.int64, 4)),
+    *(types.float64, types.UniTuple(types.float64, 3), types.UniTuple(types.int64, 4)),
     *(_matrix, types.boolean[::1], types.int64[::1]),
 )
 call_points_kernel = caller(POINTS_SIGNATURE)
 
 
 @inlined
-def seen(R_WG, p_WG, p_WQs, k, reach):
-    """Return (near, q, rounding): whether G may be within reach, p_GQ, and its rounding [m]."""
+def seen(R_WG, p_WG, p_WQs, k, threshold, ball):
+    """Return (near, q, rounding): whether G may be within it, p_GQ, and its rounding [m].
+
+    The rounding is that of the pose and of the difference.
+    """
     p_GQ_W = p_WQs[k, 0] - p_WG[0], p_WQs[k, 1] - p_WG[1], p_WQs[k, 2] - p_WG[2]
+    reach = threshold + ball[0]
     point = max(abs(p_WQs[k, 0]), abs(p_WQs[k, 1]), abs(p_WQs[k, 2]))
-    rounding = 8.0 * EPS * max(point, abs(p_WG[0]), abs(p_WG[1]), abs(p_WG[2]))
+    rounding = ball[1] + 8.0 * EPS * point
     near = reach == math.inf or norm(p_GQ_W) <= reach + rounding
     return near, unrotate(R_WG, p_GQ_W), rounding
 

@@ -19,14 +19,20 @@ an answer that is unique.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.axes import least_along_axes
+from drake_geom_ros.geometry._proximity.kernels.barrels import (
+    least_in_long_barrel,
+    least_of_barrels,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     ITERATIVE,
     NORMAL,
+    PAIR_WIDTH,
     write,
 )
+from drake_geom_ros.geometry._proximity.kernels.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
 from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
@@ -37,18 +43,26 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import (
     support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.hulls import hull_defect
-from drake_geom_ros.geometry._proximity.kernels.inner_balls import deepest, depth_between
+from drake_geom_ros.geometry._proximity.kernels.inner_balls import (
+    deepest,
+    depth_between,
+    depth_of_point,
+)
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     hold,
     nearby_minimum,
-    widest_cap,
+    settle,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution import (
     common_axis,
     depth_of_revolution,
 )
+from drake_geom_ros.geometry._proximity.kernels.slices import least_over_slices
 from drake_geom_ros.geometry._proximity.kernels.sums import (
+    AXES_A,
+    AXES_B,
+    SEGMENT,
     difference_of,
     feet,
     likely_normal,
@@ -73,10 +87,11 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    unrotate,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
-    ASIDE,
     EPS,
+    LOOSE_SLOPE,
     NEAR_TOUCH,
     ROUNDING,
     SAME_DIRECTION,
@@ -128,23 +143,55 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
             if unique and newton[2] - depth <= enough:
                 return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
-        complete, h, n, unique = least_on_creases(difference, n, enough, noise)
-        if complete and h > 0.0 and nearby_minimum(difference, n, noise)[0] != NOTHING:
-            a, b = feet(difference, n)
+        complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
+        if complete and h > 0.0:
+            a, b, aside = points_at(difference, n, h, noise)
             if share_a_point(pair, a, b):
-                return h, h, n, a, b, 0.0, unique
-    most_vertices = FEW_VERTICES
-    while True:
-        found = depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices)
-        # Where the difference has the origin on its surface the bounds add up to some tolerances.
-        closed = found[0] - found[1] <= 4.0 * enough or found[0] < -noise
-        if closed or most_vertices == MANY_VERTICES:
-            return found
-        upper, lower, n_in, a, b, aside, unique = found
-        lower = max(lower, deepest(pair, a, b, size) - noise)
-        if upper - lower <= 4.0 * enough:
-            return upper, min(lower, upper), n_in, a, b, aside, unique
-        most_vertices = MANY_VERTICES
+                return h, floor, n, a, b, aside, unique
+    found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
+    # Where the difference has the origin on its surface the bounds add up to some tolerances.
+    if found[0] - found[1] <= 4.0 * enough or found[0] < -noise:
+        return found
+    upper, lower, n, a, b, aside, unique = found
+    lower = max(lower, deepest(pair, a, b, size) - noise)
+    if upper - lower <= 4.0 * enough:
+        return upper, min(lower, upper), n, a, b, aside, unique
+    if lower > 0.0 and difference[2] > 0:
+        complete, h, floor, m, unique = least_of_ring(
+            pair, difference, n, upper, lower, enough, noise
+        )
+        if complete:
+            a, b, aside = points_at(difference, m, h, noise)
+            return h, floor, m, a, b, aside, unique
+    return depth_of_cores(pair, difference, n, near, size, tolerance, MANY_VERTICES)
+
+
+@compiled
+def least_of_ring(pair, difference, n, h, floor, enough, noise):
+    """Return (complete, h, floor, n, unique) where a ring of directions is almost as good as n."""
+    kind_A, kind_B = pair[0], pair[3]
+    found = False, h, floor, n, False
+    if kind_A == CYLINDER:
+        found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
+    if not found[0] and kind_B == CYLINDER:
+        found = least_in_long_barrel(difference, difference[1], AXES_B, n, h, enough, noise)
+    if not found[0] and kind_A == CYLINDER and kind_B == CYLINDER:
+        found = least_of_barrels(difference, n, floor, enough, noise)
+    if not found[0] and kind_B == ELLIPSOID:
+        found = least_over_slices(difference, n, h, enough, noise)
+    return found
+
+
+@compiled
+def points_at(difference, n, h, noise):
+    """Return (a, b, aside) at a normal n of least width h: points of the cores, ``a - b = h n``.
+
+    But for ``aside`` [m], which is rounding where Newton's method knows the minimum.
+    """
+    if nearby_minimum(difference, n, noise)[0] == NOTHING:
+        settle(difference, n)
+    a, b = feet(difference, n)
+    return a, b, norm(sub(sub(a, b), scale(h, n)))
 
 
 @compiled
@@ -203,38 +250,28 @@ def gap_along(pair, n):
 
 @compiled
 def drawn_to(distance, n, a, b):
-    """Return a and b moved as little as makes ``b - a = distance n``."""
-    centre = scale(0.5, add(a, b))
-    return add_scaled(centre, -0.5 * distance, n), add_scaled(centre, 0.5 * distance, n)
+    """Return (a, b, miss): a and b moved by ``miss``, the least with ``b - a = distance n``."""
+    centre, away = scale(0.5, add(a, b)), 0.5 * distance
+    miss = 0.5 * norm(add_scaled(sub(b, a), -distance, n))
+    return add_scaled(centre, -away, n), add_scaled(centre, away, n), miss
 
 
 @compiled
-def touching_points(pair, n, depth, size, a, b):
-    """Return points a of A and b of B that touch once B has moved out by ``depth`` along n.
+def witnesses_of_depth(pair, n, depth, size, a, b, aside):
+    """Return (a, b, miss): points of A and B with ``a - b = depth n``, off the cores by ``miss``.
 
-    Where GJK finds none, those given.
+    Those given are ``aside`` [m] of one another. Where that is more than Newton's method leaves,
+    GJK looks for points that touch once B has moved out by the depth: the bodies then are apart
+    by the square of what the normal is off.
     """
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-    moved = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
-    _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
-    if gap <= ASIDE * size:
-        a, b = x, add_scaled(y, -depth, n)
-    return a, b
-
-
-@compiled
-def witnesses(pair, n, depth, size, of_gjk, of_epa):
-    """Return the pair of points that is less aside of n, drawn to the depth along it.
-
-    It is EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
-    """
-    a, b = of_gjk
-    aside = norm(sub(sub(a, b), scale(depth, n)))
-    if of_epa[2] <= aside:
-        a, b, aside = of_epa
-    if aside > ASIDE * size:
-        a, b = touching_points(pair, n, depth, size, a, b)
-    return drawn_to(-depth, n, a, b)
+    if aside > LOOSE_SLOPE * ROUNDING * EPS * size:
+        kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+        moved = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
+        _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
+        if gap < aside:
+            a, b, aside = x, add_scaled(y, -depth, n), gap
+    a, b, miss = drawn_to(-depth, n, a, b)
+    return a, b, max(miss, 0.5 * aside)
 
 
 @compiled
@@ -245,10 +282,11 @@ def is_polytope(kind):
 
 @compiled
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
-    """Return (end, distance, upper, lower, n, a, b, unique) of two cores.
+    """Return (end, distance, upper, lower, n, a, b, miss, unique) of two cores.
 
     ``lower <= phi <= upper`` for their signed distance phi, of which ``distance`` is the answer;
-    ``b - a = distance n`` for points a of A and b of B, on the surface if it is negative.
+    ``b - a = distance n`` for points a of A and b of B, on the surface if it is negative, each to
+    within ``miss`` [m].
     """
     noise = ROUNDING * EPS * size
     depth_tolerance = 0.0 if is_polytope(pair[0]) and is_polytope(pair[3]) else tolerance
@@ -258,51 +296,74 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
             n = likely_normal(difference, n)
         end, upper, lower, n, a, b = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
         if end == BEYOND_CUTOFF:
-            return end, lower, upper, lower, n, a, b, True
+            return end, lower, upper, lower, n, a, b, 0.0, True
         if end == CLOSED:
             distance = upper if lower > 0.0 else lower
             unique = lower > noise or is_strict(difference, n, noise)
-            a, b = drawn_to(distance, n, a, b)
-            return end, distance, upper, lower, n, a, b, unique
+            a, b, miss = drawn_to(distance, n, a, b)
+            return end, distance, upper, lower, n, a, b, miss, unique
         overlap = lower < 0.0
     else:
         a, b = support_points(pair, n, 0.0)
         overlap = hinted and dot(sub(a, b), n) > noise
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
-        depth, least, n_in, a, b, _, unique = depth_and_bounds(
+        depth, least, n_in, a, b, aside, unique = depth_and_bounds(
             pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
         )
         overlap = least > 0.0
         if overlap:
-            a, b = drawn_to(-depth, n_in, a, b)
-            return CLOSED, -depth, -least, -depth, n_in, a, b, unique
+            a, b, miss = witnesses_of_depth(pair, n_in, depth, size, a, b, aside)
+            return CLOSED, -depth, -least, -depth, n_in, a, b, miss, unique
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     distance, unique = upper, True
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
     if end == BEYOND_CUTOFF:
-        return end, distance, upper, lower, n, a, b, True
+        return end, distance, upper, lower, n, a, b, 0.0, True
     if end == CLOSED and not near:
         if difference[2] > 0:  # from near the answer Newton's method finds the last digits
             sharper = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
             if sharper[0] == CLOSED:
                 _, distance, lower, n, a, b = sharper
-                a, b = drawn_to(distance, n, a, b)
-                return end, distance, distance, lower, n, a, b, True
-        return end, distance, upper, lower, n, a, b, True
+                a, b, miss = drawn_to(distance, n, a, b)
+                return end, distance, distance, lower, n, a, b, miss, True
+        return end, distance, upper, lower, n, a, b, 0.0, True
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
     )
-    gap, upper = upper - lower, min(upper, -least)
+    gap, upper, miss = upper - lower, min(upper, -least), 0.0
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
         distance, lower, n = -depth, max(lower, -depth), n_in
         unique = unique_in or distance > noise
-        a, b = witnesses(pair, n, depth, size, (a, b), (a_in, b_in, aside))
+        # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+        apart = norm(sub(sub(a, b), scale(depth, n)))
+        if aside <= apart:
+            a, b, apart = a_in, b_in, aside
+        a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
     elif gap_along(pair, n) < -depth:
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
-        a, b = drawn_to(distance, n, a, b)
-    return CLOSED, distance, upper, lower, n, a, b, unique
+        a, b, miss = drawn_to(distance, n, a, b)
+    return CLOSED, distance, upper, lower, n, a, b, miss, unique
+
+
+@compiled
+def off_surfaces(pair, n, a, b, miss):
+    """Return how far [m] points a and b, which were moved by ``miss``, are off both surfaces."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
+    q_A = unrotate(R_WA, add_scaled(a, r_A, n))
+    q_B = unrotate(R_WB, add_scaled(sub(b, p), -r_B, n))
+    off_A = abs(depth_of_point(kind_A, shape_A, q_A, 0.0)[0] + r_A)
+    off_B = abs(depth_of_point(kind_B, shape_B, q_B, 0.0)[0] + r_B)
+    # Of a hull no closed form tells it.
+    return max(min(off_A, miss), min(off_B, miss))
+
+
+@inlined
+def width_of(found):
+    """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
+    return max(found[2] - found[3], found[7])
 
 
 @compiled
@@ -314,14 +375,22 @@ def signed_distance_of_cores(
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
     n, hinted = hint_of(out, p)
-    end, distance, upper, lower, n, a, b, unique = bounds_of_cores(
-        (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p),
-        *(n, hinted, size, tolerance, cutoff + r_A + r_B),
-    )
+    noise = ROUNDING * EPS * size
+    pair = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
+    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
+    if hinted and width_of(found) > 4.0 * max(tolerance, noise) and found[0] != BEYOND_CUTOFF:
+        # A bad hint can lead where nothing better is found than bounds that are far apart.
+        n, _ = hint_of(np.zeros(PAIR_WIDTH), p)
+        other = bounds_of_cores(pair, n, False, size, tolerance, cutoff + r_A + r_B)
+        if width_of(other) < width_of(found):
+            found = other
+    end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
-    error_bound = max(upper - distance, distance - lower) + ROUNDING * EPS * size
+    error_bound = max(upper - distance, distance - lower) + noise
+    if miss > LOOSE_SLOPE * noise:  # what Newton's method leaves is on the surface to rounding
+        error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
     if kind_A == CONVEX:
         error_bound += hull_defect(shape_A)
     if kind_B == CONVEX:

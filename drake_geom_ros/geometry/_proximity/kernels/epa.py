@@ -28,11 +28,11 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.gjk import put, row, support_points
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     nearby_minimum,
-    widest_cap,
 )
 from drake_geom_ros.geometry._proximity.kernels.polytope import (
     ALIVE,

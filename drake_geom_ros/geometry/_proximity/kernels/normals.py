@@ -8,13 +8,6 @@ digits of n at each step. Kinks are followed: a step that would cross one stops 
 along it until the subgradient says that the minimum is not there. Three kinds of minima remain:
 SMOOTH; CREASE, with parallel segments held and n on a circle; FLAT, on a face of D that holds the
 foot of the origin.
-
-*Caps.* On a great circle from n, ``g'' + g = rho`` where g is h and rho >= 0 the radius of
-curvature (a measure: kinks only add to it). If ``rho >= rho_0`` within the angle C, then there
-``g >= g(0) cos + g'(0) sin + rho_0 (1 - cos)``, and ``rho_0 >= g(0)`` makes that at least g(0) but
-for the square of the slope that Newton left. The ellipsoid ``y = |E n|`` has ``rho = const / y^3``
-on the circle and ``y <= y_0 + |E| C``, so ``rho_0 = rho (y_0 / (y_0 + |E| C))^3``. So a whole cap
-of directions is certified at once, where a polytope would need faces by the dozen.
 """
 
 import math
@@ -47,7 +40,6 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     LAST_STEP,
     LOOSE_SLOPE,
     RIGHT_ANGLE,
-    SAME_DIRECTION,
 )
 
 # What was found.
@@ -59,11 +51,6 @@ FLAT = 3
 STEPS = 16  # 3 to 6 are usual, some more where kinks are met
 ZERO = (0.0, 0.0, 0.0)
 LONGEST_STEP = 0.5  # tangent of the angle
-WIDEST_CAP = 0.8  # [rad]; wider ones would save no faces
-CAPS = 10  # how often a cap that cannot be proven is halved
-# h rises in a cap with the cosine of the angle; this share of what it rises with, less what the
-# other terms take of it at most, is left where another normal would count as clearly another one.
-CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
 
 
 @compiled
@@ -328,54 +315,20 @@ def nearby_minimum(difference, n, noise):
 
 
 @compiled
-def sharpness(terms, radius, n, e, f, cap):
-    """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see *Caps*)."""
-    m11, m12, m22 = -radius, 0.0, -radius
-    for axes in (AXES_A, AXES_B):
-        y, _, _, k11, k12, k22 = bend(terms, axes, n, e, f)
-        if y > 0.0:
-            longest = max(terms[axes, LENGTH], terms[axes + 1, LENGTH], terms[axes + 2, LENGTH])
-            q = y / (y + longest * cap)
-            q = q * q * q
-            m11, m12, m22 = m11 + q * k11, m12 + q * k12, m22 + q * k22
-    return m11, m12, m22
+def settle(difference, n):
+    """Set the shares at n to where the points extreme along it are least aside of one another.
 
-
-@compiled
-def is_cap(terms, last, radius, found, cap, enough):
-    """Tell whether no h within ``cap`` [rad] of the minimum ``found`` is less than it."""
-    kind, n, h, margin = found
-    half = math.tan(0.5 * cap)
-    e = (0.0, 0.0, 0.0)
-    for k in range(SEGMENT, last):
-        if kind == CREASE and abs(terms[k, SHARE]) < 1.0:
-            e = scale(1.0 / terms[k, LENGTH], vector(terms, k))
-    if kind == SMOOTH:
-        e = perpendicular(n)
-    f = cross(n, e)
-    m11, m12, m22 = sharpness(terms, radius, n, e, f, cap)
-    m11, m22 = m11 - h, m22 - h
-    if kind == SMOOTH:
-        # The least eigenvalue.
-        rise = 0.5 * (m11 + m22) - math.hypot(0.5 * (m11 - m22), m12)
-        return rise * CLEAR >= enough
-    if min(margin, m22) * CLEAR < enough:
-        return False
-    return margin >= 2.0 * half * (2.0 * m12 * m12 / m22 - m11)
-
-
-@compiled
-def widest_cap(difference, found, enough):
-    """Return the angle [rad] of a cap around the minimum ``found``, 0 if none is known."""
+    For an n whose h is known to be least, or almost, but where Newton's method found no minimum:
+    on a ring of almost equal values it has no curvature to go by.
+    """
     terms, _, last, r_A, r_B = difference
-    cap = WIDEST_CAP
-    if found[0] == FLAT:
-        _, _, h, margin = found
-        if margin * CLEAR < enough:
-            return 0.0
-        return min(cap, 2.0 * math.atan(0.5 * margin / max(h, 0.5 * margin)))
-    for _ in range(CAPS):
-        if is_cap(terms, last, r_A + r_B, found, cap, enough):
-            return cap
-        cap *= 0.5
-    return 0.0
+    for k in range(3):
+        terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
+    hold(terms, last, n)
+    e, reach, flat = held_line(terms, last)
+    if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
+        on_face(terms, last, r_A + r_B, n, flat)
+    elif reach > 0.0:
+        f = unit(cross(n, e))
+        _, x, _, _, _, _ = slope_and_bend(terms, last, r_A + r_B, cross(e, f), e, f)
+        share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))

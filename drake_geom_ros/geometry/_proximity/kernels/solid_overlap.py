@@ -31,10 +31,11 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import (
     middle_of,
     way_out_of_hull,
 )
-from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside, winding
+from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     NO_TREE,
     SOLID,
+    edge_of,
     middle_of_triangle,
     normal_of,
     tree_of,
@@ -149,49 +150,32 @@ def depth_of_point(B, q, size):
 
 
 @compiled
-def beneath_and_above(B, triangle):
-    """Return a point inside that is nearest to a triangle, and the windings there and above.
-
-    From the triangle's middle the point is sought inwards, nearer and nearer to it; the second
-    winding number is taken as far outwards.
-    """
-    shape, tree, _ = B
-    a = vector_at(triangle[0], 0)
-    ab, ac = sub(vector_at(triangle[1], 0), a), sub(vector_at(triangle[2], 0), a)
-    normal = cross(ab, ac)
-    middle = add_scaled(add_scaled(a, 1.0 / 3.0, ab), 1.0 / 3.0, ac)
-    below = 0.25 * math.sqrt(norm(normal))
+def point_beneath(B, j):
+    """Return a point inside that is nearest to triangle j, sought from its middle inwards."""
+    normal = normal_of(B[0], B[1], j)
+    middle = middle_of_triangle(B[0], B[1], j)
+    below = 0.25 * math.sqrt(norm(cross(edge_of(B[0], B[1], j, 0), edge_of(B[0], B[1], j, 1))))
     q = middle
     for _ in range(MOST_HALVINGS):
-        q = add_scaled(middle, -below, unit(normal))
+        q = add_scaled(middle, -below, normal)
         if depth_of_point(B, q, 0.0) >= 0.5 * below:
             break
         below *= 0.5
-    above = add_scaled(middle, below, unit(normal))
-    return q, winding(shape, tree, q, math.inf)[0], winding(shape, tree, above, math.inf)[0]
+    return q
 
 
 @compiled
-def points_beneath(shape, triangles, windings):
+def write_points_beneath(shape, triangles):
     """Write, for each piece of a solid's surface, a point inside that is nearest to that piece.
 
-    ``triangles`` (c, 3, 3) holds a triangle of each; ``windings`` (c, 2) gets the winding numbers
-    beneath and above it.
+    ``triangles`` (c,) has the number of one of each.
     """
     tree = tree_of(SOLID, shape)
     B = (shape, tree, np.eye(3))
-    for k in range(triangles.shape[0]):
-        q, windings[k, 0], windings[k, 1] = beneath_and_above(B, triangles[k])
+    for k in range(triangles.size):
+        q = point_beneath(B, triangles[k])
         for c in range(3):
             shape[tree[4] + 3 * k + c] = q[c]
-
-
-@compiled
-def windings_beside(shape, triangles, windings):
-    """Write the winding numbers beneath and above triangles (k, 3, 3) of a solid's surface."""
-    B = (shape, tree_of(SOLID, shape), np.eye(3))
-    for k in range(triangles.shape[0]):
-        _, windings[k, 0], windings[k, 1] = beneath_and_above(B, triangles[k])
 
 
 @compiled

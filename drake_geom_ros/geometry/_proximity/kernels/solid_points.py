@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     AREA,
     AREA_VECTOR,
@@ -22,19 +22,34 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     MOMENT,
     NODE_WIDTH,
     RADIUS,
+    SOLID,
     box_of_node,
     first_of_leaf,
     is_leaf,
     outside,
+    rounding_of_angle,
     solid_angle,
+    tree_of,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
+from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, dot, norm, sub
 
 # A node is a dipole when it is this many of its radii away.
 FIRST_RATIO = 6.0
 NEXT_RATIO = 4.0  # times the one before
 LAST_RATIO = 100.0  # beyond it none is
+
+
+# Places on a triangle, as shares of its second and third corner: at no simple fractions, where
+# edges of others are not to be expected.
+PLACES = ((0.3141, 0.2718), (0.6059, 0.2847))
+ASTRAY = 0.75  # off 1/2: half-way between what touches and a whole body more
+
+
+@inlined
+def next_ratio(ratio):
+    """Return how many radii away a node has to be next, to be more exact."""
+    return math.inf if ratio > LAST_RATIO else NEXT_RATIO * ratio
 
 
 @compiled
@@ -57,8 +72,12 @@ def dipole(shape, at, q):
 
 
 @compiled
-def winding(shape, tree, q, ratio):
-    """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are looked into."""
+def winding(shape, tree, q, ratio, without):
+    """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are looked into.
+
+    Triangle number ``without`` is left out, whose nodes, all around q, are looked into. Then the
+    error holds the rounding of those near q too. -1: none is left out.
+    """
     stack = np.empty(DEEPEST, dtype=np.int64)
     stack[0], top = 0, 1
     total, error = 0.0, 0.0
@@ -72,12 +91,14 @@ def winding(shape, tree, q, ratio):
         elif is_leaf(tree, k):
             leaf = k - (tree[1] - 1)
             for j in range(first_of_leaf(tree, leaf), first_of_leaf(tree, leaf + 1)):
+                if j == without:
+                    continue
                 at = tree[2] + CORNERS * j
-                total += solid_angle(
-                    sub(vector_at(shape, at), q),
-                    sub(vector_at(shape, at + 3), q),
-                    sub(vector_at(shape, at + 6), q),
-                )
+                a, b = sub(vector_at(shape, at), q), sub(vector_at(shape, at + 3), q)
+                c = sub(vector_at(shape, at + 6), q)
+                total += solid_angle(a, b, c)
+                if without >= 0:
+                    error += rounding_of_angle(a, b, c)
         else:
             stack[top], stack[top + 1] = 2 * k + 1, 2 * k + 2
             top += 2
@@ -93,7 +114,39 @@ def is_inside(shape, tree, q):
             return False
     ratio = FIRST_RATIO
     while True:
-        number, error = winding(shape, tree, q, ratio)
+        number, error = winding(shape, tree, q, ratio, -1)
         if abs(number - 0.5) > error or ratio == math.inf:
             return number > 0.5
-        ratio = math.inf if ratio > LAST_RATIO else NEXT_RATIO * ratio
+        ratio = next_ratio(ratio)
+
+
+@compiled
+def is_astray(shape, tree, q, j):
+    """Tell whether q, a point of triangle j, has another body beneath the triangle, or above it.
+
+    There the winding number of all other triangles is 1/2: 1 beneath and 0 above, less or more
+    the half that j is to either side. Elsewhere it is 3/2 and more, or -1/2 and less. What only
+    touches the triangle at q takes away less than 1/2 or adds it, so nothing is said of that.
+    """
+    ratio = FIRST_RATIO
+    while True:
+        number, error = winding(shape, tree, q, ratio, j)
+        beyond = abs(number - 0.5) - ASTRAY
+        if abs(beyond) > error or ratio == math.inf:
+            return beyond > error  # among needles rounding may hide it
+        ratio = next_ratio(ratio)
+
+
+@compiled
+def find_astray(shape, triangles, astray):
+    """Write which of the triangles (k,) of a solid, by number, have a point that is astray."""
+    tree = tree_of(SOLID, shape)
+    for k in range(triangles.size):
+        at = tree[2] + CORNERS * triangles[k]
+        a, b = vector_at(shape, at), vector_at(shape, at + 3)
+        c = vector_at(shape, at + 6)
+        ab, ac = sub(b, a), sub(c, a)
+        astray[k] = False
+        for u, v in PLACES:
+            q = add_scaled(add_scaled(a, u, ab), v, ac)
+            astray[k] = astray[k] or is_astray(shape, tree, q, triangles[k])

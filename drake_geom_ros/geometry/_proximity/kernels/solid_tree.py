@@ -23,6 +23,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
+from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 SOLID = 8
 MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
@@ -233,6 +234,18 @@ def next_leaves(A, B, p, path, top, limit):
     return top, -1, -1, skipped
 
 
+@inlined
+def parts_of_angle(a, b, c):
+    """Return (y, x, |a| |b| |c|): atan2(y, x) is half the solid angle of a triangle."""
+    la, lb, lc = norm(a), norm(b), norm(c)
+    n = cross(b, c)
+    volume = a[0] * n[0] + a[1] * n[1] + a[2] * n[2]
+    ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    bc = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
+    ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2]
+    return volume, la * lb * lc + ab * lc + bc * la + ca * lb, la * lb * lc
+
+
 @compiled
 def solid_angle(a, b, c):
     """Return half the solid angle [sr] of a triangle seen from the origin, signed.
@@ -240,10 +253,17 @@ def solid_angle(a, b, c):
     Van Oosterom & Strackee, IEEE Transactions on Biomedical Engineering 30 (2), 1983. Negative
     where the corners turn counter-clockwise as seen from the origin, that is from outside.
     """
-    la, lb, lc = norm(a), norm(b), norm(c)
-    x = cross(b, c)
-    volume = a[0] * x[0] + a[1] * x[1] + a[2] * x[2]
-    ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-    bc = b[0] * c[0] + b[1] * c[1] + b[2] * c[2]
-    ca = c[0] * a[0] + c[1] * a[1] + c[2] * a[2]
-    return math.atan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb)
+    y, x, _ = parts_of_angle(a, b, c)
+    return math.atan2(y, x)
+
+
+@compiled
+def rounding_of_angle(a, b, c):
+    """Return how far off ``solid_angle`` may be [sr]: both its parts, sums of products of three.
+
+    Beside a needle nothing may be left of them, and the angle is anything.
+    """
+    y, x, product = parts_of_angle(a, b, c)
+    left = max(abs(y), abs(x))
+    noise = ROUNDING * EPS * product
+    return noise / left if noise < math.pi * left else math.pi

@@ -20,6 +20,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.points import clamp
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,
     CAPSULE,
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     cross,
     dot,
+    rotate,
     scale,
     sub,
     unit,
@@ -229,17 +231,35 @@ def is_point_of(kind, shape, q):
 
 
 @compiled
-def share_a_point(pair, a, b):
-    """Tell whether a is seen to be a point of B, b of A, or their middle of both.
+def nearest_to(kind, shape, q):
+    """Return a point of a box or of the axis of a cylinder or capsule that is near to q, in G."""
+    if kind == BOX:
+        return clamp(q[0], shape[0]), clamp(q[1], shape[1]), clamp(q[2], shape[2])
+    return 0.0, 0.0, clamp(q[2], shape[1])
 
-    ``a`` is a point of A and ``b`` one of B; a solid is a box or a cylinder.
+
+@compiled
+def share_a_point(pair, a, b):
+    """Tell whether a box, cylinder or capsule is seen to have a point in common with a cylinder B.
+
+    ``a`` is a point of A and ``b`` one of B, from Ao. Tried are they, the point of each core that
+    is nearest to the other's origin, and the middles of the two: a and b may be on the surface,
+    where rounding decides.
     """
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-    middle = scale(0.5, add(a, b))
-    if is_point_of(kind_B, shape_B, unrotate(R_WB, sub(a, p))):
-        return True
-    if is_point_of(kind_A, shape_A, unrotate(R_WA, b)):
-        return True
-    return is_point_of(kind_A, shape_A, unrotate(R_WA, middle)) and is_point_of(
-        kind_B, shape_B, unrotate(R_WB, sub(middle, p))
-    )
+    a, b = unrotate(R_WA, a), unrotate(R_WB, sub(b, p))
+    near_A = nearest_to(kind_A, shape_A, unrotate(R_WA, p))
+    near_B = nearest_to(kind_B, shape_B, unrotate(R_WB, scale(-1.0, p)))
+    for share in (0.0, 0.5, 1.0):
+        x = rotate(R_WA, add_scaled(a, share, sub(near_A, a)))
+        y = add(p, rotate(R_WB, add_scaled(b, share, sub(near_B, b))))
+        if is_point_of(kind_B, shape_B, unrotate(R_WB, sub(x, p))):
+            return True
+        if is_point_of(kind_A, shape_A, unrotate(R_WA, y)):
+            return True
+        z = scale(0.5, add(x, y))
+        if is_point_of(kind_A, shape_A, unrotate(R_WA, z)) and is_point_of(
+            kind_B, shape_B, unrotate(R_WB, sub(z, p))
+        ):
+            return True
+    return False

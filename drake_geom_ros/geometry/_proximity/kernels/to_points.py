@@ -35,14 +35,12 @@ from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 
 @compiled
-def to_sphere(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts
-):
+def to_sphere(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a sphere."""
     first, last, g, n = span
     radius = shape[0]
     for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = radius + norm(q)
             result = sphere_point(radius, q, TIE * extent)
@@ -50,12 +48,12 @@ def to_sphere(
 
 
 @compiled
-def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts):
+def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a box."""
     first, last, g, n = span
     h = shape[0], shape[1], shape[2]
     for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = norm(h) + norm(q)
             result = box_point(h, q, TIE * extent)
@@ -64,13 +62,13 @@ def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows
 
 @compiled
 def to_capsule(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a capsule."""
     first, last, g, n = span
     radius, half_length = shape[0], shape[1]
     for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = radius + half_length + norm(q)
             result = capsule_point(radius, half_length, q, TIE * extent)
@@ -79,13 +77,13 @@ def to_capsule(
 
 @compiled
 def to_cylinder(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a cylinder."""
     first, last, g, n = span
     radius, half_length = shape[0], shape[1]
     for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = radius + half_length + norm(q)
             result = cylinder_point(radius, half_length, q, TIE * extent)
@@ -94,13 +92,13 @@ def to_cylinder(
 
 @compiled
 def to_ellipsoid(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to an ellipsoid."""
     first, last, g, n = span
     e = shape[0], shape[1], shape[2]
     for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = max(e) + norm(q)
             result = ellipsoid_point(e, q, TIE * extent)
@@ -109,28 +107,29 @@ def to_ellipsoid(
 
 @compiled
 def to_half_space(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a half space."""
     first, last, g, n = span
     for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = norm(q)
+            rounding += ball[2] * extent
             result = half_space_point(q)
             take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
 
 
 @compiled
 def by_pair_kernel(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, span, rows, found, counts
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a shape without a closed form: spheres without radius."""
     first, last, g, n = span
     nothing, identity = np.zeros(1), np.eye(3)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
     for k in range(first, last):
-        near, _, rounding = seen(R_WG, p_WG, p_WQs, k, threshold + outer)
+        near, _, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if not near:
             continue
         for c in range(3):

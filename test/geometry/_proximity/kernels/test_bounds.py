@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oracles.pairs import random_rotation
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval, shape_radii
 from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, ERROR_BOUND, PAIR_WIDTH
 

@@ -15,7 +15,7 @@ from oracles.pairs import (
     random_rotation,
 )
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.boxes import box_box
 
 SAMPLES = 2 if config.DISABLE_JIT else 18

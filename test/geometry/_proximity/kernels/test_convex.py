@@ -7,7 +7,7 @@ import pytest
 from numba import config
 from oracles.pairs import Pair, height, random_pairs, random_rotation, width_along_normal
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import calling, convex
 
 BOX, CAPSULE, CYLINDER, ELLIPSOID = 2, 3, 4, 5

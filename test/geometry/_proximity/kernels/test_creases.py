@@ -5,7 +5,7 @@ import pytest
 from numba import config
 from oracles.pairs import random_pairs
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import creases, sums
 
 BOX, CAPSULE, CYLINDER = 2, 3, 4
@@ -31,7 +31,8 @@ def test_overlapping_cores_are_as_deep_as_the_oracle_says(kind):
         )  # fmt: skip
         radius = pair.size_A[0] if kind == CAPSULE else 0.0
         if phi + radius < -1e-6:
-            complete, h, n, _ = _least(pair)
+            complete, h, floor, n, _ = _least(pair)
+            assert h - 1e-12 <= floor <= h
             assert complete
             assert h == pytest.approx(-phi - radius, abs=1e-12)
             assert np.linalg.norm(n) == pytest.approx(1, abs=1e-14)
@@ -55,18 +56,25 @@ def test_a_rod_through_a_cube(p, depth, unique):
     identity, size = np.eye(3), (np.full(3, 0.5), np.array([0.25, 1.0]))
     pair = BOX, size[0], identity, CYLINDER, size[1], identity, p
     difference = sums.difference_of(pair)
-    complete, h, _, is_unique = creases.least_on_creases(difference, (0, 0, 1.0), 1e-9, NOISE)
+    complete, h, _, _, is_unique = creases.least_on_creases(difference, (0, 0, 1.0), 1e-9, NOISE)
     assert complete
     assert h == pytest.approx(min(depth, 0.75), abs=1e-15)
     assert is_unique == unique
 
 
-def test_kinks_come_in_turn():
-    pair = BOX, np.ones(3), np.eye(3), CYLINDER, np.ones(2), np.eye(3)[[1, 2, 0]], (1.0,) * 3
-    terms, _, last, _, _ = sums.difference_of(pair)
-    kinks = np.empty((8, 4))
-    count = creases.kinks_on_circle(terms, last, (0.0, 0.0, 1.0), kinks)
-    turns = np.arctan2(kinks[:count, 1], kinks[:count, 0])
-    steps = np.diff(np.append(turns, turns[0])) % (2 * np.pi)
-    assert steps.sum() == pytest.approx(2 * np.pi)
-    assert np.abs(kinks[:count, 2]).max() == 0.0
+@pytest.mark.parametrize('swap', [1.0, -1.0])
+def test_a_stuck_peg(swap):
+    # Issue 12: the plane n proves a depth of at most 0.416, and 0.5 was reported within 4e-15.
+    R = np.array([[-1, 0, 0], [0, -0.6, 0.8], [0, 0.8, 0.6]])
+    p = swap * np.array([0, 0.008, 0.006])
+    pair = CAPSULE, np.array([0.25, 0.5]), R, CYLINDER, np.array([0.25, 0.02]), np.eye(3), tuple(p)
+    for start in np.vstack([np.eye(3), -np.eye(3)]):
+        complete, h, floor, n, _ = creases.least_on_creases(
+            sums.difference_of(pair), tuple(start), 1e-10, NOISE
+        )
+        assert complete
+        # The plane (0, 0.6, -0.8): 0.25 * 0.6 + 0.02 * 0.8, beside the capsule's radius.
+        width = 0.25 * 0.6 + 0.02 * 0.8
+        assert h == pytest.approx(width, abs=1e-15)
+        assert h - 1e-10 <= floor <= h
+        assert abs(np.dot(n, [0, 0.6, -0.8])) == pytest.approx(1, abs=1e-12)

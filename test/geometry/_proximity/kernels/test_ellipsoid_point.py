@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from drake_geom_ros.accuracy import closed_forms
+from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 
 ORDERS = [list(order) for order in itertools.permutations(range(3))]

@@ -3,7 +3,7 @@ import pytest
 from oracles.pairs import random_rotation
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import epa
 from drake_geom_ros.geometry._proximity.kernels.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.supports import (

@@ -5,7 +5,7 @@ import pytest
 from numba import config
 from oracles.pairs import PARAMETERS, random_rotation
 
-from drake_geom_ros.geometry._proximity.kernels import normals, sums, supports
+from drake_geom_ros.geometry._proximity.kernels import caps, normals, sums, supports
 
 BOX, CAPSULE, CYLINDER, ELLIPSOID = 2, 3, 4, 5
 PAIRS = [(BOX, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, ELLIPSOID), (CYLINDER, CYLINDER)]
@@ -63,7 +63,7 @@ def test_nothing_in_a_cap_is_nearer(kinds):
     caps = []
     for rng, difference, found in _minima(kinds, 0.2, 2):
         _, n, h, _ = found
-        cap = normals.widest_cap(difference, found, 1e-12)
+        cap = caps.widest_cap(difference, found, 1e-12)
         caps.append(cap)
         inside = _around(rng, n, cap * rng.uniform(0, 1, 40) ** 2)
         assert _widths(difference, inside).min() >= h - 1e-14
@@ -128,7 +128,7 @@ def test_two_needles_that_cross_have_no_cap():
     pair = ELLIPSOID, needle, np.eye(3), ELLIPSOID, needle, np.eye(3), (0.0, 0.0, 0.0)
     difference = sums.difference_of(pair)
     found = normals.nearby_minimum(difference, (1.0, 0.0, 0.0), NOISE)
-    assert normals.widest_cap(difference, found, 1e-9) == 0.0
+    assert caps.widest_cap(difference, found, 1e-9) == 0.0
 
 
 def test_hulls_have_no_minimum_of_this_kind():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.geometry._proximity.kernels import normals, sums
+from drake_geom_ros.geometry._proximity.kernels import caps, normals, sums
 
 X, Y, Z = np.eye(3)
 
@@ -153,9 +153,9 @@ def test_a_smooth_cap_is_as_wide_as_the_least_radius_of_curvature_allows(axes, s
     cap = sizes[2] / max(sizes) * ((least / (h + radius)) ** (1.0 / 3.0) - 1.0)
     found = normals.SMOOTH, (0.0, 0.0, 1.0), h, 0.0
     arguments = terms, sums.SEGMENT, radius, found
-    assert normals.is_cap(*arguments, 0.999 * cap, 1e-9)
-    assert not normals.is_cap(*arguments, 1.001 * cap, 1e-9)
-    assert not normals.is_cap(*arguments, 0.999 * cap, 1e-3)
+    assert caps.is_cap(*arguments, 0.999 * cap, 1e-9)
+    assert not caps.is_cap(*arguments, 1.001 * cap, 1e-9)
+    assert not caps.is_cap(*arguments, 0.999 * cap, 1e-3)
 
 
 def test_a_minimum_whose_width_is_another_than_its_terms_say_is_none(monkeypatch):
@@ -177,7 +177,7 @@ def test_the_cap_of_a_crease_is_that_across_its_line(across, proven, margin):
     terms[2, sums.SHARE] = 1.0
     _with_ellipsoid(terms, sums.AXES_A, (0.01, across, 0.5))
     found = normals.CREASE, (0.0, 0.0, 1.0), 0.1, margin
-    assert normals.is_cap(terms, last, 0.0, found, 0.05, 1e-9) == (proven and margin > 1e-6)
+    assert caps.is_cap(terms, last, 0.0, found, 0.05, 1e-9) == (proven and margin > 1e-6)
 
 
 @pytest.mark.parametrize(('margin', 'narrow'), [(0.009, True), (0.011, False)])
@@ -187,7 +187,7 @@ def test_a_crease_needs_a_margin_for_what_turns_along_it(margin, narrow):
     _with_ellipsoid(terms, sums.AXES_A, (1e-9, 1.0, 0.5))
     found = normals.CREASE, (0.0, 0.0, 1.0), 0.1, margin
     cap = 2.0 * np.arctan(0.05)
-    assert normals.is_cap(terms, last, 0.0, found, cap, 1e-9) != narrow
+    assert caps.is_cap(terms, last, 0.0, found, cap, 1e-9) != narrow
 
 
 @pytest.mark.parametrize(
@@ -204,4 +204,4 @@ def test_a_crease_needs_a_margin_for_what_turns_along_it(margin, narrow):
 def test_the_cap_of_a_face_is_seen_from_the_origin(h, margin, cap):
     found = normals.FLAT, (0.0, 0.0, 1.0), h, margin
     difference = np.zeros((sums.ROWS, 5)), sums.SEGMENT, sums.SEGMENT, 0.0, 0.0
-    assert normals.widest_cap(difference, found, 1e-8) == pytest.approx(cap, rel=1e-14)
+    assert caps.widest_cap(difference, found, 1e-8) == pytest.approx(cap, rel=1e-14)

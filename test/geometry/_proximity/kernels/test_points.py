@@ -5,7 +5,7 @@ import pytest
 from numba import config
 from oracles.pairs import EPS, NAMES, PARAMETERS, height
 
-from drake_geom_ros.accuracy import closed_forms
+from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels import points, spheres
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,

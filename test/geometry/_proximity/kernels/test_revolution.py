@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from oracles.pairs import random_rotation
 
-from drake_geom_ros.accuracy.truth import signed_distance
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import revolution
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     BOX,

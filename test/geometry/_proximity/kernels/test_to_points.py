@@ -20,14 +20,14 @@ CLOSED_FORMS = {
 }
 
 
-def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0):
+def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0, rounding=(0.0, 0.0)):
     """Return rows, which are found, and the counts, of one geometry among some."""
     m, shape = len(p_WQs), np.array(CLOSED_FORMS[kind])
     rows = np.full((m * geometries, calling_points.POINT_WIDTH), np.nan)
     found, counts = np.zeros(m * geometries, dtype=np.bool_), np.zeros(5, dtype=np.int64)
     outer = math.inf if kind == pair_table.HALF_SPACE else 0.4
     load_kernel(POINT_KERNELS[kind])(
-        *(0, kind, shape, R_WG, p_WG, p_WQs, threshold, outer, (0, m, g, geometries)),
+        *(0, kind, shape, R_WG, p_WG, p_WQs, threshold, (outer, *rounding), (0, m, g, geometries)),
         *(rows, found, counts),
     )
     return rows, found, counts
@@ -114,15 +114,35 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     rows, found = np.full_like(expected, np.nan), np.zeros_like(near)
     counts = np.zeros(5, dtype=np.int64)
     load_kernel(POINT_KERNELS[pair_table.CONVEX])(
-        *(address, pair_table.CONVEX, shape, R_WG, p_WG, p_WQs, 0.3, np.linalg.norm(h)),
+        *(
+            address,
+            pair_table.CONVEX,
+            shape,
+            R_WG,
+            p_WG,
+            p_WQs,
+            0.3,
+            (np.linalg.norm(h), 1e-9, 0.0),
+        ),
         *((0, 6, 2, 3), rows, found, counts),
     )
     np.testing.assert_array_equal(found, near)
     assert 0 < near.sum() < 6
     assert counts.sum() == counts[calling.ITERATIVE] == near.sum()
     np.testing.assert_allclose(rows[:, :7], expected[:, :7], atol=1e-13)
-    rounding = 8 * EPS * np.abs([p_WG, *p_WQs]).max()
-    assert (rows[found, calling_points.POINT_ERROR_BOUND] >= rounding / 2).all()
+    assert (rows[found, calling_points.POINT_ERROR_BOUND] >= 1e-9).all()
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
+def test_the_rounding_of_the_pose_is_in_the_bound(kind):
+    rng = np.random.default_rng(8)
+    p_WQs = 2.0 * rng.normal(size=(20, 3))
+    arguments = kind, np.eye(3), np.zeros(3), p_WQs
+    exact, rounded = (answers(*arguments, rounding=r)[0] for r in ((0.0, 0.0), (1e-9, 1e-12)))
+    more = rounded[:, calling_points.POINT_ERROR_BOUND]
+    more -= exact[:, calling_points.POINT_ERROR_BOUND]
+    tilts = 1e-12 * np.linalg.norm(p_WQs, axis=1) if kind == pair_table.HALF_SPACE else 0.0
+    np.testing.assert_allclose(more, 1e-9 + tilts, rtol=1e-5)
 
 
 def test_every_shape_has_a_kernel_for_points():

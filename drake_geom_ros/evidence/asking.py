@@ -1,0 +1,129 @@
+"""Who is asked, and how: bodies in a scene of ours, by every query that there is, and peers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from drake_geom_ros.evidence.bodies import Body, Pair
+from drake_geom_ros.evidence.peers import SIGNED_DISTANCE, PairAnswer, installed, load
+from drake_geom_ros.geometry import (
+    FrameId,
+    FramePoseVector,
+    GeometryFrame,
+    GeometryId,
+    GeometryInstance,
+    PenetrationResults,
+    PointDistanceResults,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+    SignedDistanceResults,
+)
+from drake_geom_ros.math import RigidTransform
+
+OURS = 'ours'
+
+
+class BodyScene:
+    """A scene graph with a frame for each body, but for those that are anchored in World.
+
+    ``frames`` are those of the bodies that move, ``ids`` the geometries of all: first those that
+    move, then the anchored ones.
+    """
+
+    def __init__(self, bodies: Sequence[Body], anchored: Sequence[Body] = ()) -> None:
+        self.graph = SceneGraph()
+        self.source = self.graph.RegisterSource('evidence')
+        self.frames: list[FrameId] = []
+        self.ids: list[GeometryId] = []
+        self._bodies = bodies
+        for body in bodies:
+            frame = GeometryFrame(f'body {len(self.frames)}')
+            self.frames.append(self.graph.RegisterFrame(self.source, frame))
+            self._register(self.frames[-1], body, RigidTransform())
+        for body in anchored:
+            self._register(self.graph.world_frame_id(), body, body.pose)
+
+    def _register(self, frame: FrameId, body: Body, X_FG: RigidTransform) -> None:
+        instance = GeometryInstance(X_FG, body.shape, f'geometry {len(self.ids)}')
+        instance.set_proximity_properties(body.properties)
+        self.ids.append(self.graph.RegisterGeometry(self.source, frame, instance))
+
+    def context(self) -> SceneGraphContext:
+        """Return a context that has no earlier answers, with the bodies at their poses."""
+        context = self.graph.CreateDefaultContext()
+        self.pose(context, [body.pose for body in self._bodies])
+        return context
+
+    def pose(self, context: SceneGraphContext, X_WFs: Sequence[RigidTransform]) -> None:
+        """Pose all bodies that move."""
+        poses = FramePoseVector(dict(zip(self.frames, X_WFs, strict=True)))
+        self.graph.get_source_pose_port(self.source).FixValue(context, poses)
+
+    def asked(self, context: SceneGraphContext | None = None) -> QueryObject:
+        """Return the query object of a context, of a new one unless it is given."""
+        return self.graph.get_query_output_port().Eval(context or self.context())
+
+
+class PairScene(BodyScene):
+    """A scene of A and B with a context of its own."""
+
+    def __init__(self, a: Body, b: Body) -> None:
+        super().__init__((a, b))
+        self._context = self.context()
+        self.query = self.asked(self._context)
+
+    def place(self, a: Body, b: Body) -> None:
+        """Pose the shapes as two bodies are."""
+        self.pose(self._context, (a.pose, b.pose))
+
+    def distance(self, accuracy: str = 'exact') -> SignedDistanceResults:
+        """Return the pair's signed distance, asked for by name."""
+        return self.query.signed_distance_of_pair(*self.ids, accuracy=accuracy)
+
+    def pairwise(self, max_distance: float, accuracy: str = 'exact') -> SignedDistanceResults:
+        """Return the pairs no farther apart than a distance: this one, or none."""
+        return self.query.ComputeSignedDistancePairwiseClosestPoints(
+            max_distance, accuracy=accuracy
+        )
+
+    def penetration(self, accuracy: str = 'exact') -> PenetrationResults:
+        """Return the pair if it overlaps."""
+        return self.query.ComputePointPairPenetration(accuracy=accuracy)
+
+    def collides(self) -> bool:
+        """Return whether the pair overlaps."""
+        return bool(self.query.HasCollisions())
+
+    def is_candidate(self) -> bool:
+        """Return whether bounds leave it open that the pair overlaps."""
+        return len(self.query.collision_candidates()) == 1
+
+    def to_point(self, one: Body) -> PointDistanceResults:
+        """Return the distances from both shapes to the centre of a body."""
+        return self.query.ComputeSignedDistanceToPoint(one.p)
+
+
+def names() -> tuple[str, ...]:
+    """Return this project's name and those of the installed peers."""
+    return (OURS, *installed())
+
+
+def asking(name: str, query: str) -> Callable[[Pair], PairAnswer | None]:
+    """Return what asks one of them a query about a pair; a peer is imported here."""
+    if name == OURS:
+        return lambda pair: ask_ours(pair, query)
+    peer = load(name)
+    return lambda pair: peer.pair(query, pair.a.shape, pair.b.shape)(pair.a.pose, pair.b.pose)
+
+
+def ask_ours(pair: Pair, query: str) -> PairAnswer | None:
+    """Return our answer in the form of a peer's."""
+    scene = PairScene(pair.a, pair.b)
+    if query == SIGNED_DISTANCE:
+        row = scene.distance()
+        return PairAnswer(float(row.distance[0]), row.nhat_BA_W[0], row.p_WCa[0], row.p_WCb[0])
+    found = scene.penetration()
+    if not len(found):
+        return None
+    return PairAnswer(-float(found.depth[0]), found.nhat_BA_W[0], found.p_WCa[0], found.p_WCb[0])

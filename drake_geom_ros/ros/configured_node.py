@@ -1,0 +1,270 @@
+"""What a node has while it is configured: made by configure, dropped by cleanup."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+from diagnostic_msgs.msg import DiagnosticArray
+from drake_geom_msgs import msg as messages
+from geometry_msgs.msg import Point
+from rclpy.callback_groups import CallbackGroup
+from rclpy.lifecycle import LifecycleNode
+from rclpy.qos import QoSProfile
+from rclpy.timer import Timer
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from drake_geom_ros.ros.conversions.file_access import FileAccess
+from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.inputs.point_queries import PointQueries
+from drake_geom_ros.ros.inputs.robot_description import RobotInput
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.outputs import level_costs, replays
+from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.outputs.level_costs import LevelCosts
+from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.ros.outputs.replays import Replays
+from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
+from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
+from drake_geom_ros.ros.pose_stream import PoseStream
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, Change
+from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
+
+_HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
+_DIAGNOSTICS_PERIOD = 1.0  # [s]
+_LOG_PERIOD = 5.0  # [s] at most one line of a kind in this time
+
+
+class CallbackGroups(NamedTuple):
+    """The groups of callbacks that have a thread each; the others share the main one."""
+
+    stream: CallbackGroup  # poses and cycles
+    beside: CallbackGroup  # queries, and what is drawn
+    loading: CallbackGroup  # what may read files and compile
+
+
+class ConfiguredNode:
+    """A live scene and all that is open for it: topics, services, timers."""
+
+    def __init__(
+        self,
+        node: LifecycleNode,
+        surface: Surface,
+        groups: CallbackGroups,
+        settings: ParameterStore,
+        guard: Guard,
+        diagnostics: Diagnostics,
+        live: LiveScene,
+    ) -> None:
+        """Open everything on ``surface``, which the caller closes where this raises."""
+        self.live = live
+        self._node = node
+        self._surface = surface
+        self._groups = groups
+        self._settings = settings
+        self._guard = guard
+        self._diagnostics = diagnostics
+        publishers = {
+            name: surface.publisher(kind, f'~/{name}', results())
+            for name, kind in (
+                ('penetrations', messages.PenetrationPairs),
+                ('signed_distances', messages.SignedDistancePairs),
+                ('cycle_report', messages.CycleReport),
+            )
+        }
+        self._costs = LevelCosts(live, publishers['cycle_report'])
+        self._replays = Replays(self._replay_settings)
+        self._cycle = Cycle(messages, publishers, self._costs, self._replays)
+        self._stream = PoseStream(live, settings, diagnostics, self._cycle)
+        self._scene_topic = SceneTopic(
+            live,
+            surface.publisher(messages.Scene, '~/scene', latched()),
+            messages,
+            lambda: node.get_clock().now().to_msg(),
+        )
+        self._diagnostics_publisher = surface.publisher(DiagnosticArray, '/diagnostics', results())
+        self._markers = MarkerPublisher(
+            live,
+            surface.publisher(MarkerArray, '~/markers', results()),
+            SimpleNamespace(Marker=Marker, MarkerArray=MarkerArray, Point=Point),
+            lambda: settings.values.max_distance,
+        )
+        self._open_inputs(settings.values)
+        self._tf = self._opened_tf() if settings.values.use_tf else None
+        self._open_services()
+        self._start_timers(settings.values)
+        self._cycle_timer: Timer | None = None
+        self._set_rate(settings.values.rate)
+
+    # The life cycle.
+
+    def activate(self) -> None:
+        """Publish from now on."""
+        self._stream.active = True
+        self._guard.attempt(self._publish_scene)
+
+    def deactivate(self) -> None:
+        """Stop publishing, keep the scene and go on taking poses."""
+        self._stream.stop()
+
+    def close(self) -> None:
+        """Stop, and close everything."""
+        with self.live.editing():
+            self._stream.stop()
+            self._set_rate(0.0)
+            self._surface.close()
+
+    def follow(self, old: NodeParameters, new: NodeParameters) -> None:
+        """Do as changed parameters say."""
+        with self.live.editing() as scene:
+            if new.accuracy != old.accuracy:
+                scene.set_accuracy(new.accuracy)
+            if new.mesh_roots != old.mesh_roots:
+                self.live.files = FileAccess(new.mesh_roots, new.scene_file)
+            if new.rate != old.rate:
+                self._set_rate(new.rate)
+
+    # What is opened.
+
+    def _open_inputs(self, values: NodeParameters) -> None:
+        """Listen to poses, points and robot descriptions."""
+        groups = self._groups
+        poses = self._stream.take_poses
+        self._listen(messages.FramePoses, '~/frame_poses', poses, sensor_data(), groups.stream)
+        points = PointQueries(
+            self.live,
+            self._surface.publisher(messages.PointDistances, '~/point_distances', results()),
+            messages.PointDistances,
+            lambda: self._settings.values.point_threshold,
+        )
+        self._listen(PointCloud2, '~/query_points', points.take, sensor_data(), groups.beside)
+        if values.robot_description_topic:
+            take = partial(self._take_robot, RobotInput(self.live))
+            topic = values.robot_description_topic
+            self._listen(String, topic, take, latched(), groups.loading)
+
+    def _opened_tf(self) -> TfInput:
+        """Listen to TF, whose package not every installation has."""
+        from tf2_msgs.msg import TFMessage
+
+        tf = TfInput(lambda: seconds_now(self._node))
+        for static, topic in ((True, '/tf_static'), (False, '/tf')):
+            take = partial(self._stream.take_transforms, tf, static)
+            profile = transforms(static=static)
+            self._listen(TFMessage, topic, take, profile, self._groups.stream)
+        return tf
+
+    def _listen(
+        self,
+        kind: Any,
+        topic: str,
+        take: Callable[[Any], object],
+        profile: QoSProfile,
+        group: CallbackGroup,
+    ) -> None:
+        """Listen to a topic whose messages ``take`` may refuse by an exception."""
+        guarded = partial(self._guard.take, topic.removeprefix('~/'), take)
+        self._surface.subscription(kind, topic, guarded, profile, group)
+
+    def _open_services(self) -> None:
+        """Open all services."""
+        for name, kind, change in CHANGES:
+            self._surface.service(kind, f'~/{name}', partial(self._change, change))
+        for services, group in ((BESIDE, self._groups.beside), (LOADING, self._groups.loading)):
+            for name, kind, handler in services:
+                serve = partial(self._guard.answer, handler, self.live)
+                self._surface.service(kind, f'~/{name}', serve, group)
+
+    def _set_rate(self, rate: float) -> None:
+        """Run cycles by a timer, or for rate 0 with each pose message."""
+        if self._cycle_timer is not None:
+            self._node.destroy_timer(self._cycle_timer)
+            self._cycle_timer = None
+        if rate > 0.0:
+            self._cycle_timer = self._node.create_timer(
+                1.0 / rate,
+                partial(self._guard.attempt, self._stream.cycle_is_due),
+                callback_group=self._groups.stream,
+            )
+
+    def _start_timers(self, values: NodeParameters) -> None:
+        """Start what is due again and again, but cycles."""
+        beside = self._groups.beside
+        for period, task, group in (
+            (1.0 / values.marker_rate, self._draw, beside),
+            (level_costs.PERIOD, self._costs.measure, beside),
+            (replays.PERIOD, self._write_replays, beside),
+            (_HOUSEKEEPING_PERIOD, self._keep_house, None),
+            (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
+        ):
+            self._surface.timer(period, partial(self._guard.attempt, task), group)
+
+    # What comes in.
+
+    def _take_robot(self, robot: RobotInput, message: String) -> None:
+        if done := robot.take(message.data):
+            self._node.get_logger().info(done)
+
+    def _change(self, change: Change, request: Any, response: Any) -> Any:
+        """Answer a service call that changes the scene."""
+        with self.live.editing() as scene:
+            self._guard.answer(change, scene, request, response)
+        if self._stream.active:
+            self._guard.attempt(self._scene_topic.publish_soon)
+        return response
+
+    # What is due.
+
+    def _publish_scene(self) -> None:
+        if self._stream.active:
+            self._scene_topic.publish()
+
+    def _draw(self) -> None:
+        if not self._stream.active:
+            return
+        if self._settings.values.publish_markers:
+            self._markers.publish()
+        else:
+            self._markers.clear()
+
+    def _replay_settings(self) -> tuple[str, int]:
+        values = self._settings.values
+        return values.replay_dir, values.replay_limit
+
+    def _write_replays(self) -> None:
+        for told in self._replays.write():
+            self._node.get_logger().warning(told)
+
+    def _keep_house(self) -> None:
+        with self.live.editing() as scene:
+            expired = scene.expire_filters()
+            if self._tf is not None:
+                self._guard.take('/tf', self._tf.follow, scene)
+        for filter_id in expired:
+            self._node.get_logger().info(
+                f'the lease of transient filter {filter_id.get_value()} ran out: removed',
+                throttle_duration_sec=_LOG_PERIOD,
+            )
+        self._publish_scene()
+
+    def _publish_diagnostics(self) -> None:
+        with self.live.reading() as scene:
+            ages, version = scene.pose_ages(), scene.version
+        stale_after = self._settings.values.stale_after
+        message = self._diagnostics.message(
+            ages, version, stale_after, self._cycle, time.monotonic()
+        )
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        self._diagnostics_publisher.publish(message)
+
+
+def seconds_now(node: LifecycleNode) -> float:
+    """Return the node's time [s] (simulated when use_sim_time is set)."""
+    return float(node.get_clock().now().nanoseconds * 1e-9)

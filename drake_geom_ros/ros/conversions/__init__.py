@@ -1,0 +1,5 @@
+"""Messages to values of the core and back: here messages stop.
+
+No ROS import: a function reads or fills any object with the fields of the message, so that plain
+objects test it. What a message holds is checked here, once; errors name the field.
+"""

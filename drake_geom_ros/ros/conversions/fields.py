@@ -1,0 +1,55 @@
+"""Fields that many messages have: arrays, times, poses. No ROS import."""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.math import RigidTransform
+
+
+def _array(code: str, values: NDArray[Any]) -> array.array[Any]:
+    """Return an array field: rclpy takes an array.array as it is, other types item by item."""
+    filled = array.array(code)
+    filled.frombytes(np.ascontiguousarray(values).data.cast('B') if values.size else b'')
+    return filled
+
+
+def floats(values: NDArray[np.float64]) -> array.array[float]:
+    """Return a float64[] field."""
+    return _array('d', np.asarray(values, dtype=np.float64))
+
+
+def unsigned(values: NDArray[Any]) -> array.array[int]:
+    """Return a uint64[] field."""
+    return _array('Q', np.asarray(values).astype(np.uint64))
+
+
+def uint32s(values: NDArray[Any]) -> array.array[int]:
+    """Return a uint32[] field."""
+    return _array('I', np.asarray(values).astype(np.uint32))
+
+
+def uint8s(values: NDArray[Any]) -> array.array[int]:
+    """Return a uint8[] field."""
+    return _array('B', np.asarray(values).astype(np.uint8, copy=False))
+
+
+def seconds_of(stamp: Any) -> float:
+    """Return a builtin_interfaces/Time as a number [s]."""
+    return float(stamp.sec + 1e-9 * stamp.nanosec)
+
+
+def pose_from_message(message: Any) -> RigidTransform:
+    """Return the pose of a geometry_msgs/Pose; raises RuntimeError for what is no pose."""
+    p, q = message.position, message.orientation
+    return RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
+
+
+def fill_pose(message: Any, X: RigidTransform) -> None:
+    """Fill a geometry_msgs/Pose."""
+    p, q = message.position, message.orientation
+    p.x, p.y, p.z, q.x, q.y, q.z, q.w = X.ToArray().tolist()

@@ -1,0 +1,76 @@
+"""FramePoses messages to poses of frames, no ROS import."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
+from drake_geom_ros.ros.conversions.names import NameTable
+
+_POSE_WIDTH = 7
+
+
+class FramePosesReader:
+    """Reads FramePoses messages of one version of a scene.
+
+    A stream names the same frames again and again, so the look-up of a list of names is kept.
+    """
+
+    def __init__(self, names: NameTable) -> None:
+        self._names = names
+        self._known: dict[tuple[str, ...], NDArray[np.int64]] = {}
+
+    def read(self, message: Any) -> FramePoseVector:
+        """Return the poses of a message; raises RuntimeError, and nothing is half read."""
+        world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
+        if frame_id not in ('', world_frame):
+            raise ArgumentError(
+                f'header.frame_id is {frame_id[:80]!r}; it must be the world frame, '
+                f'{world_frame!r}, or empty'
+            )
+        frames = self._frames(message)
+        poses = np.asarray(message.poses, dtype=np.float64)
+        if poses.size != _POSE_WIDTH * len(frames):
+            raise ArgumentError(
+                f'poses holds {poses.size} numbers for {len(frames)} frames; it must hold '
+                f'{_POSE_WIDTH} a frame: x y z qx qy qz qw'
+            )
+        return FramePoseVector.FromArrays(frames, poses.reshape(-1, _POSE_WIDTH))
+
+    def _frames(self, message: Any) -> NDArray[np.int64]:
+        """Return the ids (n,) of the frames that a message names, in its order."""
+        if len(message.frame_names) and len(message.frame_ids):
+            raise ArgumentError('frame_names and frame_ids are both given; exactly one must be')
+        key = (message.source, *message.frame_names, *map(str, message.frame_ids))
+        frames = self._known.get(key)
+        if frames is None:
+            ids = [frame.get_value() for frame in self._look_up(message)]
+            frames = np.array(ids, dtype=np.int64)
+            # One list for each sender; a sender whose lists never repeat must not fill the memory.
+            if len(self._known) >= 64:
+                self._known.clear()
+            self._known[key] = frames
+        return frames
+
+    def _look_up(self, message: Any) -> list[FrameId]:
+        names, source = self._names, message.source
+        if source:
+            names.source(source)
+        if message.frame_names:
+            frames = [names.frame(name, source) for name in message.frame_names]
+        else:
+            frames = [names.frame_of_value(value) for value in message.frame_ids]
+        prefix = f'{source}::'
+        for frame in frames:
+            full = names.frame_names[frame]
+            if source and not full.startswith(prefix):
+                raise ArgumentError(f"frame '{full}' does not belong to source '{source}'")
+            if frame == names.world:
+                raise ArgumentError('the world frame cannot be posed')
+        if len(set(frames)) != len(frames):
+            twice = next(f for k, f in enumerate(frames) if f in frames[:k])
+            raise ArgumentError(f"frame '{names.frame_names[twice]}' is named twice")
+        return frames

@@ -1,0 +1,139 @@
+"""Names of the ROS surface: what `source::frame/geometry` and `#<id>` stand for.
+
+No ROS here: a table made from an inspector, so that it is tested without.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
+
+from drake_geom_ros.geometry import (
+    FrameId,
+    GeometryError,
+    GeometryId,
+    SceneGraphInspector,
+    SourceId,
+)
+
+WORLD = 'world'
+_ID = re.compile('#[0-9]{1,20}')  # uint64 has no more digits
+_Id = TypeVar('_Id', FrameId, GeometryId)
+
+
+class UnknownNameError(GeometryError):
+    """A name or an id that the scene does not hold, or that several things bear."""
+
+
+class NameTable:
+    """Sources, frames and geometries of one version of a scene by name."""
+
+    def __init__(self, inspector: SceneGraphInspector, world_frame: str = WORLD) -> None:
+        """``world_frame`` is what the world is called in answers; ``world`` means it too."""
+        self._sources = {inspector.GetName(s): s for s in inspector.GetAllSourceIds()}
+        self._frames: dict[str, list[FrameId]] = defaultdict(list)
+        self._geometries: dict[str, list[GeometryId]] = defaultdict(list)
+        self.frame_names: dict[FrameId, str] = {}
+        self.geometry_names: dict[GeometryId, str] = {}
+        world = inspector.world_frame_id()
+        self._world_names = {WORLD, world_frame}
+        self.frame_names[world] = world_frame
+        short = {world: WORLD}
+        self.world = world
+        for frame in inspector.GetAllFrameIds():
+            if frame == world:
+                continue
+            name = inspector.GetName(frame)
+            full = f'{inspector.GetOwningSourceName(frame)}::{name}'
+            short[frame] = name
+            self.frame_names[frame] = full
+            for alias in {name, full}:
+                self._frames[alias].append(frame)
+        for geometry in inspector.GetAllGeometryIds():
+            name = inspector.GetName(geometry)
+            alias = f'{short[inspector.GetFrameId(geometry)]}/{name}'
+            full = f'{inspector.GetOwningSourceName(geometry)}::{alias}'
+            self.geometry_names[geometry] = full
+            for key in {alias, full}:
+                self._geometries[key].append(geometry)
+        self._known_frames = {f.get_value(): f for f in self.frame_names}
+        self._known_geometries = {g.get_value(): g for g in self.geometry_names}
+
+    def source(self, name: str) -> SourceId:
+        """Return the source of that name or ``#<id>``."""
+        if name in self._sources:
+            return self._sources[name]
+        by_value = {s.get_value(): s for s in self._sources.values()}
+        if (value := _value(name)) in by_value:
+            return by_value[value]
+        raise UnknownNameError(
+            f'There is no source {name[:80]!r}. Sources: {_some(self._sources)}. '
+            'See register_source and the topic ~/scene.'
+        )
+
+    def frame(self, name: str, source: str = '') -> FrameId:
+        """Return the frame of that name, looked for in ``source`` alone when that is given.
+
+        The world's name stands for the world; a frame that bears it too needs its source's name.
+        """
+        if name in self._world_names:
+            return self.world
+        if (value := _value(name)) is not None:
+            return self.frame_of_value(value)
+        key = f'{source}::{name}' if source and '::' not in name else name
+        found = self._frames.get(key, [])
+        if len(found) == 1:
+            return found[0]
+        raise UnknownNameError(self._problem('frame', key, found, self.frame_names))
+
+    def frames_called(self, name: str) -> list[FrameId]:
+        """Return all frames of that name."""
+        return list(self._frames.get(name, ()))
+
+    def geometry(self, name: str) -> GeometryId:
+        """Return the geometry of that name or ``#<id>``."""
+        if (value := _value(name)) is not None:
+            return self.geometry_of_value(value)
+        found = self._geometries.get(name, [])
+        if len(found) == 1:
+            return found[0]
+        raise UnknownNameError(self._problem('geometry', name, found, self.geometry_names))
+
+    def frame_of_value(self, value: int) -> FrameId:
+        """Return the frame with that id."""
+        if value in self._known_frames:
+            return self._known_frames[value]
+        raise UnknownNameError(self._problem('frame', f'#{value}', [], self.frame_names))
+
+    def geometry_of_value(self, value: int) -> GeometryId:
+        """Return the geometry with that id."""
+        if value in self._known_geometries:
+            return self._known_geometries[value]
+        raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
+
+    @staticmethod
+    def _problem(kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]) -> str:
+        shown = name if len(name) <= 80 else f'{name[:77]}...'
+        if found:
+            ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
+            return (
+                f'The {kind} name {shown!r} is borne by {len(found)}: {ids}. '
+                'Name the source too, as in `source::name`, or give `#<id>`.'
+            )
+        return (
+            f'There is no {kind} {shown!r} in the scene. It holds {len(names)}: '
+            f'{_some(names.values())}. See the topic ~/scene.'
+        )
+
+
+def _value(name: str) -> int | None:
+    """Return the id that ``#<id>`` stands for; None for what is a name."""
+    return int(name[1:]) if _ID.fullmatch(name) else None
+
+
+def _some(all_names: Iterable[str], count: int = 4) -> str:
+    names = list(all_names)
+    more = f' and {len(names) - count} more' if len(names) > count else ''
+    return (', '.join(f"'{n}'" for n in names[:count]) or 'none') + more

@@ -1,0 +1,70 @@
+"""Results of queries to messages, no ROS import."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    PenetrationResults,
+    PointDistanceResults,
+    SignedDistanceResults,
+)
+from drake_geom_ros.ros.conversions.fields import floats, uint8s, uint32s, unsigned
+
+
+def fill_penetrations(message: Any, results: PenetrationResults) -> None:
+    """Fill the arrays of a PenetrationPairs message."""
+    message.id_a = unsigned(results.id_A)
+    message.id_b = unsigned(results.id_B)
+    message.p_wca = floats(results.p_WCa)
+    message.p_wcb = floats(results.p_WCb)
+    message.nhat_ba_w = floats(results.nhat_BA_W)
+    message.depth = floats(results.depth)
+    message.error_bound = floats(results.error_bound)
+    message.method = uint8s(results.method)
+
+
+def fill_signed_distances(
+    message: Any, results: SignedDistanceResults, max_distance: float
+) -> None:
+    """Fill the arrays of a SignedDistancePairs message."""
+    message.max_distance = max_distance
+    message.id_a = unsigned(results.id_A)
+    message.id_b = unsigned(results.id_B)
+    message.p_aca = floats(results.p_ACa)
+    message.p_bcb = floats(results.p_BCb)
+    message.nhat_ba_w = floats(results.nhat_BA_W)
+    message.distance = floats(results.distance)
+    message.is_nhat_ba_w_unique = results.is_nhat_BA_W_unique.tolist()
+    message.error_bound = floats(results.error_bound)
+    message.method = uint8s(results.method)
+
+
+def fill_point_distances(
+    message: Any,
+    parts: Sequence[PointDistanceResults],
+    threshold: float,
+    indices: Sequence[NDArray[np.int64]],
+) -> None:
+    """Fill the arrays of a PointDistances message with the results of blocks of points.
+
+    ``indices[k]`` (m,) are the numbers of block k's points among all points.
+    """
+    numbers = [index[part.point_index] for part, index in zip(parts, indices, strict=True)]
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([getattr(part, name) for part in parts])
+
+    message.threshold = threshold
+    message.point_index = uint32s(np.concatenate(numbers))
+    message.id_g = unsigned(joined('id_G'))
+    message.p_gn = floats(joined('p_GN'))
+    message.distance = floats(joined('distance'))
+    message.grad_w = floats(joined('grad_W'))
+    message.is_grad_w_unique = joined('is_grad_W_unique').tolist()
+    message.error_bound = floats(joined('error_bound'))
+    message.method = uint8s(joined('method'))

@@ -1,0 +1,1 @@
+"""The demo: a node, a player and a client, and what a person sees of them."""

@@ -1,0 +1,105 @@
+"""The main job, shown: a node, a player and a client, three processes.
+
+``python -m drake_geom_ros.ros.demo`` plays two arms over a table for 15 s, prints a live table and
+leaves results.csv, distances.png and closest.png in out/demo.
+"""
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+
+from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from drake_geom_ros.scene_files import ResourceResolver, SceneFileError, read_scene
+from drake_geom_ros.trajectories.motion_file import load_motion
+
+_SCENE = 'scenes/two_pandas.yaml'
+# Distances up to this [m] are shown; beyond, arms and objects are simply far away.
+_MAX_DISTANCE = 0.3
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog='demo', description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument('--seconds', type=float, default=15.0, help='length of the recording')
+    parser.add_argument('--forever', action='store_true', help='until Ctrl-C')
+    parser.add_argument('--scene', type=Path, help='scene file (default: the two arms)')
+    parser.add_argument(
+        '--motion', type=Path, help='motion file (default: <scene>_motion.yaml beside the scene)'
+    )
+    parser.add_argument('--rate', type=float, default=100.0, help='pose messages a second')
+    parser.add_argument('--out', type=Path, default=Path('out/demo'), help='folder of the files')
+    options = parser.parse_args()
+    if options.seconds <= 0.0 or not 0.1 <= options.rate <= 1000.0:
+        parser.error('--seconds must be positive, --rate from 0.1 to 1000')
+    return options
+
+
+def _files(options: argparse.Namespace) -> tuple[Path, Path | None]:
+    """Return the scene and the motion file, None where everything is to stand still."""
+    scene = options.scene or _shipped_scene()
+    motion = options.motion or scene.with_name(f'{scene.stem}_motion.yaml')
+    return scene, motion if options.motion or motion.is_file() else None
+
+
+def _shipped_scene() -> Path:
+    """Return the scene in the source tree, or the one that is installed."""
+    in_source = Path(__file__).parents[3] / _SCENE
+    if in_source.is_file():
+        return in_source
+    return ResourceResolver().resolve(f'package://drake_geom_ros/{_SCENE}', Path.cwd())
+
+
+def _parameters(**values: object) -> list[str]:
+    pairs = [f'{name}:={value}' for name, value in values.items()]
+    return ['--ros-args', *(word for pair in pairs for word in ('-p', pair))]
+
+
+def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
+    # Errors in the files are told here, before anything is started.
+    load_motion(motion, read_scene(scene))
+    options.out.mkdir(parents=True, exist_ok=True)
+    environment = ros_environment()
+    print(f'scene {scene}, motion {motion}, ROS domain {environment["ROS_DOMAIN_ID"]}', flush=True)
+    package = 'drake_geom_ros.ros'
+    with ProcessGroup(environment) as processes:
+        processes.start(
+            'scene_graph_node',
+            f'{package}.scene_graph_node',
+            *_parameters(scene_file=scene, max_distance=_MAX_DISTANCE),
+            log=options.out / 'scene_graph_node.log',
+        )
+        processes.start(
+            'pose_player',
+            f'{package}.pose_player',
+            *_parameters(scene_file=scene, trajectory_file=motion or '""', rate=options.rate),
+            log=options.out / 'pose_player.log',
+        )
+        seconds = 'inf' if options.forever else str(options.seconds)
+        processes.start(
+            'demo_client',
+            f'{package}.demo.client',
+            *('--scene', str(scene), '--seconds', seconds, '--out', str(options.out)),
+        )
+        processes.wait_for('demo_client')
+
+
+def main() -> int:
+    """Run the demo; return 0 when it ran to its end, 1 when a part of it failed."""
+    options = _arguments()
+    # Ended by a signal it still ends its processes.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        _run(options, *_files(options))
+    except (ProcessFailedError, SceneFileError, ValueError) as error:
+        print(f'demo: {error}', file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        # A second one, while the client was writing its files.
+        return 128 + signal.SIGINT
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

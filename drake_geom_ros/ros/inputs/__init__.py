@@ -1,0 +1,1 @@
+"""What comes in by itself: transforms, robot descriptions, points. No ROS import."""

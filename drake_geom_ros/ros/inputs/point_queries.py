@@ -1,0 +1,88 @@
+"""``~/query_points`` in, ``~/point_distances`` out: distances from clouds of points.
+
+A cloud may be given in the world or in any frame of the scene. Points that are not finite, as
+depth cameras send them for what they did not see, are skipped; ``point_index`` counts them.
+``query_stamp`` in the answer is the cloud's stamp, which tells which cloud it is for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError, PointDistanceResults, QueryObject
+from drake_geom_ros.ros.conversions.point_cloud import points_from_cloud
+from drake_geom_ros.ros.conversions.results import fill_point_distances
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+
+# The query has room for each point and geometry; that many rows of 100 bytes at a time.
+_ROWS_AT_ONCE = 1_000_000
+_MOST_ROWS = 2_000_000  # of an answer, whose message then has 160 MB
+
+
+class PointQueries:
+    """Answers clouds beside the cycle, when somebody listens."""
+
+    def __init__(
+        self,
+        live: LiveScene,
+        publisher: Any,
+        message_class: Any,
+        threshold: Callable[[], float],
+    ) -> None:
+        """``threshold()`` [m] is that of now."""
+        self._live = live
+        self._publisher = publisher
+        self._message_class = message_class
+        self._threshold = threshold
+
+    def take(self, cloud: Any) -> None:
+        """Answer a cloud, if somebody listens; raises RuntimeError for one that is wrong."""
+        if not self._publisher.get_subscription_count():
+            return
+        self._publisher.publish(self.answer(cloud))
+
+    def answer(self, cloud: Any) -> Any:
+        """Return the PointDistances of a cloud; raises RuntimeError for one that is wrong."""
+        view, threshold = self._live.view(), self._threshold()
+        points = points_from_cloud(cloud)
+        if cloud.header.frame_id:
+            frame = view.names.frame(cloud.header.frame_id)
+            points = view.query.X_WF(frame).multiply(points.T).T
+        finite = np.flatnonzero(np.isfinite(points).all(axis=1))
+        parts, blocks = distances_to(view.query, points, finite, threshold)
+        message = self._message_class()
+        fill_point_distances(message, parts, threshold, blocks)
+        view.moment.stamp(message)
+        message.query_stamp = cloud.header.stamp
+        return message
+
+
+def distances_to(
+    query: QueryObject,
+    points: NDArray[np.float64],
+    numbers: NDArray[np.int64],
+    threshold: float,
+    accuracy: str | None = None,
+) -> tuple[list[PointDistanceResults], list[NDArray[np.int64]]]:
+    """Return the distances [m] to ``points[numbers]``, in blocks, and the numbers of each block.
+
+    Raises ArgumentError when there are more than an answer can hold.
+    """
+    step = max(1, _ROWS_AT_ONCE // max(1, query.inspector().num_geometries()))
+    blocks = [numbers[k : k + step] for k in range(0, max(1, len(numbers)), step)]
+    parts: list[PointDistanceResults] = []
+    for block in blocks:
+        parts.append(
+            query.ComputeSignedDistanceToPoint(points[block], threshold, accuracy=accuracy)
+        )
+        if sum(map(len, parts)) > _MOST_ROWS:
+            raise ArgumentError(
+                f'{len(numbers)} points have more than {_MOST_ROWS} distances up to '
+                f'{threshold} m; an answer holds no more: ask for fewer points, or a smaller '
+                'threshold'
+            )
+    return parts, blocks

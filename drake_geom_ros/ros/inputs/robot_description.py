@@ -1,0 +1,111 @@
+"""A robot from a latched topic: the URDF on ``robot_description_topic`` becomes a source.
+
+The source has the robot's name, its links are frames in the world that wait for their poses, and
+adjacent links are filtered, as when a URDF is loaded from a file. The same text again changes
+nothing. Another text takes the place of the one before: the scene is made anew without the old
+robot and with the new one, or, where that cannot be, stays as it is. All else keeps its names,
+properties, poses and persistent filters, but ids are new and transient filters are gone, as with
+``load_scene`` and ``replace``. No ROS import here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import (
+    DeclarationDescription,
+    Member,
+    SceneDescription,
+    Statement,
+    read_scene,
+    rehearse,
+)
+from drake_geom_ros.scene_files.description import FilterDescription
+
+
+class RobotInput:
+    """Puts the robot of a description into the live scene, and another one in its place."""
+
+    def __init__(self, live: LiveScene) -> None:
+        self._live = live
+        self._text = ''
+        self._source = ''
+
+    def take(self, text: str) -> str:
+        """Take a URDF and return what became of it, for the log; raises RuntimeError for none."""
+        with self._live.reading() as scene:
+            if text == self._text and self._is_in(scene):
+                return ''
+        # A line break tells a text from a path.
+        robot = read_scene(f'{text}\n', 'urdf', allowed_roots=self._live.files.folders)
+        (source,) = robot.sources
+        self._make_ready(robot)
+        with self._live.editing() as scene:
+            if self._is_in(scene):
+                scene.replace(prepared(self._in_its_place(robot, scene)))
+                done = f'in the place of {self._source!r}'
+            else:
+                scene.add(robot)
+                done = 'added'
+            self._text, self._source = text, source
+        return (
+            f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
+        )
+
+    def _make_ready(self, robot: SceneDescription) -> None:
+        """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it."""
+        with self._live.reading() as scene:
+            whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
+        if whole is not None:
+            prepared(whole)
+        else:
+            self._live.make_ready(lambda graph, context: rehearse(graph, robot, context))
+
+    def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
+        """Return the scene with another robot in the place of the one before."""
+        return joined(without_source(scene.description(), self._source), robot)
+
+    def _is_in(self, scene: HeldScene) -> bool:
+        inspector = scene.inspector
+        return self._source in map(inspector.GetName, inspector.GetAllSourceIds())
+
+
+def joined(first: SceneDescription, second: SceneDescription) -> SceneDescription:
+    """Return a scene of two; what the second says is registered last."""
+    names = ('sources', 'robots', 'frames', 'geometries', 'filters')
+    return replace(first, **{name: getattr(first, name) + getattr(second, name) for name in names})
+
+
+def without_source(scene: SceneDescription, source: str) -> SceneDescription:
+    """Return a scene without what a source has, and filters without its members."""
+    filters: list[FilterDescription] = []
+    for entry in scene.filters:
+        if isinstance(entry, DeclarationDescription):
+            kept = tuple(filter(None, (_statement(s, source) for s in entry.statements)))
+            if kept:
+                filters.append(replace(entry, statements=kept))
+        elif members := _others(entry.members, source):
+            filters.append(replace(entry, members=members))
+    return replace(
+        scene,
+        sources=tuple(name for name in scene.sources if name != source),
+        robots=tuple(robot for robot in scene.robots if robot.name != source),
+        frames=tuple(frame for frame in scene.frames if frame.source != source),
+        geometries=tuple(geometry for geometry in scene.geometries if geometry.source != source),
+        filters=tuple(filters),
+    )
+
+
+def _others(members: tuple[Member, ...], source: str) -> tuple[Member, ...]:
+    return tuple(member for member in members if member.source != source)
+
+
+def _statement(statement: Statement, source: str) -> Statement | None:
+    """Return a statement without the members of a source; None where it then says nothing."""
+    set_a, set_b = _others(statement.set_a, source), _others(statement.set_b, source)
+    if not set_a or (statement.operation.takes_two_sets and not set_b):
+        return None
+    return replace(statement, set_a=set_a, set_b=set_b)

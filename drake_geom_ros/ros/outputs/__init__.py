@@ -1,0 +1,1 @@
+"""What goes out by itself: results of cycles, markers, diagnostics, replay files."""

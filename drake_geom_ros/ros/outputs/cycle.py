@@ -1,0 +1,200 @@
+"""One cycle of the node: ask what is subscribed to, publish, report what ran and what did not."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from drake_geom_ros.geometry import METHODS, Effects
+from drake_geom_ros.ros.conversions.fields import floats
+from drake_geom_ros.ros.conversions.results import fill_penetrations, fill_signed_distances
+from drake_geom_ros.ros.outputs.level_costs import LevelCosts
+from drake_geom_ros.ros.outputs.replays import Replays
+from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.scene_view import Moment
+
+NO_SUBSCRIBER = 'no subscriber'
+_NO_POSES = 'no pose message since the last cycle'
+_STILL_NEAR = 'nothing moved so far that other pairs could have come near'
+_ALL_COMPILED = 'every kernel of the scene is compiled'
+_NONE_KEPT = 'no pair whose bodies both rest'
+_NOTHING_LEFT = 'no pair left to compute'
+
+
+@dataclass
+class Effect:
+    """One thing that a cycle may do: how much, how long, or why not."""
+
+    name: str
+    count: int = 0
+    seconds: float = 0.0
+    reason: str = ''
+
+
+class Cycle:
+    """Runs cycles over three publishers; nothing is computed for nobody."""
+
+    def __init__(
+        self,
+        messages: Any,
+        publishers: dict[str, Any],
+        costs: LevelCosts,
+        replays: Replays,
+    ) -> None:
+        """Publish on ``publishers``: penetrations, signed_distances and cycle_report.
+
+        ``costs`` are told what was computed, ``replays`` what was answered.
+        """
+        self._costs = costs
+        self._replays = replays
+        self._publishers = publishers
+        # Filled anew each cycle: making one costs as much as filling it (30 us).
+        self._messages = {
+            'penetrations': messages.PenetrationPairs(),
+            'signed_distances': messages.SignedDistancePairs(),
+            'cycle_report': messages.CycleReport(),
+        }
+        self.count = 0
+        self.worst_error_bound = 0.0  # [m] of the last cycle that computed anything
+
+    def run(
+        self,
+        scene: HeldScene,
+        poses_taken: int,
+        poses_seconds: float,
+        max_distance: float,
+        time_budget: float,
+    ) -> None:
+        """Answer for the poses of now; ``poses_seconds`` is what taking them cost.
+
+        ``time_budget`` [s] limits the narrow phase; 0: it has none.
+        """
+        start = time.perf_counter()
+        self.count += 1
+        wanted = {
+            name: publisher.get_subscription_count() > 0
+            for name, publisher in self._publishers.items()
+        }
+        if not any(wanted.values()):
+            return
+        moment = scene.moment()
+        effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
+        computed = None
+        if wanted['signed_distances'] or wanted['penetrations']:
+            computed, published = self._answer(scene, moment, wanted, max_distance, time_budget)
+        else:
+            published = [_unpublished('penetrations'), _unpublished('signed_distances')]
+        if wanted['cycle_report']:
+            effects += _computed(computed) + published
+            seconds = poses_seconds + time.perf_counter() - start
+            self._report(moment, effects, computed, seconds, time_budget)
+
+    def _answer(
+        self,
+        scene: HeldScene,
+        moment: Moment,
+        wanted: dict[str, bool],
+        max_distance: float,
+        time_budget: float,
+    ) -> tuple[Effects, list[Effect]]:
+        """Compute, publish what is wanted, and return what that took.
+
+        One narrow phase serves both: a pair's depth is minus its signed distance.
+        """
+        query = scene.query
+        reach = max_distance if wanted['signed_distances'] else 0.0
+        distances = query.ComputeSignedDistancePairwiseClosestPoints(
+            reach, time_budget=time_budget
+        )
+        computed = query.effects()
+        self._costs.count(computed.narrowphase_pairs, reach)
+        self._replays.look_at(scene, distances, reach)
+        self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
+        published = [_unpublished('penetrations'), _unpublished('signed_distances')]
+        if wanted['penetrations']:
+            fill_penetrations(self._messages['penetrations'], distances.penetrations())
+            published[0] = self._publish('penetrations', moment)
+        if wanted['signed_distances']:
+            fill_signed_distances(self._messages['signed_distances'], distances, max_distance)
+            published[1] = self._publish('signed_distances', moment)
+        return computed, published
+
+    def _publish(self, name: str, moment: Moment) -> Effect:
+        start = time.perf_counter()
+        message = self._messages[name]
+        moment.stamp(message)
+        self._publishers[name].publish(message)
+        return Effect(f'publish ~/{name}', len(message.id_a), time.perf_counter() - start)
+
+    def _report(
+        self,
+        moment: Moment,
+        effects: list[Effect],
+        computed: Effects | None,
+        seconds: float,
+        time_budget: float,
+    ) -> None:
+        """Publish the CycleReport of a cycle."""
+        computed = computed or Effects()
+        message = self._messages['cycle_report']
+        moment.stamp(message)
+        message.cycle = self.count
+        message.seconds = seconds
+        message.frames_moved = computed.frames_moved
+        message.geometries_updated = computed.geometries_updated
+        message.broadphase_pairs = computed.broadphase_pairs
+        message.filtered_pairs = computed.filtered_pairs
+        message.cached_pairs = computed.cached_pairs
+        methods = sorted(computed.pairs_by_method)
+        message.methods = [METHODS[m] for m in methods]
+        message.method_pairs = [computed.pairs_by_method[m] for m in methods]
+        message.unpublished_messages = sum(
+            e.reason == NO_SUBSCRIBER and e.name.startswith('publish') for e in effects
+        )
+        message.effects = [e.name for e in effects]
+        message.effect_ran = [not e.reason for e in effects]
+        message.effect_counts = [e.count for e in effects]
+        message.effect_seconds = [e.seconds for e in effects]
+        message.effect_reasons = [e.reason for e in effects]
+        costs = self._costs.last
+        message.levels, message.level_seconds = costs.levels, floats(costs.seconds)
+        message.level_samples = costs.samples
+        message.time_budget = time_budget
+        message.unrefined_pairs = computed.unrefined_pairs
+        self._publishers['cycle_report'].publish(message)
+
+
+def _unpublished(name: str) -> Effect:
+    return Effect(f'publish ~/{name}', reason=NO_SUBSCRIBER)
+
+
+def _computed(computed: Effects | None) -> list[Effect]:
+    """Return the effects of a query, in the order in which they ran; None: it did not."""
+    if computed is None:
+        names = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')
+        return [Effect(name, reason=NO_SUBSCRIBER) for name in names]
+    seconds = computed.seconds
+    return [
+        Effect('update', computed.geometries_updated, seconds['update']),
+        Effect(
+            'broadphase',
+            computed.broadphase_pairs,
+            seconds['broadphase'],
+            '' if computed.near_list_made else _STILL_NEAR,
+        ),
+        Effect('filter', computed.filtered_pairs),  # its time is part of the broad phase's
+        Effect(
+            'compile',
+            len(computed.kernels_compiled),
+            seconds['compile'],
+            '' if computed.kernels_compiled else _ALL_COMPILED,
+        ),
+        Effect('cache', computed.cached_pairs, reason='' if computed.cached_pairs else _NONE_KEPT),
+        Effect(
+            'narrowphase',
+            computed.narrowphase_pairs,
+            seconds.get('narrowphase', 0.0),
+            '' if computed.narrowphase_pairs else _NOTHING_LEFT,
+        ),
+    ]

@@ -1,0 +1,123 @@
+"""What the node says about itself on /diagnostics: rate, delay, refusals, stale frames, memory."""
+
+from __future__ import annotations
+
+import math
+import resource
+import threading
+from collections import Counter
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from drake_geom_ros.ros.outputs.cycle import Cycle
+
+_REASON_LENGTH = 120
+_KINDS_OF_REASONS = 50
+_SHOWN_REASONS = 5
+_NAMES_IN_MESSAGE = 5
+_NAMES_IN_VALUE = 50
+_STATM = Path('/proc/self/statm')
+
+
+class Diagnostics:
+    """Counts what comes in and what is refused, and makes the status message of it.
+
+    Inputs are counted from several threads.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._lock = threading.Lock()
+        self._taken = 0
+        self._refused: Counter[str] = Counter()
+        self._reasons: Counter[str] = Counter()
+        self._latest = 'none'
+        self._delays: list[float] = []
+        self._last = (0.0, 0)
+
+    def take(self, delay: float) -> None:
+        """Count a pose message that was answered ``delay`` [s] after it had come."""
+        with self._lock:
+            self._taken += 1
+            self._delays.append(delay)
+
+    def refuse(self, what: str, reason: str) -> None:
+        """Count a message that was refused; ``what`` names the input."""
+        key = f'{what}: {reason[:_REASON_LENGTH]}'
+        with self._lock:
+            self._latest = key
+            self._refused[what] += 1
+            # The kinds of reasons are few; texts with ever new names in them must not pile up.
+            if len(self._reasons) < _KINDS_OF_REASONS or key in self._reasons:
+                self._reasons[key] += 1
+
+    def message(
+        self, ages: dict[str, float], version: int, stale_after: float, cycle: Cycle, now: float
+    ) -> DiagnosticArray:
+        """Return what is to be said of now; ``now`` [s] is of any steady clock.
+
+        ``ages`` [s] are those of all frames' poses by name, ``version`` is the scene's.
+        """
+        with self._lock:
+            taken, delays, self._delays = self._taken, sorted(self._delays), []
+            refused = self._refused['frame_poses']
+            inputs = {f'refused from {name}': n for name, n in sorted(self._refused.items())}
+            reasons, latest = self._reasons.most_common(_SHOWN_REASONS), self._latest
+        stale = sorted(name for name, age in ages.items() if age > stale_after)
+        status = DiagnosticStatus(name=self._name, hardware_id=self._name)
+        status.level = DiagnosticStatus.WARN if stale else DiagnosticStatus.OK
+        status.message = f'{cycle.count} cycles, {taken} pose messages'
+        if stale:
+            status.message = (
+                f'{len(stale)} of {len(ages)} frames are stale (older than {stale_after:g} s): '
+                f'{_some(stale, _NAMES_IN_MESSAGE)}'
+            )
+        elapsed, done = now - self._last[0], cycle.count - self._last[1]
+        self._last = (now, cycle.count)
+        values = {
+            'cycles': cycle.count,
+            'cycle rate [Hz]': f'{done / elapsed:.1f}' if 0.0 < elapsed < 10.0 else 'unknown',
+            'delay p50 [ms]': _milliseconds(delays, 0.5),
+            'delay worst [ms]': _milliseconds(delays, 1.0),
+            'pose messages taken': taken,
+            'pose messages refused': refused,
+            'latest refusal': latest,
+            'frames': len(ages),
+            'stale frames': len(stale),
+            'names of stale frames': _some(stale, _NAMES_IN_VALUE),
+            'oldest pose': _oldest(ages),
+            'scene version': version,
+            'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
+            'memory [MB]': f'{_memory() / 2**20:.1f}',
+        }
+        values |= inputs | {f'refused: {reason}': n for reason, n in reasons}
+        status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        return DiagnosticArray(status=[status])
+
+
+def _some(names: list[str], count: int) -> str:
+    return ', '.join(names[:count]) + (' ...' if len(names) > count else '')
+
+
+def _milliseconds(delays: list[float], part: float) -> str:
+    """Return a quantile of ascending delays [s] in words."""
+    if not delays:
+        return 'none'
+    return f'{1e3 * delays[min(len(delays) - 1, int(part * len(delays)))]:.3f}'
+
+
+def _oldest(ages: dict[str, float]) -> str:
+    """Return the name and age of the frame with the oldest pose in words."""
+    if not ages:
+        return 'no frames'
+    name = max(ages, key=lambda n: (ages[n], n))
+    age = ages[name]
+    return f'{name}: ' + ('never posed' if math.isinf(age) else f'{age:.3f} s old')
+
+
+def _memory() -> int:
+    """Return the bytes of memory that the process has now; the most it had, where not Linux."""
+    if _STATM.exists():
+        return int(_STATM.read_text().split()[1]) * resource.getpagesize()
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

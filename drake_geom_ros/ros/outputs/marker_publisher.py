@@ -1,0 +1,104 @@
+"""Publishes ~/markers: everything to a new subscriber, then what changed. No ROS import."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+from drake_geom_ros.geometry import GeometryId
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.outputs.markers import (
+    DELETE_ALL,
+    NAMESPACES,
+    Colour,
+    MarkerWriter,
+    Part,
+    colour_of,
+    is_solid,
+    parts_of,
+)
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.scene_view import SceneView
+
+Key = tuple[str, GeometryId]
+
+
+class MarkerPublisher:
+    """Draws the scene of now whenever it is told to, from a view: the cycle does not wait.
+
+    What stands still is sent once, and again to all when somebody new listens.
+    """
+
+    def __init__(
+        self,
+        live: LiveScene,
+        publisher: Any,
+        types: SimpleNamespace,
+        max_distance: Callable[[], float],
+    ) -> None:
+        """``types`` holds Marker, MarkerArray and Point; pairs within ``max_distance()`` [m]."""
+        self._live = live
+        self._publisher = publisher
+        self._types = types
+        self._max_distance = max_distance
+        self._listeners = 0
+        self._version = -1
+        self._looks: dict[Key, tuple[list[Part], Colour]] = {}
+        self._shown: dict[Key, tuple[int, bytes]] = {}
+
+    def publish(self) -> None:
+        """Publish what changed, if somebody listens."""
+        listeners = self._publisher.get_subscription_count()
+        if listeners > self._listeners:
+            self._shown.clear()
+        self._listeners = listeners
+        if not listeners:
+            return
+        view = self._live.view()
+        stamp = view.moment.newest_stamp or self._types.Marker().header.stamp
+        writer = MarkerWriter(self._types, view.moment.world_frame, stamp)
+        results = view.query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance())
+        markers = self._geometry(view, writer) + writer.pairs(results)
+        self._publisher.publish(self._types.MarkerArray(markers=markers))
+
+    def clear(self) -> None:
+        """Let everything vanish that is shown."""
+        if self._shown:
+            marker = self._types.Marker(action=DELETE_ALL)
+            marker.header.frame_id = self._live.world_frame
+            self._publisher.publish(self._types.MarkerArray(markers=[marker]))
+            self._shown.clear()
+
+    def _geometry(self, view: SceneView, writer: MarkerWriter) -> list[Any]:
+        """Return the markers of geometry that is new, moved, changed or gone."""
+        self._bring_up_to_date(view)
+        markers = []
+        for key in [key for key in self._shown if key not in self._looks]:
+            count, _ = self._shown.pop(key)
+            markers += writer.removed(*key, range(count))
+        for key, (parts, colour) in self._looks.items():
+            X_WG: RigidTransform = view.query.X_WG(key[1])
+            state = len(parts), X_WG.ToArray().tobytes()
+            before = self._shown.get(key, (0, b''))
+            if before != state:
+                markers += writer.removed(*key, range(len(parts), before[0]))
+                markers += writer.geometry(*key, parts, colour, X_WG)
+                self._shown[key] = state
+        return markers
+
+    def _bring_up_to_date(self, view: SceneView) -> None:
+        """Look shapes and colours up, once a version of the scene; all are sent again then."""
+        if self._version == view.moment.version:
+            return
+        inspector = view.query.inspector()
+        self._looks = {
+            (namespace, geometry): (
+                parts_of(inspector.GetShape(geometry), is_solid(inspector, geometry, role)),
+                colour_of(inspector, geometry, role),
+            )
+            for role, namespace in NAMESPACES.items()
+            for geometry in inspector.GetAllGeometryIds(role)
+        }
+        self._shown = {key: (count, b'') for key, (count, _) in self._shown.items()}
+        self._version = view.moment.version

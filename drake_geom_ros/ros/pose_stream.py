@@ -1,0 +1,71 @@
+"""Poses in, cycles out: the part of the node that must not wait, in a thread of its own."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.parameters import ParameterStore
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+
+
+class PoseStream:
+    """Takes poses into the live scene; runs cycles for them while ``active``."""
+
+    def __init__(
+        self,
+        live: LiveScene,
+        settings: ParameterStore,
+        diagnostics: Diagnostics,
+        cycle: Cycle,
+    ) -> None:
+        self.active = False
+        self._live = live
+        self._settings = settings
+        self._diagnostics = diagnostics
+        self._cycle = cycle
+        self._frames, self._seconds = 0, 0.0  # taken since the last cycle, and what that cost
+
+    def stop(self) -> None:
+        """Run no more cycles; the one that runs ends first."""
+        with self._live.editing():
+            self.active = False
+
+    def take_poses(self, message: Any) -> None:
+        """Take a FramePoses message; raises RuntimeError for one that is refused."""
+        start = time.perf_counter()
+        with self._live.editing() as scene:
+            self._posed(scene, scene.take_poses(message), start)
+        self._diagnostics.take(time.perf_counter() - start)
+
+    def take_transforms(self, tf: TfInput, static: bool, message: Any) -> None:
+        """Take a TFMessage; raises RuntimeError for one that is refused."""
+        start = time.perf_counter()
+        with self._live.editing() as scene:
+            if frames := tf.take(scene, message, static=static):
+                self._posed(scene, frames, start)
+        if frames:
+            self._diagnostics.take(time.perf_counter() - start)
+
+    def cycle_is_due(self) -> None:
+        """Run a cycle because it is time to."""
+        with self._live.editing() as scene:
+            self._run_cycle(scene)
+
+    def _posed(self, scene: EditableScene, frames: int, start: float) -> None:
+        """Run a cycle for poses whose taking began at ``start``, or leave it to the timer."""
+        self._frames += frames
+        self._seconds += time.perf_counter() - start
+        if self._settings.values.rate == 0.0:
+            self._run_cycle(scene)
+
+    def _run_cycle(self, scene: EditableScene) -> None:
+        if self.active:
+            frames, seconds = self._frames, self._seconds
+            self._frames, self._seconds = 0, 0.0
+            values = self._settings.values
+            self._cycle.run(scene, frames, seconds, values.max_distance, values.time_budget)

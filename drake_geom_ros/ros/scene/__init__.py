@@ -1,0 +1,1 @@
+"""The one live scene of a node, behind its lock. No ROS import."""

@@ -1,0 +1,88 @@
+"""The live scene while it is held to be changed. No ROS import."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from drake_geom_ros.geometry import FilterId, FramePoseVector, SceneGraph
+from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
+
+
+@dataclass(frozen=True)
+class PreparedScene:
+    """A scene of its own that is ready to take the place of the live one."""
+
+    scene_graph: SceneGraph
+    loaded: LoadedScene
+
+
+def prepared(description: SceneDescription) -> PreparedScene:
+    """Return what is described, its kernels compiled; raises RuntimeError for what cannot be.
+
+    Takes long and holds nothing: so the live scene is replaced in a moment.
+    """
+    scene_graph = SceneGraph()
+    loaded = register(scene_graph, description)
+    scene_graph.CreateSharedContext().compile_kernels()
+    return PreparedScene(scene_graph, loaded)
+
+
+class EditableScene(HeldScene):
+    """The scene and what may be changed of it. What raises RuntimeError has changed nothing."""
+
+    @property
+    def scene_graph(self) -> SceneGraph:
+        """The scene graph, to register on and to filter."""
+        return self._scene_graph
+
+    def add(self, description: SceneDescription) -> tuple[int, int]:
+        """Register what is described; return frames, geometries added.
+
+        Frames stand where the description puts them until their first pose comes.
+        """
+        return self._take(register(self._scene_graph, description))
+
+    def replace(self, other: PreparedScene) -> tuple[int, int]:
+        """Put another scene in the place of this one; versions go on growing."""
+        other.scene_graph.set_default_accuracy(self.accuracy)
+        self._adopt(other.scene_graph, self.version + 1)
+        return self._take(other.loaded)
+
+    def _take(self, loaded: LoadedScene) -> tuple[int, int]:
+        """Take over what was registered."""
+        self._context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
+        self._robots += loaded.robots.values()
+        return len(loaded.frames), len(loaded.geometry_ids)
+
+    def set_accuracy(self, accuracy: str) -> None:
+        """Set the accuracy level of queries that name none."""
+        self._scene_graph.set_default_accuracy(accuracy)
+        self._context.set_default_accuracy(accuracy)
+
+    def take_poses(self, message: Any) -> int:
+        """Take a FramePoses message whole; return how many frames it posed."""
+        poses = self.read_poses(message)
+        now = dict.fromkeys(poses.id_values().tolist(), self._now())
+        self.pose(poses, now, message.header.stamp)
+        return len(poses)
+
+    def pose(self, poses: FramePoseVector, posed_at: Mapping[int, float], stamp: Any) -> None:
+        """Pose frames; ``posed_at`` [s] says since when, by the value of the frame's id."""
+        self._context.UpdateFramePoses(poses)
+        self._ages.note(posed_at)
+        self.newest_stamp = stamp
+
+    def lease(self, filter_id: FilterId, seconds: float) -> None:
+        """Let a transient filter vanish after ``seconds``; 0: it stays."""
+        self._leases.grant(filter_id, seconds)
+
+    def expire_filters(self) -> list[FilterId]:
+        """Remove the transient filters whose lease ran out; return them."""
+        expired = self._leases.take_expired()
+        manager = self._scene_graph.collision_filter_manager()
+        for filter_id in expired:
+            manager.RemoveDeclaration(filter_id)
+        return expired

@@ -1,0 +1,119 @@
+"""The live scene while it is held: what may be seen of it. No ROS import."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from drake_geom_ros.geometry import (
+    FramePoseVector,
+    GeometryId,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+    SceneGraphInspector,
+    SourceId,
+)
+from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
+from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.leases import Leases
+from drake_geom_ros.ros.scene.pose_ages import PoseAges
+from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
+from drake_geom_ros.scene_files import RobotDescription, SceneDescription, describe
+
+
+class HeldScene:
+    """A SceneGraph and a context that shares its model, and what a node must know besides.
+
+    ``LiveScene`` hands it out for the length of a ``with`` block, in which no other thread has it;
+    it is not kept for longer.
+    """
+
+    def __init__(
+        self, scene_graph: SceneGraph, now: Callable[[], float], world_frame: str, version: int
+    ) -> None:
+        """``now`` [s] is the clock of pose ages and leases; ``version`` that of an empty scene."""
+        self.world_frame = world_frame
+        self._now = now
+        self._adopt(scene_graph, version)
+
+    def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
+        """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
+        self._scene_graph = scene_graph
+        self._context = scene_graph.CreateSharedContext()
+        self._version_base = version
+        self._named_version = -1
+        self._ages, self._leases = PoseAges(self._now), Leases(self._now)
+        self._robots: list[RobotDescription] = []
+        self.newest_stamp: Any = None
+
+    @property
+    def version(self) -> int:
+        """The version of the scene: it grows with every change of sources, frames, geometries."""
+        return self._version_base + self._scene_graph.model_version()
+
+    @property
+    def accuracy(self) -> str:
+        """The accuracy level of queries that name none."""
+        return self._scene_graph.default_accuracy()
+
+    @property
+    def inspector(self) -> SceneGraphInspector:
+        """The inspector of the scene."""
+        return self._scene_graph.model_inspector()
+
+    @property
+    def query(self) -> QueryObject:
+        """The live query object."""
+        return self._scene_graph.get_query_output_port().Eval(self._context)
+
+    @property
+    def names(self) -> NameTable:
+        """The names of this version of the scene."""
+        self._refresh()
+        return self._names
+
+    def owned_geometry(self, name: str) -> tuple[SourceId, GeometryId]:
+        """Return the source that owns a geometry, and the geometry of that name."""
+        geometry = self.names.geometry(name)
+        return self.inspector.GetOwningSourceId(geometry), geometry
+
+    def read_poses(self, message: Any) -> FramePoseVector:
+        """Return the poses of a FramePoses; raises RuntimeError for what cannot be taken."""
+        self._refresh()
+        return self._reader.read(message)
+
+    def _refresh(self) -> None:
+        if self._named_version != self.version:
+            self._names = NameTable(self.inspector, self.world_frame)
+            self._reader = FramePosesReader(self._names)
+            self._named_version = self.version
+
+    def pose_ages(self) -> dict[str, float]:
+        """Return the age [s] of the pose of every frame by name; inf for one never posed."""
+        return self._ages.by_name(self.names)
+
+    def moment(self) -> Moment:
+        """Return which scene and poses an answer of now is for."""
+        oldest = self._ages.oldest(self.names)
+        return Moment(self.version, self.newest_stamp, oldest, self.world_frame)
+
+    def view(self) -> SceneView:
+        """Return a snapshot, which may be kept."""
+        context = self._context.what_if()
+        filters = self._scene_graph.collision_filter_manager(context)
+        return SceneView(context, filters, self.names, self.moment())
+
+    def copy(self) -> SceneGraphContext:
+        """Return a copy that may be kept and changed."""
+        return self._context.copy()
+
+    def description(self) -> SceneDescription:
+        """Return the scene: persistent filters included, every frame where it is now."""
+        query, inspector = self.query, self.inspector
+        X_PFs = {
+            frame: query.X_PF(frame)
+            for frame in inspector.GetAllFrameIds()
+            if frame != inspector.world_frame_id()
+        }
+        return describe(self._scene_graph, X_PFs, self._robots)

@@ -1,0 +1,85 @@
+"""The one live scene of a node, behind its lock.
+
+No ROS here: times are plain seconds, messages any objects with the right fields.
+
+Several threads meet here, and there are three ways in::
+
+    view = live.view()                # a snapshot to keep: queries take long, and run on it
+    with live.reading() as scene: ... # nobody changes the scene meanwhile
+    with live.editing() as scene: ... # nobody else has the scene meanwhile
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from drake_geom_ros.geometry import SceneGraph, SceneGraphContext
+from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
+from drake_geom_ros.ros.conversions.names import WORLD
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.scene_view import SceneView
+
+
+class LiveScene:
+    """Hands the scene out, to one thread at a time; whoever has it may ask for it again."""
+
+    def __init__(
+        self,
+        accuracy: str,
+        now: Callable[[], float],
+        world_frame: str = WORLD,
+        version: int = 0,
+    ) -> None:
+        """``now`` [s] is the clock that ages of poses and leases of filters are measured by.
+
+        ``version`` is that of the scene while it is empty: it grows from there.
+        """
+        self.files = FileAccess([ALL_PACKAGES])
+        self.world_frame = world_frame
+        self._lock = threading.RLock()
+        self._scene = EditableScene(SceneGraph(accuracy=accuracy), now, world_frame, version)
+
+    @contextmanager
+    def editing(self) -> Iterator[EditableScene]:
+        """Hand the scene out to be changed."""
+        with self._lock:
+            yield self._scene
+
+    @contextmanager
+    def reading(self) -> Iterator[HeldScene]:
+        """Hand the scene out to be looked at."""
+        with self._lock:
+            yield self._scene
+
+    def view(self, message: Any = None) -> SceneView:
+        """Return the scene of now, with other poses for the frames that a FramePoses names.
+
+        Frames that are not named keep their live poses. Raises RuntimeError for a message that
+        ``take_poses`` would refuse.
+        """
+        with self.reading() as scene:
+            poses = None if message is None else scene.read_poses(message)
+            view = scene.view()
+        if poses is not None and len(poses):
+            view.context.UpdateFramePoses(poses)
+        return view
+
+    def compile_kernels(self) -> list[str]:
+        """Compile what queries of the scene run, beside the cycle; return the kernels."""
+        return self.view().context.compile_kernels()
+
+    def make_ready(self, change: Callable[[SceneGraph, SceneGraphContext], object]) -> None:
+        """Make a change on a copy of the scene, and what queries need of the changed scene.
+
+        So files are read and kernels compiled beside the cycle, before the change is made in
+        earnest: the scene is held only while it is copied. ``change`` is given the copy, after a
+        scene graph whose methods take it; what it raises is raised here.
+        """
+        with self.reading() as scene:
+            context = scene.copy()
+        change(SceneGraph(), context)
+        context.compile_kernels()

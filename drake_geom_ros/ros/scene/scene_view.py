@@ -1,0 +1,43 @@
+"""One moment of the live scene, for queries that run while the scene moves on. No ROS import."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from drake_geom_ros.geometry import CollisionFilterManager, QueryObject, SceneGraphContext
+from drake_geom_ros.ros.conversions.names import NameTable
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Which scene and which poses a result answers for."""
+
+    version: int
+    newest_stamp: Any  # builtin_interfaces/Time; None before the first pose
+    oldest_pose_age: float  # [s]
+    world_frame: str
+
+    def stamp(self, message: Any) -> None:
+        """Say in a result which poses and which scene it answers for."""
+        message.header.frame_id = self.world_frame
+        # A message that is filled again may bear the stamp of an earlier scene.
+        stamp = self.newest_stamp
+        message.header.stamp = type(message.header.stamp)() if stamp is None else stamp
+        message.scene_version = self.version
+        message.oldest_pose_age = self.oldest_pose_age
+
+
+@dataclass(frozen=True)
+class SceneView:
+    """The scene at a moment: nobody changes it, so that any thread may ask it, for any time."""
+
+    context: SceneGraphContext
+    filters: CollisionFilterManager
+    names: NameTable
+    moment: Moment
+
+    @property
+    def query(self) -> QueryObject:
+        """The query object of this moment."""
+        return QueryObject(self.context)

@@ -1,0 +1,1 @@
+"""What answers calls: a handler each, and the table of all."""

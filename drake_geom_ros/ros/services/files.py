@@ -1,0 +1,62 @@
+"""Services that read or write scene files.
+
+They take long, so they run in the thread of those that bring shapes, and hold the scene only
+while they take it down or put it up. RuntimeError refuses. No ROS import here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+from typing import Any
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import read_scene, rehearse, to_yaml
+
+
+def load_scene(live: LiveScene, request: Any, response: Any) -> None:
+    """Load a scene from a file of the node's machine or from a text."""
+    if bool(request.path) == bool(request.text):
+        raise ArgumentError('path and text are both given or both empty; give exactly one')
+    files = live.files
+    # A line break tells a text from a path; an ending one changes neither YAML nor URDF.
+    told = str(files.file(request.path, 'path')) if request.path else f'{request.text}\n'
+    srdf = request.srdf
+    if srdf and not srdf.lstrip().startswith('<'):
+        srdf = str(files.file(srdf, 'srdf'))
+    description = read_scene(told, request.format, srdf, allowed_roots=files.folders)
+    if request.replace:
+        other = prepared(description)
+        with live.editing() as scene:
+            added = scene.replace(other)
+    else:
+        live.make_ready(lambda graph, context: rehearse(graph, description, context))
+        with live.editing() as scene:
+            added = scene.add(description)
+    response.frames, response.geometries = added
+
+
+def save_scene(live: LiveScene, request: Any, response: Any) -> None:
+    """Write the scene down."""
+    target = live.files.new_file(request.path, 'path') if request.path else None
+    with live.reading() as scene:
+        description = scene.description()
+    response.text = to_yaml(description)
+    if target is not None:
+        _write(response.text, target)
+
+
+def _write(text: str, target: Path) -> None:
+    """Write a file whole: one who is killed meanwhile leaves what was there before."""
+    path = target.resolve()  # what a link stands for lies in the folders; it itself may not
+    part = path.with_name(f'{path.name}.part')
+    try:
+        part.write_text(text)
+        os.replace(part, path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            part.unlink()
+        raise ArgumentError(f'the scene cannot be written to {target}: {error}') from None

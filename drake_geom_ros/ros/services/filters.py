@@ -1,0 +1,56 @@
+"""Services that change the collision filters: the scene, a request, a response.
+
+As in ``scene``: RuntimeError refuses, no ROS import.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from drake_geom_ros.geometry import ArgumentError, FilterId
+from drake_geom_ros.ros.conversions.filters import declaration_from_message
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+
+
+def apply_filter(scene: EditableScene, request: Any, response: Any) -> None:
+    """Apply a persistent declaration."""
+    declaration = declaration_from_message(request.declaration, scene.names)
+    scene.scene_graph.collision_filter_manager().Apply(declaration)
+
+
+def flatten_filters(scene: EditableScene, request: Any, response: Any) -> None:
+    """Make the current configuration the persistent one."""
+    scene.scene_graph.collision_filter_manager().Flatten()
+
+
+def _lease(request: Any) -> float:
+    """Return the lease [s] of a request; raises for what is none."""
+    if not (math.isfinite(request.lease) and request.lease >= 0.0):
+        raise ArgumentError(f'lease is {request.lease}; it must be finite and >= 0 [s], 0: none')
+    return float(request.lease)
+
+
+def apply_transient_filter(scene: EditableScene, request: Any, response: Any) -> None:
+    """Apply a declaration that can be taken back, or that ends with its lease."""
+    lease = _lease(request)
+    declaration = declaration_from_message(request.declaration, scene.names)
+    filter_id = scene.scene_graph.collision_filter_manager().ApplyTransient(declaration)
+    scene.lease(filter_id, lease)
+    response.filter_id = filter_id.get_value()
+
+
+def renew_filter(scene: EditableScene, request: Any, response: Any) -> None:
+    """Prolong the lease of a transient declaration."""
+    lease, filter_id = _lease(request), FilterId(request.filter_id)
+    response.active = scene.scene_graph.collision_filter_manager().IsActive(filter_id)
+    if response.active:
+        scene.lease(filter_id, lease)
+
+
+def remove_filter(scene: EditableScene, request: Any, response: Any) -> None:
+    """Take a transient declaration back."""
+    manager = scene.scene_graph.collision_filter_manager()
+    filter_id = FilterId(request.filter_id)
+    response.removed = manager.RemoveDeclaration(filter_id)
+    scene.lease(filter_id, 0.0)

@@ -1,0 +1,132 @@
+"""Services that only read the scene: the live scene, a request, a response.
+
+They run beside the cycle, in a thread of their own: each takes a view of the scene, which is held
+for a moment, and computes on that. RuntimeError refuses. No ROS import here.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.conversions.fields import fill_pose, unsigned
+from drake_geom_ros.ros.conversions.results import (
+    fill_penetrations,
+    fill_point_distances,
+    fill_signed_distances,
+)
+from drake_geom_ros.ros.inputs.point_queries import distances_to
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+
+
+def _accuracy(request: Any) -> str | None:
+    return request.accuracy or None
+
+
+def _limit(name: str, value: float) -> float:
+    """Return a distance limit of a request; 0 stands for infinity, as the query's default is."""
+    if not value >= 0.0:
+        raise ArgumentError(f'{name} is {value}; it must be >= 0 [m], and 0 stands for infinity')
+    return value or math.inf
+
+
+def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the pairs that overlap."""
+    view = live.view(request.poses)
+    results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
+    fill_penetrations(response.result, results)
+    view.moment.stamp(response.result)
+
+
+def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the signed distances up to a limit."""
+    limit = _limit('max_distance', request.max_distance)
+    view = live.view(request.poses)
+    results = view.query.ComputeSignedDistancePairwiseClosestPoints(
+        limit, accuracy=_accuracy(request)
+    )
+    fill_signed_distances(response.result, results, limit)
+    view.moment.stamp(response.result)
+
+
+def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the signed distance of one pair."""
+    view = live.view(request.poses)
+    a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
+    results = view.query.signed_distance_of_pair(a, b, accuracy=_accuracy(request))
+    fill_signed_distances(response.result, results, math.inf)
+    view.moment.stamp(response.result)
+
+
+def compute_signed_distance_to_point(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the signed distances to points."""
+    limit = _limit('threshold', request.threshold)
+    points = np.asarray(request.points, dtype=np.float64)
+    if points.size % 3:
+        raise ArgumentError(f'points holds {points.size} numbers; it must hold x y z a point')
+    view = live.view(request.poses)
+    parts, blocks = distances_to(
+        view.query,
+        points.reshape(-1, 3),
+        np.arange(points.size // 3),
+        limit,
+        accuracy=_accuracy(request),
+    )
+    fill_point_distances(response.result, parts, limit, blocks)
+    view.moment.stamp(response.result)
+
+
+def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> None:
+    """Report the pairs that bounds alone do not keep apart."""
+    ids = live.view(request.poses).query.collision_candidates()
+    response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
+
+
+def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
+    """Tell whether any pair overlaps."""
+    response.has_collisions = live.view(request.poses).query.HasCollisions()
+
+
+def get_pose(live: LiveScene, request: Any, response: Any) -> None:
+    """Tell the live pose of a frame or a geometry."""
+    if bool(request.frame) == bool(request.geometry):
+        raise ArgumentError('frame and geometry are both given or both empty; give exactly one')
+    if request.relative_to not in (0, 1):
+        raise ArgumentError(
+            f'relative_to is {request.relative_to}; it must be 0 (WORLD) or 1 (PARENT)'
+        )
+    view = live.view()
+    names, query, inspector = view.names, view.query, view.query.inspector()
+    world = inspector.world_frame_id()
+    if request.frame:
+        frame = names.frame(request.frame)
+        parent = inspector.GetParentFrame(frame) if request.relative_to else world
+        X = query.X_PF(frame) if request.relative_to else query.X_WF(frame)
+    else:
+        geometry = names.geometry(request.geometry)
+        parent = inspector.GetFrameId(geometry) if request.relative_to else world
+        X = inspector.GetPoseInFrame(geometry) if request.relative_to else query.X_WG(geometry)
+    fill_pose(response.pose.pose, X)
+    response.pose.header.frame_id = names.frame_names[parent]
+    if view.moment.newest_stamp is not None:
+        response.pose.header.stamp = view.moment.newest_stamp
+
+
+def get_filters(live: LiveScene, request: Any, response: Any) -> None:
+    """Tell the state of the filters."""
+    manager = live.view().filters
+    response.has_transient_history = manager.has_transient_history()
+    active = [f.get_value() for f in manager.active_filter_ids()]
+    response.active_filter_ids = unsigned(np.array(active))
+    response.filtered_pairs = manager.num_filtered_pairs()
+
+
+def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
+    """Tell whether a pair is filtered, and by what."""
+    view = live.view()
+    a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
+    response.reasons = view.filters.explain(a, b)
+    response.filtered = bool(response.reasons)

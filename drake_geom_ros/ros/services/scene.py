@@ -1,0 +1,45 @@
+"""Services that change what the scene holds: the scene, a request, a response.
+
+One function a service; those that bring a shape are in ``shapes``. A handler raises RuntimeError
+to refuse, and has changed nothing then. No ROS import here.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_geom_ros.geometry import ArgumentError, GeometryFrame
+from drake_geom_ros.ros.conversions.names import WORLD
+from drake_geom_ros.ros.conversions.scene import role_from_number
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+
+
+def register_source(scene: EditableScene, request: Any, response: Any) -> None:
+    """Register a geometry source."""
+    response.source_id = scene.scene_graph.RegisterSource(request.name).get_value()
+
+
+def register_frame(scene: EditableScene, request: Any, response: Any) -> None:
+    """Register a frame in the world or in another frame."""
+    if request.name.strip() in (WORLD, scene.world_frame):
+        raise ArgumentError(f'name is {request.name!r}, which is what the world frame is called')
+    source = scene.names.source(request.source)
+    frame = GeometryFrame(request.name, request.frame_group)
+    if request.parent in ('', WORLD, scene.world_frame):
+        frame_id = scene.scene_graph.RegisterFrame(source, frame)
+    else:
+        parent = scene.names.frame(request.parent, request.source)
+        frame_id = scene.scene_graph.RegisterFrame(source, parent, frame)
+    response.frame_id = frame_id.get_value()
+
+
+def remove_role(scene: EditableScene, request: Any, response: Any) -> None:
+    """Take a role away."""
+    source, geometry = scene.owned_geometry(request.geometry)
+    role = role_from_number(request.role)
+    response.count = scene.scene_graph.RemoveRole(source, geometry, role)
+
+
+def remove_geometry(scene: EditableScene, request: Any, response: Any) -> None:
+    """Remove a geometry."""
+    scene.scene_graph.RemoveGeometry(*scene.owned_geometry(request.geometry))

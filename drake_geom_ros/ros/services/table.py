@@ -1,0 +1,76 @@
+"""The table of services: name, type, and the handler that answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from drake_geom_msgs import srv
+from std_srvs.srv import Trigger
+
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.services import files, filters, queries, scene, shapes
+
+Handler = Callable[[LiveScene, Any, Any], None]
+Change = Callable[[EditableScene, Any, Any], None]
+
+# What changes the scene: one after the other, between two cycles.
+CHANGES: tuple[tuple[str, Any, Change], ...] = (
+    ('register_source', srv.RegisterSource, scene.register_source),
+    ('register_frame', srv.RegisterFrame, scene.register_frame),
+    ('remove_role', srv.RemoveRole, scene.remove_role),
+    ('remove_geometry', srv.RemoveGeometry, scene.remove_geometry),
+    ('apply_filter', srv.ApplyFilter, filters.apply_filter),
+    ('apply_transient_filter', srv.ApplyTransientFilter, filters.apply_transient_filter),
+    ('renew_filter', srv.RenewFilter, filters.renew_filter),
+    ('remove_filter', srv.RemoveFilter, filters.remove_filter),
+    ('flatten_filters', Trigger, filters.flatten_filters),
+)
+
+# What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
+# (Measured with two arms at 100 Hz and a solid mesh whose kernels were not compiled yet: in the
+# thread of the queries has_collisions waited 98 s, in one of their own 0.4 s; cycles do not
+# notice which, with or without load.)
+LOADING: tuple[tuple[str, Any, Handler], ...] = (
+    ('register_geometry', srv.RegisterGeometry, shapes.register_geometry),
+    ('assign_role', srv.AssignRole, shapes.assign_role),
+    ('change_shape', srv.ChangeShape, shapes.change_shape),
+    ('load_scene', srv.LoadScene, files.load_scene),
+    ('save_scene', srv.SaveScene, files.save_scene),
+)
+
+# What asks: beside the cycle.
+BESIDE: tuple[tuple[str, Any, Handler], ...] = (
+    ('get_filters', srv.GetFilters, queries.get_filters),
+    ('explain_filter', srv.ExplainFilter, queries.explain_filter),
+    (
+        'compute_point_pair_penetration',
+        srv.ComputePointPairPenetration,
+        queries.compute_point_pair_penetration,
+    ),
+    (
+        'compute_signed_distance_pairwise',
+        srv.ComputeSignedDistancePairwise,
+        queries.compute_signed_distance_pairwise,
+    ),
+    (
+        'compute_signed_distance_pair',
+        srv.ComputeSignedDistancePair,
+        queries.compute_signed_distance_pair,
+    ),
+    (
+        'compute_signed_distance_to_point',
+        srv.ComputeSignedDistanceToPoint,
+        queries.compute_signed_distance_to_point,
+    ),
+    (
+        'find_collision_candidates',
+        srv.FindCollisionCandidates,
+        queries.find_collision_candidates,
+    ),
+    ('has_collisions', srv.HasCollisions, queries.has_collisions),
+    ('get_pose', srv.GetPose, queries.get_pose),
+)
+
+SERVICES = (*CHANGES, *LOADING, *BESIDE)

@@ -1,0 +1,41 @@
+"""The page counts what was judged, and the file of failures leaves out what passed."""
+
+import json
+from dataclasses import replace
+
+from evidence.hard_cases.construct import body, case
+
+from drake_geom_ros.evidence.hard_cases import report
+from drake_geom_ros.evidence.hard_cases.judge import Verdict
+
+ONE = replace(case('cubes', body('Box', (1, 1, 1)), body('Sphere', (1,), None, (3, 0, 0))),
+              id='one', family='near', source='a thread')  # fmt: skip
+TWO = replace(ONE, id='two', family='far')
+RESULTS = {
+    (name, query, one.id): Verdict('pass')
+    for name in ('ours', 'Peer')
+    for query in ('signed_distance', 'penetration')
+    for one in (ONE, TWO)
+} | {
+    ('Peer', 'signed_distance', 'two'): Verdict('wrong', '4 for 2', 20.0),
+    ('Peer', 'penetration', 'one'): Verdict('unsupported', 'no spheres'),
+}
+
+
+def test_tables_count():
+    text = report.tables([ONE, TWO], RESULTS)
+    assert '| signed_distance | Peer | 1 | 1 | - | - | - | - | - |' in text
+    assert '| penetration | Peer | 1 | - | - | - | - | - | 1 |' in text
+    assert '| far | 1 | 1 | 0 |' in text
+
+
+def test_examples_name_the_case_and_what_was_answered():
+    text = report.examples('Peer', [ONE, TWO], RESULTS)
+    assert '| two | a thread | Box, Sphere: cubes | signed_distance | wrong 4 for 2 |' in text
+    assert 'one' not in text
+    assert report.examples('ours', [ONE, TWO], RESULTS) == 'ours: none.\n'
+
+
+def test_failures_are_kept_by_case():
+    kept = json.loads(report.failures([ONE, TWO], RESULTS))
+    assert kept == {'two': {'Peer': {'signed_distance': 'wrong 4 for 2'}}}

@@ -1,0 +1,110 @@
+"""The truth against distances that need no oracle, and against 50 digits."""
+
+import numpy as np
+import pytest
+from oracles.pairs import random_pairs
+
+from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
+from drake_geom_ros.evidence.truth import closed_forms
+from drake_geom_ros.evidence.truth import convex as truth
+from drake_geom_ros.evidence.truth.convex import signed_distance
+from drake_geom_ros.evidence.truth.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SPHERE,
+)
+
+
+@pytest.mark.parametrize(
+    ('a', 'b', 'p', 'expected'),
+    [
+        ((SPHERE, [1]), (SPHERE, [2]), (3, 4, 0), 2),
+        ((SPHERE, [1]), (SPHERE, [2]), (0, 0, 0), -3),
+        ((SPHERE, [0]), (BOX, [1, 2, 3]), (0, 0, 0), -1),
+        ((BOX, [0.5] * 3), (BOX, [0.5] * 3), (0, 4, 0), 3),
+        ((BOX, [0.5] * 3), (BOX, [0.5] * 3), (2, 2, 2), 3**0.5),
+        ((BOX, [0.5] * 3), (CYLINDER, [0.25, 0.5]), (0, 0, 0.9), -0.1),
+        ((CAPSULE, [0.1, 0.5]), (CAPSULE, [0.2, 0.5]), (0.5, 0, 0.3), 0.2),
+        ((CAPSULE, [0.1, 0.5]), (CAPSULE, [0.1, 0.5]), (0, 0, 0), -0.2),
+        ((CYLINDER, [0.25, 0.5]), (CYLINDER, [0.25, 0.5]), (0, 0, 0), -0.5),
+        ((CYLINDER, [1, 1]), (CYLINDER, [1, 1]), (5, 0, 6), 5),
+        ((ELLIPSOID, [1, 1, 1e-3]), (ELLIPSOID, [1, 1, 1e-3]), (0, 0, 0), -2e-3),
+        ((ELLIPSOID, [0.3, 0.2, 0.1]), (SPHERE, [0.1]), (0.5, 0, 0), 0.1),
+        ((ELLIPSOID, [0.3, 0.2, 0.1]), (HALF_SPACE, []), (0, 0, -0.05), -0.05),
+    ],
+)
+def test_distances_known_by_hand(a, b, p, expected):
+    R = random_rotation(np.random.default_rng(1))
+    phi, n = signed_distance(a, (R, np.zeros(3)), b, (R, R @ np.array(p, dtype=float)))
+    assert phi == pytest.approx(expected, abs=1e-14)
+    assert np.linalg.norm(n) == pytest.approx(1, abs=1e-12)
+    back, _ = signed_distance(b, (R, R @ np.array(p, dtype=float)), a, (R, np.zeros(3)))
+    assert back == pytest.approx(expected, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    'kinds',
+    [
+        (SPHERE, BOX), (SPHERE, CAPSULE), (SPHERE, CYLINDER), (SPHERE, ELLIPSOID), (BOX, BOX),
+        (BOX, CAPSULE), (CAPSULE, CAPSULE), (BOX, HALF_SPACE), (ELLIPSOID, HALF_SPACE),
+    ],
+)  # fmt: skip
+def test_it_agrees_with_fifty_digits(kinds):
+    for pair in random_pairs(np.random.default_rng(3), kinds, 6):
+        phi, _ = signed_distance(
+            (pair.kind_A, pair.size_A), (pair.R_WA, np.zeros(3)),
+            (pair.kind_B, pair.size_B), (pair.R_WB, pair.p_AB_W),
+        )  # fmt: skip
+        expected = closed_forms.signed_distance(
+            pair.kind_A, pair.size_A, pair.R_WA,
+            pair.kind_B, pair.size_B, pair.R_WB, pair.p_AB_W,
+        )  # fmt: skip
+        # R is orthogonal but for rounding, and the two take it differently.
+        assert phi == pytest.approx(float(expected), abs=1e-15)
+
+
+def test_a_box_is_the_hull_of_its_corners():
+    for pair in random_pairs(np.random.default_rng(2), (BOX, CYLINDER), 6):
+        poses = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
+        hull = CONVEX, np.append(8, box_corners(2.0 * pair.size_A).ravel())
+        of_box, of_hull = (
+            signed_distance(shape, poses[0], (CYLINDER, pair.size_B), poses[1])[0]
+            for shape in ((BOX, pair.size_A), hull)
+        )
+        assert of_box == pytest.approx(of_hull, abs=1e-15)
+
+
+def test_no_direction_is_better():
+    rng = np.random.default_rng(4)
+    directions = random_directions(rng, 100_000)
+    for kinds in ((CYLINDER, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, CYLINDER)):
+        for pair in random_pairs(rng, kinds, 6):
+            a, b = (pair.kind_A, pair.size_A), (pair.kind_B, pair.size_B)
+            poses = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
+            phi, n = signed_distance(a, poses[0], b, poses[1])
+            both = truth.MinkowskiDifference(truth.posed(a, *poses[0]), truth.posed(b, *poses[1]))
+            assert both.values(directions).max() <= phi + 1e-15
+            assert both.values(n[None])[0] == pytest.approx(phi, abs=1e-12)
+
+
+def test_a_direction_that_is_known_needs_no_search():
+    R = random_rotation(np.random.default_rng(5))
+    a, b = (BOX, [0.1, 0.2, 0.3]), (ELLIPSOID, [0.1, 0.2, 0.1])
+    poses = (R, np.zeros(3)), (np.eye(3), np.array([0.5, 0.4, 0.3]))
+    phi, n = signed_distance(a, poses[0], b, poses[1])
+    again, _ = truth.near_direction(a, poses[0], b, poses[1], n)
+    assert again == phi
+
+
+def test_the_offset_from_the_origin_costs_no_digit():
+    shift = np.array([2.0**30, -(2.0**30), 2.0**30])
+    p = np.array([0.5, 0.25, 0.125])
+    near = signed_distance((BOX, [0.1] * 3), (np.eye(3), 0 * p), (SPHERE, [0.1]), (np.eye(3), p))
+    far = signed_distance(
+        (BOX, [0.1] * 3), (np.eye(3), shift), (SPHERE, [0.1]), (np.eye(3), shift + p)
+    )
+    assert near[0] == far[0]

@@ -1,0 +1,141 @@
+"""Almost rings of equal minima: bounds as narrow as promised, and no plane proves them false."""
+
+import math
+
+import numpy as np
+import pytest
+from numba import config
+from oracles.almost_rings import (
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    almost_coaxial,
+    directions,
+    turned,
+    widths,
+)
+
+from drake_geom_ros.geometry._proximity.kernels import barrels, convex, slices, sums
+from drake_geom_ros.geometry._proximity.kernels.calling import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+    PAIR_WIDTH,
+    UNIQUE,
+)
+from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
+
+COUNT = 3 if config.DISABLE_JIT else 60
+KINDS = [
+    (CAPSULE, CYLINDER),
+    (CAPSULE, ELLIPSOID),
+    (CYLINDER, CYLINDER),
+    (CYLINDER, ELLIPSOID),
+    (ELLIPSOID, ELLIPSOID),
+]
+
+
+def _answer(pair):
+    """Return the row of a pair and the promised bound of it."""
+    radii = [bounding_radius(pair[0], pair[1]), bounding_radius(pair[3], pair[4])]
+    tolerance = 1e-9 * min(1, *radii)
+    out = np.zeros(PAIR_WIDTH)
+    convex.signed_distance_of_cores(*pair, tolerance, math.inf, out)
+    rounding = PROMISED_ROUNDING * EPS * (sum(radii) + np.linalg.norm(pair[6]))
+    return out, tolerance + rounding
+
+
+@pytest.mark.parametrize('kinds', KINDS)
+def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
+    rng = np.random.default_rng(12)
+    for _ in range(COUNT):
+        pair = almost_coaxial(rng, kinds)
+        out, promised = _answer(pair)
+        depth, bound = -out[DISTANCE], out[ERROR_BOUND]
+        assert bound <= promised
+        n = -out[NORMAL : NORMAL + 3]
+        ns = directions(rng, pair, n)
+        there = widths(pair, ns)
+        assert there.min() >= depth - bound - 1e-18
+        if out[UNIQUE]:
+            assert (there[ns @ n < SAME_DIRECTION - 0.005] > depth + bound).all()
+
+
+@pytest.mark.parametrize('size', [1e-8, 1e-4, 1e-2])
+def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
+    # Out sideways: the barrel's radius, and how deep the plane of the body's projection is.
+    pair = (
+        CYLINDER, np.array([0.2, 0.3]), np.eye(3),
+        ELLIPSOID, size * np.array([1.0, 2.0, 3.0]), np.eye(3), np.array([1e-3 * size, 0, 0]),
+    )  # fmt: skip
+    out, promised = _answer(pair)
+    assert out[ERROR_BOUND] <= promised
+    assert out[DISTANCE] == pytest.approx(-(0.2 + size - 1e-3 * size), abs=promised)
+
+
+def test_a_barrel_that_is_too_short_is_not_long():
+    pair = (
+        CYLINDER, np.array([0.3, 0.2]), np.eye(3),
+        ELLIPSOID, np.full(3, 1e-3) * [1, 1, 2], np.eye(3), (0.0, 0.0, 0.0),
+    )  # fmt: skip
+    difference = sums.difference_of(pair)
+    found = barrels.least_in_long_barrel(
+        difference, sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 0.301, 1e-10, 1e-15
+    )
+    assert not found[0]
+
+
+@pytest.mark.parametrize('tilt', [1e-12, 1e-8, 1e-4, 0.05])
+def test_cylinders_in_each_other_almost_parallel(tilt):
+    R = turned([1, 2, 0], tilt)
+    pair = (
+        CYLINDER,
+        np.array([0.3, 0.9]),
+        np.eye(3),
+        CYLINDER,
+        np.array([0.2, 0.8]),
+        R,
+        (0.0, 0.0, 0.1),
+    )
+    difference = sums.difference_of(pair)
+    complete, h, floor, n, _ = barrels.least_of_barrels(difference, (1.0, 0, 0), 0.4, 1e-10, 1e-15)
+    assert complete
+    assert h - 1e-10 <= floor <= h
+    rng = np.random.default_rng(1)
+    assert (
+        widths((*pair[:6], np.array(pair[6])), directions(rng, pair, np.array(n))).min() >= floor
+    )
+
+
+def test_cylinders_too_far_from_parallel_are_left_to_others():
+    R = turned([1, 2, 0], 0.9)
+    pair = (
+        CYLINDER,
+        np.array([0.3, 0.9]),
+        np.eye(3),
+        CYLINDER,
+        np.array([0.2, 0.8]),
+        R,
+        (0.0, 0.0, 0.1),
+    )
+    assert not barrels.least_of_barrels(sums.difference_of(pair), (1.0, 0, 0), 0.4, 1e-10, 1e-15)[
+        0
+    ]
+
+
+def test_bends_between_half_planes_hold():
+    # The second derivative about the axis, by differences, is never above M_0 + |c| M_1.
+    rng = np.random.default_rng(2)
+    for _ in range(COUNT):
+        pair = almost_coaxial(rng, (CYLINDER, ELLIPSOID))
+        difference = sums.difference_of((*pair[:6], tuple(pair[6])))
+        u, flat, steep = slices.roundest_axis(difference)
+        x = np.cross(u, [1, 0, 0] if abs(u[0]) < 0.9 else [0, 1, 0])
+        x /= np.linalg.norm(x)
+        angles, step = np.linspace(0, 2 * np.pi, 400, retstep=True)
+        e = np.outer(np.cos(angles), x) + np.outer(np.sin(angles), np.cross(u, x))
+        for c in rng.uniform(-1, 1, 8):
+            h = widths(pair, math.sqrt(1 - c * c) * e + c * np.array(u))
+            bend = (h[2:] - 2 * h[1:-1] + h[:-2]) / step**2
+            assert bend.max() <= flat + abs(c) * steep + 1e-9

@@ -1,0 +1,70 @@
+"""FramePoses messages with plain objects: no message class, no ROS."""
+
+import math
+from types import SimpleNamespace as Plain
+
+import pytest
+
+from drake_geom_ros.geometry import FramePoseVector
+from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
+
+
+def plain_poses(names=(), ids=(), rows=(), source='', frame_id=''):
+    flat = [float(x) for row in rows for x in row]
+    header = Plain(frame_id=frame_id)
+    return Plain(
+        header=header, source=source, frame_names=list(names), frame_ids=list(ids), poses=flat
+    )
+
+
+def test_frame_poses_by_name_and_by_id(scene, names):
+    reader = FramePosesReader(names)
+    row = [1, 2, 3, 0, 0, 0, 1]
+    left = names.frame('left::arm')
+    for message in (
+        plain_poses(['left::arm'], rows=[row]),
+        plain_poses(['arm'], rows=[row], source='left'),
+        plain_poses(['hand'], rows=[row]),
+        plain_poses(ids=[left.get_value()], rows=[row]),
+        plain_poses(ids=[left.get_value()], rows=[row], source='left'),
+    ):
+        for _ in range(2):  # The second time the names are known.
+            poses = reader.read(message)
+            assert isinstance(poses, FramePoseVector)
+            assert poses.value(poses.ids()[0]).translation().tolist() == [1, 2, 3]
+    assert len(reader.read(plain_poses())) == 0
+
+
+@pytest.mark.parametrize(
+    ('message', 'words'),
+    [
+        (plain_poses(['arm'], rows=[[0] * 7]), "borne by 2: 'left::arm'"),
+        (plain_poses(['nobody'], rows=[[0] * 7]), "no frame 'nobody'"),
+        (plain_poses(['n' * 10**6], rows=[[0] * 7]), r'nnn\.\.\.'),
+        (plain_poses(['hand'], rows=[[0] * 7], source='nobody'), "no source 'nobody'"),
+        (plain_poses(['hand'], rows=[[0] * 7], source='left'), "no frame 'left::hand'"),
+        (plain_poses(['right::hand'], rows=[[0] * 7], source='left'), 'does not belong'),
+        (plain_poses(['hand'], rows=[[0] * 6]), '6 numbers for 1 frames'),
+        (plain_poses(rows=[[0] * 7]), '7 numbers for 0 frames'),
+        (plain_poses(['hand'], [3], rows=[[0] * 7]), 'both given'),
+        (plain_poses(['hand', 'right::hand'], rows=[[0] * 7] * 2), 'named twice'),
+        (plain_poses(['world'], rows=[[0] * 7]), 'world frame'),
+        (plain_poses(ids=[10**15], rows=[[0] * 7]), '#1000000000000000'),
+        (plain_poses(['hand'], rows=[[0, 0, math.inf, 0, 0, 0, 1]]), 'not finite'),
+        (plain_poses(['hand'], rows=[[0, 0, 0, 0, 0, 0, 1.01]]), 'norm 1.01'),
+        (plain_poses(['hand'], rows=[[0] * 7], frame_id='map'), "frame_id is 'map'; .* 'world'"),
+    ],
+)
+def test_frame_poses_that_are_none_are_refused(names, message, words):
+    with pytest.raises(RuntimeError, match=words):
+        FramePosesReader(names).read(message)
+
+
+def test_memory_of_names_is_bounded(names):
+    reader = FramePosesReader(names)
+    hand = names.frame('hand').get_value()
+    for k in range(1000):
+        with pytest.raises(RuntimeError):
+            reader.read(plain_poses(ids=[hand, 10**6 + k], rows=[[0, 0, 0, 0, 0, 0, 1]] * 2))
+        reader.read(plain_poses(['right::hand'], rows=[[0, 0, 0, 0, 0, 0, 1]]))
+    assert len(reader._known) <= 64

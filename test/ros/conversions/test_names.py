@@ -1,0 +1,56 @@
+"""Names and ids of a scene, and what is said of those that it does not hold; without ROS."""
+
+import pytest
+from oracles.small_scene import instance
+
+from drake_geom_ros.geometry import GeometryFrame, SceneGraph
+from drake_geom_ros.ros.conversions.names import NameTable, UnknownNameError
+
+
+@pytest.fixture
+def scene():
+    """Two sources; both have a frame ``hand``, one has a frame called as the world."""
+    scene = SceneGraph()
+    for name, frames in (('left', ('hand', 'tool')), ('right', ('hand', 'world'))):
+        source = scene.RegisterSource(name)
+        for frame in frames:
+            frame_id = scene.RegisterFrame(source, GeometryFrame(frame))
+            scene.RegisterGeometry(source, frame_id, instance('ball'))
+        scene.RegisterAnchoredGeometry(source, instance(f'{name} floor'))
+    return scene
+
+
+@pytest.fixture
+def names(scene):
+    return NameTable(scene.model_inspector(), 'map')
+
+
+def test_short_names_do_where_they_are_unique(names):
+    assert names.frame('tool') == names.frame('left::tool')
+    assert names.geometry('tool/ball') == names.geometry('left::tool/ball')
+    assert names.geometry('world/left floor') == names.geometry('left::world/left floor')
+    with pytest.raises(UnknownNameError, match=r"'hand' is borne by 2: 'left::hand' \(#\d+\)"):
+        names.frame('hand')
+    assert names.frame('hand', 'left') == names.frame('left::hand')
+    with pytest.raises(UnknownNameError, match="no frame 'right::tool'"):
+        names.frame('tool', 'right')
+
+
+@pytest.mark.parametrize('source', ['', 'left', 'right'])
+def test_the_name_of_the_world_is_the_world_whoever_else_bears_it(scene, names, source):
+    assert names.frame('world', source) == names.frame('map', source) == scene.world_frame_id()
+    assert names.frame('right::world') != scene.world_frame_id()
+
+
+def test_ids(names):
+    tool = names.frame('tool')
+    assert names.frame(f'#{tool.get_value()}') == tool
+    for name in ('#0', '#-1', '#', '#99999999999999999999', '#x', '#²', f'#{"9" * 5000}'):
+        with pytest.raises(UnknownNameError, match='There is no frame'):
+            names.frame(name)
+
+
+def test_a_long_name_is_not_repeated_whole(names):
+    with pytest.raises(UnknownNameError) as caught:
+        names.geometry('n' * 10**6)
+    assert len(str(caught.value)) < 400

@@ -1,0 +1,125 @@
+"""Clouds to distances on a live scene, without ROS."""
+
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from ros.conversions.test_point_cloud import cloud
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.ros.inputs import point_queries
+from drake_geom_ros.ros.inputs.point_queries import PointQueries
+
+TEXT = """
+frames:
+  - {name: hand, pose: {position: [1, 0, 0], quaternion: [0, 0, 1, 0]}}
+geometries:
+  - {name: ball, frame: hand, shape: {type: sphere, radius: 0.1}}
+  - {name: floor, shape: {type: half_space}}
+"""
+
+
+class Listened:
+    """A publisher with some subscribers that keeps what it was given."""
+
+    def __init__(self, listeners):
+        self.listeners = listeners
+        self.messages = []
+
+    def get_subscription_count(self):
+        return self.listeners
+
+    def publish(self, message):
+        self.messages.append(message)
+
+
+def empty_result():
+    return Plain(header=Plain(frame_id='', stamp=None))
+
+
+@pytest.fixture
+def live():
+    return live_scene(TEXT, world_frame='map')
+
+
+@pytest.fixture
+def queries(live):
+    return PointQueries(live, Listened(1), empty_result, lambda: 0.5)
+
+
+def distances(scene, message):
+    """Return {(point, geometry): distance} by names."""
+    names = {id.get_value(): name for id, name in scene.names.geometry_names.items()}
+    pairs = zip(message.point_index, message.id_g, message.distance, strict=True)
+    return {(k, names[g].split('/')[1]): pytest.approx(d, abs=1e-12) for k, g, d in pairs}
+
+
+def test_points_in_the_world(scene, queries):
+    message = queries.answer(cloud(np.array([[1, 0, 0.3], [5, 5, 5], [9, 9, -0.1]]), kind='f8'))
+    assert distances(scene, message) == {(0, 'ball'): 0.2, (0, 'floor'): 0.3, (2, 'floor'): -0.1}
+    assert message.threshold == 0.5
+    assert message.header.frame_id == 'map'
+    assert message.scene_version == scene.version
+
+
+def test_an_answer_bears_the_stamp_of_its_cloud(queries):
+    points = cloud(np.zeros((1, 3)))
+    points.header.stamp = Plain(sec=5, nanosec=6)
+    assert queries.answer(points).query_stamp is points.header.stamp
+
+
+def test_points_in_a_frame(scene, queries):
+    points = cloud(np.array([[0.2, 0, 0.2]]), kind='f8')
+    points.header.frame_id = 'hand'
+    found = distances(scene, queries.answer(points))
+    assert found == {(0, 'ball'): np.hypot(0.2, 0.2) - 0.1, (0, 'floor'): 0.2}
+    points.header.frame_id = 'map'
+    assert distances(scene, queries.answer(points)) == {(0, 'floor'): 0.2}
+
+
+def test_points_that_are_not_finite_are_skipped_and_counted(scene, queries):
+    points = np.array([[np.nan, 0, 0], [1, 0, 0.3], [np.inf, 0, 0], [0, 0, 0.1]])
+    found = distances(scene, queries.answer(cloud(points)))
+    assert {point for point, _ in found} == {1, 3}
+
+
+def test_blocks_of_points_answer_as_all_at_once(scene, queries, monkeypatch):
+    points = cloud(np.random.default_rng(4).uniform(-1, 1, (50, 3)))
+    whole = queries.answer(points)
+    monkeypatch.setattr(point_queries, '_ROWS_AT_ONCE', 7)
+    blocks = queries.answer(points)
+    assert len(whole.point_index) > 20
+    for name in ('point_index', 'id_g', 'p_gn', 'distance', 'grad_w', 'is_grad_w_unique'):
+        assert list(getattr(blocks, name)) == list(getattr(whole, name))
+
+
+def test_an_empty_cloud_has_an_empty_answer(queries):
+    assert list(queries.answer(cloud(np.zeros((0, 3)))).id_g) == []
+
+
+def test_a_wrong_cloud_is_refused(queries):
+    points = cloud(np.ones((4, 3)))
+    points.header.frame_id = 'nobody'
+    with pytest.raises(RuntimeError, match='nobody'):
+        queries.take(points)
+    assert queries._publisher.messages == []
+
+
+def test_nothing_is_computed_for_nobody(live):
+    deaf = PointQueries(live, Listened(0), empty_result, lambda: 0.5)
+    deaf.take(Plain())
+    assert deaf._publisher.messages == []
+
+
+def test_an_answer_is_published(queries):
+    queries.take(cloud(np.zeros((1, 3))))
+    assert len(queries._publisher.messages) == 1
+
+
+def test_more_distances_than_an_answer_holds_are_refused(queries, monkeypatch):
+    monkeypatch.setattr(point_queries, '_ROWS_AT_ONCE', 4)
+    monkeypatch.setattr(point_queries, '_MOST_ROWS', 6)
+    queries._threshold = lambda: 100.0
+    assert len(queries.answer(cloud(np.zeros((3, 3)))).distance) == 6
+    with pytest.raises(RuntimeError, match=r'4 points have more than 6 distances up to 100.0 m'):
+        queries.answer(cloud(np.zeros((4, 3))))

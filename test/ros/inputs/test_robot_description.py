@@ -1,0 +1,126 @@
+"""A robot that comes as text, and another one in its place, without ROS."""
+
+from itertools import pairwise
+
+import pytest
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet
+from drake_geom_ros.ros.inputs.robot_description import RobotInput
+from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.scene_files import read_scene
+
+TABLE = """
+sources: [room]
+frames:
+  - {name: table, source: room, pose: {position: [0, 0, 2]}}
+geometries:
+  - {name: top, source: room, frame: table, shape: {type: box, size: [1, 1, 1]}}
+  - {name: leg, source: room, frame: table, shape: {type: box, size: [1, 1, 1]}}
+"""
+
+
+def link(name, radius):
+    sphere = f'<collision><geometry><sphere radius="{radius}"/></geometry></collision>'
+    return f'<link name="{name}">{sphere}</link>'
+
+
+def urdf(name, *links, radius=0.1):
+    joints = ''.join(
+        f'<joint name="j{k}" type="revolute"><parent link="{a}"/><child link="{b}"/>'
+        '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+        for k, (a, b) in enumerate(pairwise(links))
+    )
+    return f'<robot name="{name}">{"".join(link(each, radius) for each in links)}{joints}</robot>'
+
+
+@pytest.fixture
+def live():
+    return live_scene(TABLE)
+
+
+@pytest.fixture
+def robot(live):
+    return RobotInput(live)
+
+
+def frames(scene):
+    return {name for name in scene.names.frame_names.values() if name != 'world'}
+
+
+def explain(scene, a, b):
+    manager = scene.scene_graph.collision_filter_manager()
+    return manager.explain(*(scene.names.geometry(f'{name}/collision_0') for name in (a, b)))
+
+
+def test_a_robot_becomes_a_source_with_adjacent_links_filtered(scene, robot):
+    assert 'added' in robot.take(urdf('arm', 'base', 'upper', 'hand'))
+    assert frames(scene) == {'room::table', 'arm::base', 'arm::upper', 'arm::hand'}
+    assert explain(scene, 'base', 'upper')
+    assert not explain(scene, 'base', 'hand')
+
+
+def test_the_same_text_again_changes_nothing(scene, robot):
+    text = urdf('arm', 'base', 'hand')
+    robot.take(text)
+    version = scene.version
+    assert robot.take(text) == ''
+    assert scene.version == version
+
+
+def test_a_robot_that_was_lost_with_its_scene_comes_back(scene, robot):
+    text = urdf('arm', 'base', 'hand')
+    robot.take(text)
+    scene.replace(prepared(read_scene(TABLE)))
+    assert 'added' in robot.take(text)
+    assert 'arm::hand' in frames(scene)
+
+
+def test_another_text_takes_its_place_and_all_else_stays(scene, robot):
+    robot.take(urdf('arm', 'base', 'upper', 'hand'))
+    manager = scene.scene_graph.collision_filter_manager()
+    names = ('table/top', 'hand/collision_0', 'base/collision_0')
+    top, hand, base = (scene.names.geometry(name) for name in names)
+    leg = scene.names.geometry('table/leg')
+    manager.Apply(
+        CollisionFilterDeclaration()
+        .ExcludeBetween(GeometrySet([top]), GeometrySet([hand]))
+        .ExcludeBetween(GeometrySet([leg]), GeometrySet([base]))
+        .ExcludeWithin(GeometrySet([top, leg]))
+    )
+    version = scene.version
+    assert "place of 'arm'" in robot.take(urdf('arm2', 'base', 'grip', radius=0.2))
+    assert scene.version > version
+    assert frames(scene) == {'room::table', 'arm2::base', 'arm2::grip'}
+    assert scene.query.X_WF(scene.names.frame('table')).translation()[2] == 2.0
+    assert explain(scene, 'base', 'grip')
+    # Filters between the table and the robot of before are gone with it.
+    manager = scene.scene_graph.collision_filter_manager()
+    for one, other in (('table/top', 'grip/collision_0'), ('table/leg', 'base/collision_0')):
+        assert not manager.explain(scene.names.geometry(one), scene.names.geometry(other))
+
+
+@pytest.mark.parametrize(
+    ('text', 'words'),
+    [
+        ('', 'text'),
+        ('no robot', '<text>'),
+        (urdf('arm', 'base', radius=-1.0), 'radius'),
+        (urdf('room', 'base'), 'taken'),
+        ('<robot name="x"><link name="a"/><link name="a"/></robot>', 'twice'),
+    ],
+)
+def test_what_cannot_be_is_refused_and_changes_nothing(scene, robot, text, words):
+    robot.take(urdf('arm', 'base', 'hand'))
+    version, before = scene.version, frames(scene)
+    with pytest.raises(RuntimeError, match=words):
+        robot.take(text)
+    assert (scene.version, frames(scene)) == (version, before)
+
+
+def test_meshes_come_from_the_roots_only(scene, robot, tmp_path):
+    mesh = tmp_path / 'ball.obj'
+    mesh.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+    shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'
+    with pytest.raises(RuntimeError, match='outside'):
+        robot.take(f'<robot name="arm"><link name="base">{shape}</link></robot>')

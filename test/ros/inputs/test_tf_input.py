@@ -1,0 +1,212 @@
+"""TF to poses of a live scene, without ROS: names, chains, gaps, time that goes back."""
+
+import math
+from types import SimpleNamespace as Plain
+
+import numpy as np
+import pytest
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.ros.inputs import tf_input
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.scene_files import read_scene
+
+TEXT = """
+sources: [left, right]
+frames:
+  - {name: base, source: left}
+  - {name: hand, source: left, parent: base}
+  - {name: base, source: right}
+  - {name: tool, source: right}
+"""
+
+
+class Clock:
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def live(clock):
+    return live_scene(TEXT, clock)
+
+
+@pytest.fixture
+def tf(clock):
+    return TfInput(clock)
+
+
+def transform(parent, child, X=None, stamp=0.0):
+    x, y, z, qx, qy, qz, qw = (X or RigidTransform()).ToArray().tolist()
+    return Plain(
+        header=Plain(frame_id=parent, stamp=Plain(sec=int(stamp), nanosec=int(stamp % 1 * 1e9))),
+        child_frame_id=child,
+        transform=Plain(translation=Plain(x=x, y=y, z=z), rotation=Plain(x=qx, y=qy, z=qz, w=qw)),
+    )
+
+
+def message(*transforms):
+    return Plain(transforms=list(transforms))
+
+
+def at(x):
+    return RigidTransform([x, 0.0, 0.0])
+
+
+def position(scene, name):
+    return scene.query.X_WF(scene.names.frame(name)).translation().tolist()
+
+
+def test_a_frame_takes_the_transform_of_its_name(scene, tf):
+    assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 1
+    assert position(scene, 'tool') == [1, 0, 0]
+
+
+def test_a_name_that_two_sources_have_needs_the_source(scene, tf):
+    assert tf.take(scene, message(transform('world', 'base', at(1))), static=False) == 0
+    assert tf.take(scene, message(transform('world', 'right/base', at(2))), static=False) == 1
+    assert position(scene, 'right::base') == [2, 0, 0]
+    assert position(scene, 'left::base') == [0, 0, 0]
+
+
+def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
+    X_AB = RigidTransform(RollPitchYaw(0.1, 0.2, 0.3).ToRotationMatrix(), [1.0, 2.0, 3.0])
+    assert tf.take(scene, message(transform('/odom', 'tool', X_AB)), static=False) == 0
+    assert tf.take(scene, message(transform('map', 'odom', X_AB)), static=True) == 0
+    assert tf.take(scene, message(transform('world', 'map', X_AB)), static=True) == 1
+    X_WF = scene.query.X_WF(scene.names.frame('tool'))
+    expected = (X_AB @ X_AB @ X_AB).GetAsMatrix4()
+    np.testing.assert_allclose(X_WF.GetAsMatrix4(), expected, atol=1e-14)
+
+
+def test_a_nested_frame_is_posed_in_its_parent(scene, tf):
+    both = transform('world', 'left/base', at(1)), transform('left/base', 'hand', at(2))
+    assert tf.take(scene, message(*both), static=False) == 2
+    assert position(scene, 'hand') == [3, 0, 0]
+    assert scene.query.X_PF(scene.names.frame('hand')).translation().tolist() == [2, 0, 0]
+    # The parent moves alone: both must follow, and the hand goes with it.
+    assert tf.take(scene, message(transform('world', 'left/base', at(5))), static=False) == 2
+    assert position(scene, 'hand') == [7, 0, 0]
+    # TF knows the hand in the world, and nothing of its base, which stays.
+    with live_scene(TEXT).editing() as fresh:
+        tf = TfInput(lambda: 0.0)
+        tf.take(fresh, message(transform('world', 'hand', at(4))), static=False)
+        assert position(fresh, 'hand') == [4, 0, 0]
+
+
+def test_a_loop_of_frames_leads_nowhere(scene, tf):
+    loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
+    assert tf.take(scene, message(*loop), static=False) == 0
+    assert tf.take(scene, message(transform('world', 'a', at(1))), static=False) == 1
+    assert position(scene, 'tool') == [2, 0, 0]
+
+
+def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
+    tf.take(
+        scene,
+        message(transform('world', 'cart', at(1)), transform('cart', 'tool', at(1))),
+        static=False,
+    )
+    clock.now += 3.0
+    # One link of the chain goes on, the other is silent: the pose is as old as the silent one.
+    tf.take(scene, message(transform('cart', 'tool', at(2))), static=False)
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert scene.pose_ages()['right::tool'] == pytest.approx(3.0)
+    tf.take(scene, message(transform('world', 'cart', at(1))), static=False)
+    assert scene.pose_ages()['right::tool'] == 0.0
+
+
+def test_what_is_static_does_not_grow_old(scene, tf, clock):
+    tf.take(scene, message(transform('world', 'tool', at(1))), static=True)
+    clock.now += 1e6
+    assert scene.pose_ages()['right::tool'] == 0.0
+    assert math.isinf(scene.pose_ages()['left::hand'])
+
+
+def test_a_late_transform_is_ignored(scene, tf):
+    tf.take(scene, message(transform('world', 'tool', at(1), stamp=10.5)), static=False)
+    assert (
+        tf.take(scene, message(transform('world', 'tool', at(2), stamp=10.2)), static=False) == 0
+    )
+    assert position(scene, 'tool') == [1, 0, 0]
+
+
+def test_of_two_transforms_of_a_frame_in_a_message_the_newer_one_counts(scene, tf):
+    both = transform('world', 'tool', at(1), 10.5), transform('world', 'tool', at(2), 10.2)
+    assert tf.take(scene, message(*both), static=False) == 1
+    assert position(scene, 'tool') == [1, 0, 0]
+
+
+def test_what_is_static_leaves_the_stamp_of_what_moves(scene, tf):
+    tf.take(scene, message(transform('world', 'map', at(1), 3.0)), static=True)
+    tf.take(scene, message(transform('map', 'tool', at(1), 50.0)), static=False)
+    tf.take(scene, message(transform('world', 'map', at(2), 4.0)), static=True)
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert scene.newest_stamp.sec == 50
+
+
+def test_more_frames_than_are_kept_are_refused(scene, tf, monkeypatch):
+    monkeypatch.setattr(tf_input, '_MOST_FRAMES', 3)
+    three = [transform('world', f'link{k}', at(k)) for k in range(3)]
+    tf.take(scene, message(*three), static=False)
+    tf.take(scene, message(*three), static=False)  # nothing new
+    # Refused whole: neither is the frame known, nor has time gone back.
+    with pytest.raises(RuntimeError, match='make 4 TF frames known; at most 3'):
+        tf.take(scene, message(transform('world', 'tool', at(1))), static=False)
+    assert position(scene, 'right::tool') == [0, 0, 0]
+
+
+def test_time_that_goes_back_forgets_what_moved(scene, tf):
+    tf.take(scene, message(transform('world', 'map', at(1))), static=True)
+    chain = transform('map', 'cart', at(1), 50.0), transform('cart', 'tool', at(1), 50.0)
+    tf.take(scene, message(*chain), static=False)
+    # The bag begins anew: the old cart must not carry the new tool.
+    assert tf.take(scene, message(transform('cart', 'tool', at(7), 3.0)), static=False) == 0
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert tf.take(scene, message(transform('map', 'cart', at(0), 3.0)), static=False) == 1
+    assert position(scene, 'tool') == [8, 0, 0]
+
+
+def test_a_changed_scene_is_posed_by_what_is_known(scene, tf):
+    tf.take(scene, message(transform('world', 'late', at(3))), static=True)
+    scene.add(read_scene('frames:\n- {name: late}'))
+    assert tf.follow(scene) == 1
+    assert position(scene, 'late') == [3, 0, 0]
+    assert tf.follow(scene) == 0
+
+
+@pytest.mark.parametrize(
+    ('bad', 'words'),
+    [
+        (transform('world', '', at(1)), 'named'),
+        (transform('tool', 'tool', at(1)), 'differ'),
+        (transform('world', 'tool', at(-1e300)), "'tool' in 'world' has a coordinate beyond"),
+        (transform('world', 'tool', None), 'norm'),
+        (transform('world', 'tool', None), 'finite'),
+    ],
+)
+def test_a_bad_transform_refuses_the_message(scene, tf, bad, words):
+    if words == 'norm':
+        bad.transform.rotation.w = 2.0
+    if words == 'finite':
+        bad.transform.translation.x = math.nan
+    good = transform('world', 'left/base', at(1))
+    with pytest.raises(RuntimeError, match=words):
+        tf.take(scene, message(good, bad), static=False)
+    assert position(scene, 'left::base') == [0, 0, 0]
+
+
+def test_the_world_may_have_another_name(clock):
+    tf = TfInput(clock)
+    with live_scene(TEXT, clock, 'map').editing() as scene:
+        assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 0
+        assert tf.take(scene, message(transform('map', 'tool', at(2))), static=False) == 1

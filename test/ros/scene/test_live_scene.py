@@ -1,0 +1,177 @@
+"""The live scene without ROS: ages, leases, replacement, what-if, all or nothing."""
+
+import math
+import threading
+from types import SimpleNamespace as Plain
+
+import pytest
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FrameId,
+    GeometrySet,
+)
+from drake_geom_ros.ros.scene.editable_scene import prepared
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import read_scene, to_yaml
+
+TEXT = """
+sources: [s]
+frames:
+  - {name: a, source: s}
+  - {name: b, source: s, pose: {position: [1, 0, 0]}}
+geometries:
+  - {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+  - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
+"""
+
+
+class Clock:
+    """A clock that the test sets."""
+
+    def __init__(self):
+        self.now = 100.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def live(clock):
+    return live_scene(TEXT, clock)
+
+
+def message(**frames):
+    poses = [float(v) for x in frames.values() for v in (x, 0, 0, 0, 0, 0, 1)]
+    header = Plain(stamp=Plain(sec=1, nanosec=0), frame_id='')
+    return Plain(header=header, source='s', frame_names=list(frames), frame_ids=[], poses=poses)
+
+
+def distance(scene):
+    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    return scene.query.ComputeSignedDistancePairClosestPoints(a, b).distance
+
+
+def test_frames_stand_where_the_file_puts_them_until_posed(scene):
+    assert distance(scene) == pytest.approx(0.8)
+    assert scene.take_poses(message(a=-1)) == 1
+    assert distance(scene) == pytest.approx(1.8)
+
+
+def test_ages_of_poses(scene, clock):
+    assert math.isinf(scene.moment().oldest_pose_age)
+    scene.take_poses(message(a=0))
+    clock.now += 2.0
+    assert math.isinf(scene.moment().oldest_pose_age)
+    scene.take_poses(message(b=1))
+    clock.now += 0.5
+    assert scene.moment().oldest_pose_age == pytest.approx(2.5)
+    assert scene.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
+
+
+def test_an_empty_scene_has_no_old_poses(clock):
+    assert LiveScene('exact', clock).view().moment.oldest_pose_age == 0.0
+
+
+def test_a_refused_message_leaves_everything(scene, clock):
+    scene.take_poses(message(a=0, b=1))
+    clock.now += 1.0
+    bad = message(a=5, b=math.nan)
+    bad.header.stamp.sec = 9
+    with pytest.raises(RuntimeError, match='not finite'):
+        scene.take_poses(bad)
+    assert distance(scene) == pytest.approx(0.8)
+    assert scene.moment().oldest_pose_age == pytest.approx(1.0)
+    assert scene.newest_stamp.sec == 1
+
+
+@pytest.mark.parametrize('door', [LiveScene.reading, LiveScene.editing, LiveScene.view])
+def test_no_other_thread_has_the_scene_meanwhile(live, door):
+    entered = threading.Event()
+
+    def enter():
+        got = door(live)
+        if door is not LiveScene.view:
+            with got:
+                pass
+        entered.set()
+
+    thread = threading.Thread(target=enter)
+    with live.editing() as scene:
+        thread.start()
+        assert not entered.wait(0.05)
+        scene.take_poses(message(a=0, b=1))
+    thread.join(60.0)
+    assert entered.is_set()
+
+
+def test_what_if_is_not_what_is(live, scene):
+    before = distance(scene)
+    query = live.view(message(b=3)).query
+    a, b = (scene.names.geometry(f's::{f}/ball') for f in 'ab')
+    assert query.ComputeSignedDistancePairClosestPoints(a, b).distance == pytest.approx(2.8)
+    assert distance(scene) == before
+
+
+def test_a_lease_ends_and_renewal_prolongs_it(scene, clock):
+    manager = scene.scene_graph.collision_filter_manager()
+    balls = GeometrySet([scene.names.geometry(f's::{f}/ball') for f in 'ab'])
+    declaration = CollisionFilterDeclaration().ExcludeWithin(balls)
+    kept, lost, free = (manager.ApplyTransient(declaration) for _ in range(3))
+    scene.lease(kept, 1.0)
+    scene.lease(lost, 1.0)
+    scene.lease(free, 0.0)
+    clock.now += 0.9
+    assert scene.expire_filters() == []
+    scene.lease(kept, 1.0)
+    clock.now += 0.2
+    assert scene.expire_filters() == [lost]
+    assert [manager.IsActive(f) for f in (kept, lost, free)] == [True, False, True]
+    scene.lease(kept, 0.0)
+    clock.now += 1e6
+    assert scene.expire_filters() == []
+
+
+def test_a_scene_that_cannot_be_loaded_changes_nothing(scene):
+    text, version = to_yaml(scene.description()), scene.version
+    other = TEXT.replace('[s]', '[t]').replace('source: s', 'source: t')
+    other = read_scene(other.replace('frame: b', 'frame: nowhere'))
+    for change in (scene.add, prepared):
+        with pytest.raises(RuntimeError, match='nowhere'):
+            change(other)
+        assert (to_yaml(scene.description()), scene.version) == (text, version)
+    with pytest.raises(RuntimeError, match='taken'):
+        scene.add(read_scene(TEXT))
+    assert (to_yaml(scene.description()), scene.version) == (text, version)
+
+
+def test_replacing_grows_the_version_and_keeps_the_text(scene):
+    text, version = to_yaml(scene.description()), scene.version
+    assert scene.replace(prepared(read_scene(text))) == (2, 2)
+    assert scene.version > version
+    assert to_yaml(scene.description()) == text
+    assert isinstance(scene.names.frame('world'), FrameId)
+
+
+def test_an_empty_scene_has_the_world_alone_and_goes_on_counting(clock):
+    with LiveScene('exact', clock, version=7).reading() as scene:
+        assert scene.version == 7
+    assert scene.names.frame('world') == scene.inspector.world_frame_id()
+    with pytest.raises(RuntimeError, match='no frame'):
+        scene.names.frame('s::a')
+
+
+def test_the_accuracy_of_queries_that_name_none(scene):
+    scene.set_accuracy('bound')
+    scene.take_poses(message(a=0, b=0.15))
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    assert results.method.tolist() == [4]
+    scene.set_accuracy('exact')
+    results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+    assert results.method.tolist() == [1]
