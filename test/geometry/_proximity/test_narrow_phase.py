@@ -247,7 +247,8 @@ def test_near_pairs_are_those_whose_boxes_are_and_planes_have_their_own_gap():
     types, parameters = [HALF_SPACE, BOX, SPHERE], [[], [0.1, 0.2, 0.3], [0.25]]
     loop = Loop(types, parameters, [[9, 9, 1.0], [0, 0, 2.0], [0, 0, 3.0]])
     world = loop.world
-    arguments = world.geometries.types, world.R_WGs, world.p_WGs, world.half_extents
+    arguments = (world.geometries.types, world.R_WGs, world.p_WGs, world.roundings)
+    arguments += (world.half_extents,)
     for distance, expected in ((0.4, []), (0.5, [2]), (0.75, [0, 2]), (1.8, [0, 1, 2])):
         for pairs in (loop.pairs, loop.pairs[:, ::-1].copy()):
             hits = np.empty(3, dtype=np.int64)

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     METHOD,
     PAIR_WIDTH,
 )
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 
@@ -33,11 +34,12 @@ def test_what_an_answer_says_at_least():
     row = np.zeros(PAIR_WIDTH)
     row[[DISTANCE, ERROR_BOUND, METHOD]] = 10.0, 0.5, BOUND_ONLY
     for size in (0.1, 100.0):
-        rounding = 10.0 - narrow_phase._least(row, 1e-9, size)  # of a lower bound from a kernel
+        rounding = 10.0 - narrow_phase._least(row, 1e-9, size, 0.0)  # of a kernel's lower bound
         assert 1.0 <= rounding / (ROUNDING * EPS * (size + 10.0)) <= 3.0
-        assert narrow_phase._least(row, math.inf, size) == 9.5  # of an interval from bounds
+        assert narrow_phase._least(row, 1e-9, size, 0.25) == pytest.approx(9.75, abs=1e-12)
+        assert narrow_phase._least(row, math.inf, size, 0.25) == 9.5  # of an interval from bounds
     row[METHOD] = ITERATIVE
-    assert narrow_phase._least(row, 1e-9, 0.1) == 9.5
+    assert narrow_phase._least(row, 1e-9, 0.1, 0.25) == 9.5
 
 
 def test_gaps_of_balls_are_lower_bounds_and_tight():
@@ -45,19 +47,24 @@ def test_gaps_of_balls_are_lower_bounds_and_tight():
     for i in range(29):
         apart = np.linalg.norm(world.p_WGs[i] - world.p_WGs[i + 1])
         expected = apart - world.outer_radii[i] - world.outer_radii[i + 1]
-        found = narrow_phase._gap_of_balls(i, i + 1, world.p_WGs, world.outer_radii)
+        arguments = world.p_WGs, world.roundings, world.outer_radii
+        found = narrow_phase._gap_of_balls(i, i + 1, *arguments)
         assert expected - 1e-14 <= found <= expected
 
 
 @pytest.mark.parametrize('offset', [1.0, 1e3, 1e6])
 def test_gaps_of_balls_count_the_rounding_of_where_they_are(offset):
     p_WGs, outer = np.array([[offset, 0, 0], [0, offset, 0]]), np.array([0.1, 0.2])
-    found = narrow_phase._gap_of_balls(0, 1, p_WGs, outer)
+    roundings = np.zeros((2, 2))
     expected = math.sqrt(2.0) * offset - 0.3
+    found = narrow_phase._gap_of_balls(0, 1, p_WGs, roundings, outer)
     assert 8 * EPS * offset <= expected - found <= 40 * EPS * (offset + 1.0)
+    roundings[:, RADIUS] = 0.02, 0.03
+    found = narrow_phase._gap_of_balls(0, 1, p_WGs, roundings, outer)
+    assert expected - found == pytest.approx(0.05, abs=40 * EPS * (offset + 1.0))
 
 
 def test_balls_too_far_apart_for_squares_are_left_to_boxes():
     p_WGs, outer = np.array([[1e200, 0, 0], [-1e200, 0, 0]]), np.ones(2)
     with np.errstate(over='ignore'):
-        assert narrow_phase._gap_of_balls(0, 1, p_WGs, outer) == -math.inf
+        assert narrow_phase._gap_of_balls(0, 1, p_WGs, np.zeros((2, 2)), outer) == -math.inf

@@ -60,14 +60,14 @@ def test_it_is_a_minimum_and_its_feet_are_on_its_normal(kinds, reach):
 
 @pytest.mark.parametrize('kinds', PAIRS)
 def test_nothing_in_a_cap_is_nearer(kinds):
-    caps = []
+    widths = []
     for rng, difference, found in _minima(kinds, 0.2, 2):
         _, n, h, _ = found
         cap = caps.widest_cap(difference, found, 1e-12)
-        caps.append(cap)
+        widths.append(cap)
         inside = _around(rng, n, cap * rng.uniform(0, 1, 40) ** 2)
         assert _widths(difference, inside).min() >= h - 1e-14
-    assert max(caps) >= 0.05
+    assert max(widths) >= 0.05
 
 
 def test_kinds_of_minima():
