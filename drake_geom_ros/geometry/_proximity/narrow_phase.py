@@ -20,6 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
+    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -53,6 +54,7 @@ from drake_geom_ros.geometry._proximity.promise import (
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     LARGE_SQUARE,
+    PROMISED_ROUNDING,
     ROUNDING,
     TOUCHING_DEPTH,
 )
@@ -67,7 +69,8 @@ _COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 FAR = 0
 CACHED = 1
 POSTPONED = 2
-BY_METHOD = 3
+WIDE = 3
+BY_METHOD = 4
 COUNTS = BY_METHOD + BOUND_ONLY + 1
 
 
@@ -305,7 +308,11 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                         *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
-                rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
+                extent = size + _apart(p_WGs, a, b)
+                if out[METHOD] <= ITERATIVE:
+                    kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+                    counts[WIDE] += out[ERROR_BOUND] > kept
+                rounding = rounding_of_pair(a, b, extent, roundings)
                 out[ERROR_BOUND] += rounding
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1

@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.caps import widest_cap
+from drake_geom_ros.geometry._proximity.kernels.circles import across
 from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
 from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
@@ -62,6 +63,7 @@ from drake_geom_ros.geometry._proximity.kernels.slices import least_over_slices
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
+    LENGTH,
     SEGMENT,
     difference_of,
     feet,
@@ -132,9 +134,10 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     if move <= 0.5 * enough:
-        return depth_of_revolution(
+        h, floor, n, a, b, aside, unique = depth_of_revolution(
             kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
         )
+        return h, guarded(difference, floor, noise), n, a, b, aside, unique
     if kind_B != CONVEX:  # of a hull no closed form tells how deep a point is
         newton = nearby_minimum(difference, n, noise)
         if newton[0] != NOTHING and newton[2] > 0.0:
@@ -144,8 +147,9 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
                 return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
         complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
+        floor = guarded(difference, floor, noise)
         if complete and h > 0.0:
-            a, b, aside = points_at(difference, n, h, noise)
+            n, h, a, b, aside = points_at(difference, n, h, enough, noise)
             if share_a_point(pair, a, b):
                 return h, floor, n, a, b, aside, unique
     found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
@@ -161,9 +165,23 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
             pair, difference, n, upper, lower, enough, noise
         )
         if complete:
-            a, b, aside = points_at(difference, m, h, noise)
-            return h, floor, m, a, b, aside, unique
+            m, h, a, b, aside = points_at(difference, m, h, enough, noise)
+            return h, guarded(difference, floor, noise), m, a, b, aside, unique
     return depth_of_cores(pair, difference, n, near, size, tolerance, MANY_VERTICES)
+
+
+@compiled
+def guarded(difference, floor, noise):
+    """Return what no h is below, [m], after a look at planes that a search did not choose.
+
+    A search over candidates is right where their set is complete. Any plane may show that it was
+    not: then its width is the bound, which so is wider than promised, and counted as such.
+    """
+    terms, _, last, r_A, r_B = difference
+    across = unit(vector(terms, 0))
+    n = likely_normal(difference, across if dot(across, across) > 0.5 else (1.0, 0.0, 0.0))
+    least = width(terms, last, r_A + r_B, n)
+    return least if least < floor - noise else floor
 
 
 @compiled
@@ -177,21 +195,42 @@ def least_of_ring(pair, difference, n, h, floor, enough, noise):
         found = least_in_long_barrel(difference, difference[1], AXES_B, n, h, enough, noise)
     if not found[0] and kind_A == CYLINDER and kind_B == CYLINDER:
         found = least_of_barrels(difference, n, floor, enough, noise)
-    if not found[0] and kind_B == ELLIPSOID:
+    if not found[0] and kind_A != BOX and kind_B == ELLIPSOID:  # a box has edges off the axis
         found = least_over_slices(difference, n, h, enough, noise)
     return found
 
 
 @compiled
-def points_at(difference, n, h, noise):
-    """Return (a, b, aside) at a normal n of least width h: points of the cores, ``a - b = h n``.
-
-    But for ``aside`` [m], which is rounding where Newton's method knows the minimum.
-    """
-    if nearby_minimum(difference, n, noise)[0] == NOTHING:
-        settle(difference, n)
+def settled(difference, n, h):
+    """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
+    settle(difference, n)
     a, b = feet(difference, n)
     return a, b, norm(sub(sub(a, b), scale(h, n)))
+
+
+@compiled
+def points_at(difference, n, h, enough, noise):
+    """Return (n, h, a, b, aside) at a normal n of least width h.
+
+    Points a and b of the cores have ``a - b = h n`` but for ``aside`` [m], which is rounding where
+    Newton's method knows the minimum. Where segments are almost parallel, n may be on the crease
+    of one and the points on that of the other, which is as good but for a part of ``enough`` [m].
+    """
+    terms, _, last, r_A, r_B = difference
+    if nearby_minimum(difference, n, noise)[0] != NOTHING:
+        a, b = feet(difference, n)
+        return n, h, a, b, norm(sub(sub(a, b), scale(h, n)))
+    a, b, aside = settled(difference, n, h)
+    best = n, h, a, b, aside
+    for k in range(SEGMENT, last):
+        if best[4] > LOOSE_SLOPE * noise:
+            m = across(n, scale(1.0 / terms[k, LENGTH], vector(terms, k)))
+            there = width(terms, last, r_A + r_B, m)
+            if there <= h + 0.5 * enough:
+                a, b, aside = settled(difference, m, there)
+                if aside < best[4]:
+                    best = m, there, a, b, aside
+    return best
 
 
 @compiled
