@@ -38,11 +38,15 @@ class BodyScene:
         self.ids: list[GeometryId] = []
         self._bodies = bodies
         for body in bodies:
-            frame = GeometryFrame(f'body {len(self.frames)}')
-            self.frames.append(self.graph.RegisterFrame(self.source, frame))
-            self._register(self.frames[-1], body, RigidTransform())
+            self._add(body)
         for body in anchored:
             self._register(self.graph.world_frame_id(), body, body.pose)
+
+    def _add(self, body: Body) -> None:
+        """Register a body with a frame of its own."""
+        frame = GeometryFrame(f'body {len(self.frames)}')
+        self.frames.append(self.graph.RegisterFrame(self.source, frame))
+        self._register(self.frames[-1], body, RigidTransform())
 
     def _register(self, frame: FrameId, body: Body, X_FG: RigidTransform) -> None:
         instance = GeometryInstance(X_FG, body.shape, f'geometry {len(self.ids)}')

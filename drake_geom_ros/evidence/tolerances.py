@@ -84,5 +84,26 @@ ALIGNED = 1e-7
 # Of the pair's extent: what the search over directions may be off by.
 SEARCH = 2e-12
 
+# The hunt.
+
+# [-] that R R^T may be off the identity: what is accepted, with a margin for motions, and what
+# rounding leaves of a rotation at most.
+ACCEPTED_SKEW, ROUNDED_SKEW = 3e-13, 1e-14
+# [-] that each number of a rotation is changed by, at most, for one that is accepted still.
+ENTRY_SKEW = 1e-13
+# Of the extent: gaps that pairs are slid to, and parts of it in which a rational offset counts.
+HUNTED_GAPS = (0.0, 1e-16, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1e-2)
+RATIONAL_STEPS = (0.001, 0.002, 0.01)
+# [m] that sizes stay between while they change.
+HUNTED_LENGTHS = 1e-9, 1e5
+# One minus the cosine [-] of two normals that cannot both be unique.
+TURNED = 0.02
+# [rad] of the last cap about a direction, within which the gap is flat to rounding.
+NARROWEST = 1e-9
+# Square of the sine [-] of a centre line that is along an axis, but for rounding.
+ON_AXIS = 1e-24
+# Cosine [-] of directions of which one is enough to start from.
+ALIKE = 0.999
+
 # Gaps [m] of the configurations that are close.
 NEAR, SHALLOW, DEEP = 2e-3, -2e-3, -2e-2

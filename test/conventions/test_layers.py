@@ -49,6 +49,10 @@ LAYERS = {
         ('math', 'geometry', 'evidence', 'evidence/peers'),
         ('numpy', 'scipy', 'mpmath', 'matplotlib'),
     ),
+    'evidence/hunt': (
+        ('math', 'geometry', 'evidence', 'evidence/hunt'),
+        ('numpy', 'numba', 'scipy'),
+    ),
     'command_line': (
         (
             *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
@@ -142,7 +146,7 @@ def test_only_the_command_line_asks_for_evidence():
     asking = {
         room for room, (ours, _) in LAYERS.items() if any('evidence' in each for each in ours)
     }
-    assert asking == {'evidence', 'evidence/peers', 'command_line'}
+    assert asking == {'evidence', 'evidence/hunt', 'evidence/peers', 'command_line'}
 
 
 def test_the_exception_is_allowed():
