@@ -18,7 +18,7 @@ from oracles.almost_rings import (
 
 from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.surfaces import height
-from drake_geom_ros.geometry._proximity.kernels import barrels, convex, slices, sums
+from drake_geom_ros.geometry._proximity.kernels import barrels, convex, depths, slices, sums
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
@@ -164,8 +164,8 @@ def test_a_plane_that_no_search_chose_guards_what_it_found():
     pair = CYLINDER, np.array([0.3, 0.9]), np.eye(3), CYLINDER, np.array([0.2, 0.1]), np.eye(3)
     difference = sums.difference_of((*pair, (0.0, 0.0, 0.9)))
     # Out along the axis: 0.9 + 0.1 - 0.9. A floor above that was proven by nothing.
-    assert convex.guarded(difference, 0.4, 1e-15) == pytest.approx(0.1, abs=1e-15)
-    assert convex.guarded(difference, 0.1 - 1e-12, 1e-15) == 0.1 - 1e-12
+    assert depths.guarded(difference, 0.4, 1e-15) == pytest.approx(0.1, abs=1e-15)
+    assert depths.guarded(difference, 0.1 - 1e-12, 1e-15) == 0.1 - 1e-12
 
 
 def test_a_small_box_in_an_ellipsoid_from_any_hint():
