@@ -249,6 +249,13 @@ def _is_hit(out, gap, size, cutoff, penetrating):  # type: ignore[no-untyped-def
     return distance <= cutoff
 
 
+@inlined
+def _is_wide(out, tolerance, extent):  # type: ignore[no-untyped-def]
+    """Tell whether a kernel's bound is wider than promised; bounds alone and solids promise none."""
+    kept = tolerance + PROMISED_ROUNDING * EPS * extent
+    return out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
+
+
 @compiled
 def answer_pairs(  # type: ignore[no-untyped-def]
     addresses, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
@@ -309,9 +316,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
                 extent = size + _apart(p_WGs, a, b)
-                if out[METHOD] <= ITERATIVE:
-                    kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
-                    counts[WIDE] += out[ERROR_BOUND] > kept
+                counts[WIDE] += _is_wide(out, tolerance_of_pair(gap, a, b, outer), extent)
                 rounding = rounding_of_pair(a, b, extent, roundings)
                 out[ERROR_BOUND] += rounding
                 seen[s], gaps[s] = revision, gap
