@@ -26,7 +26,7 @@ def test_a_slack_is_rounded_down(least, travelled):
     for _ in range(20):
         least, travelled = math.nextafter(least, math.inf), math.nextafter(travelled, math.inf)
         exact = Fraction(least) + Fraction(travelled)
-        off = exact - Fraction(float(narrow_phase._slack(least, travelled)))
+        off = exact - Fraction(float(narrow_phase._slack(least, travelled, 1, 1)))
         assert 0 <= off <= Fraction(8 * EPS * (abs(least) + travelled))
 
 
