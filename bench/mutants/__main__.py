@@ -22,7 +22,6 @@ from bench.mutants import equivalents, trials
 from bench.mutants.mutations import Mutant, mutants_of, sample
 from bench.mutants.trials import ROOT
 
-EQUIVALENT = ROOT / 'test/mutants/equivalent.yaml'
 OURS = ROOT / 'drake_geom_ros/geometry'
 KEPT = ROOT / 'out/mutants'  # which test runs which line
 
@@ -39,7 +38,7 @@ def try_all(
 ) -> None:
     """Try mutants with the tests there are, tell of the survivors, and count the ends by file."""
     data = trials.measure(KEPT)
-    listed = equivalents.load(EQUIVALENT)
+    listed = equivalents.load(equivalents.LIST)
     start = time.monotonic()
     for k, mutant in enumerate(mutants):
         file, code = mutant.file.relative_to(ROOT), mutant.code()
@@ -87,7 +86,7 @@ def main() -> int:
     print(table(counts))
     old = [
         f'{file}: {each}'
-        for file, reasons in equivalents.load(EQUIVALENT).items()
+        for file, reasons in equivalents.load(equivalents.LIST).items()
         for each in equivalents.stale(reasons, (ROOT / file).read_text())
     ]
     for each in old:

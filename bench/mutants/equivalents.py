@@ -18,6 +18,9 @@ from pathlib import Path
 
 import yaml
 
+ROOT = Path(__file__).resolve().parents[2]
+LIST = ROOT / 'test/mutants/equivalent.yaml'
+
 
 def load(path: Path) -> dict[str, dict[str, str]]:
     """Return {file: {mutant: reason}}; a mutant that is listed twice raises ValueError."""

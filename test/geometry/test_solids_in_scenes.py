@@ -69,6 +69,16 @@ def at(*p):
     return RigidTransform(np.array(p, dtype=float))
 
 
+@pytest.mark.parametrize('far', [1e50, 1e60])
+def test_a_solid_far_beyond_the_range_of_products_is_taken_as_it_is(far):
+    """Its counts and areas are no lengths that could be brought to a metre."""
+    cube = Mesh.FromMeshData(MeshData(CORNERS, CUBE))
+    for shapes, poses in (((cube, Sphere(0.1)), (0, far)), ((Sphere(0.1), cube), (far, 0))):
+        pair = Scene(*shapes).pair(*(at(x, 0, 0) for x in poses))
+        assert pair.distance == pytest.approx(far, rel=1e-14)
+        assert pair.error_bound <= 1e-13 * far
+
+
 def test_a_sphere_within_a_cube_mesh_is_as_deep_as_it_is():
     cube = Mesh.FromMeshData(MeshData(CORNERS, CUBE))
     pair = Scene(cube, Sphere(0.1)).pair(at(0, 0, 0), at(0, 0, 0))

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     COUNTS,
     FAR,
     POSTPONED,
+    WIDE,
     answer_pairs,
     bound_pairs,
     compile_rows,
@@ -70,6 +71,7 @@ class Effects:
     far_pairs: int = 0  # too far apart, by their bounds or by how little they can have moved
     cached_pairs: int = 0  # answered from the last result, because both bodies rest
     narrowphase_pairs: int = 0  # computed, by a kernel or from bounds
+    wide_pairs: int = 0  # whose bounds are wider than the level promises, though they hold
     unrefined_pairs: int = 0  # reported from bounds because the time budget was spent
     pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
     near_list_made: bool = False  # the broad phase ran
@@ -107,6 +109,7 @@ class Engine:
             *self._moved,
             *(self._considered, self._filtered, counts[FAR], counts[CACHED]),
             narrowphase_pairs=sum(counts[BY_METHOD:]),
+            wide_pairs=counts[WIDE],
             unrefined_pairs=self._unrefined,
             pairs_by_method={
                 name: counts[BY_METHOD + number]

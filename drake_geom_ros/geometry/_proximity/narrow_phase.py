@@ -20,6 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
+    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -53,6 +54,7 @@ from drake_geom_ros.geometry._proximity.promise import (
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     LARGE_SQUARE,
+    PROMISED_ROUNDING,
     ROUNDING,
     TOUCHING_DEPTH,
 )
@@ -67,7 +69,8 @@ _COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 FAR = 0
 CACHED = 1
 POSTPONED = 2
-BY_METHOD = 3
+WIDE = 3
+BY_METHOD = 4
 COUNTS = BY_METHOD + BOUND_ONLY + 1
 
 
@@ -212,8 +215,13 @@ def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _slack(least, travelled):  # type: ignore[no-untyped-def]
-    """Return a least distance plus the travels of the same time [m], rounded down."""
+def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
+    """Return a least distance plus the travels of the same time [m], rounded down.
+
+    What the turn of a half space moves has no bound.
+    """
+    if type_a == HALF_SPACE or type_b == HALF_SPACE:
+        return -math.inf
     return least + travelled - 4.0 * EPS * (abs(least) + travelled)
 
 
@@ -244,6 +252,20 @@ def _is_hit(out, gap, size, cutoff, penetrating):  # type: ignore[no-untyped-def
     if penetrating:
         return distance < -TOUCHING_DEPTH * size
     return distance <= cutoff
+
+
+@inlined
+def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ignore[no-untyped-def]
+    """Add the rounding of a pair's poses to its bound and return it [m]; count a wide bound.
+
+    Bounds alone and solids promise nothing.
+    """
+    extent = size + _apart(p_WGs, a, b)
+    kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+    counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
+    rounding = rounding_of_pair(a, b, extent, roundings)
+    out[ERROR_BOUND] += rounding
+    return rounding
 
 
 @compiled
@@ -305,17 +327,14 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                         *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
                     )
-                rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
-                out[ERROR_BOUND] += rounding
+                rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, gap, size, rounding)
             else:
                 counts[FAR] += 1
                 seen[s] = -1  # from now on the slack is not the answer's
-            # What the turn of a half space moves has no bound.
-            flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
-            slacks[s] = -math.inf if flat else _slack(least, travelled)
+            slacks[s] = _slack(least, travelled, types[a], types[b])
             if not near:
                 continue
         if _is_hit(out, gaps[s], size, cutoff, penetrating):
@@ -358,10 +377,8 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
-            flat = types[a] == HALF_SPACE or types[b] == HALF_SPACE
-            slacks[s] = (
-                -math.inf if flat else _slack(_least(out, gaps[s], size, rounding), travelled)
-            )
+            least = _least(out, gaps[s], size, rounding)
+            slacks[s] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, gaps[s], size, cutoff, penetrating):
             hits[found] = k
             found += 1

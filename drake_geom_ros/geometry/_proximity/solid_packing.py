@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.solid_overlap import write_points_beneath
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     AREA,
     AREA_VECTOR,
@@ -47,13 +46,11 @@ def solid_parameters(
     corners = corners[order]
     nodes = _nodes(corners, leaves)
     header = np.array([len(corners), leaves, len(pieces), len(planes)], dtype=np.float64)
-    beside = np.zeros((len(pieces), 3))
-    parts = hull, header, nodes, corners, beside, planes, np.array([float(len(hull))])
-    parameters = np.concatenate([part.ravel() for part in parts])
     numbers = np.empty(len(corners), dtype=np.int64)
     numbers[order] = np.arange(len(corners))
-    write_points_beneath(parameters, numbers[pieces])
-    return parameters, numbers
+    on_pieces = corners[numbers[pieces]].mean(axis=1)
+    parts = hull, header, nodes, corners, on_pieces, planes, np.array([float(len(hull))])
+    return np.concatenate([part.ravel() for part in parts]), numbers
 
 
 def leaf_bounds(count: int, leaves: int) -> Indices:

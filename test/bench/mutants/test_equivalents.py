@@ -1,9 +1,8 @@
 import pytest
 
 from bench.mutants import equivalents
-from bench.mutants.__main__ import EQUIVALENT, ROOT
 
-LIST = """
+WRITTEN = """
 a.py:
 - why: both are nothing
   mutants: |
@@ -18,7 +17,7 @@ a.py:
 @pytest.fixture
 def listed(tmp_path):
     path = tmp_path / 'list.yaml'
-    path.write_text(LIST)
+    path.write_text(WRITTEN)
     return path
 
 
@@ -33,7 +32,7 @@ def test_each_mutant_has_its_reason(listed):
 
 
 def test_a_mutant_is_listed_once(listed):
-    listed.write_text(LIST + '    g: return 1 ==> return 2\n')
+    listed.write_text(WRITTEN + '    g: return 1 ==> return 2\n')
     with pytest.raises(ValueError, match='twice: g: return 1'):
         equivalents.load(listed)
 
@@ -53,6 +52,6 @@ def test_what_left_the_code_is_stale(listed):
 
 
 def test_nothing_is_listed_that_is_not_in_the_code():
-    for file, reasons in equivalents.load(EQUIVALENT).items():
-        assert equivalents.stale(reasons, (ROOT / file).read_text()) == []
+    for file, reasons in equivalents.load(equivalents.LIST).items():
+        assert equivalents.stale(reasons, (equivalents.ROOT / file).read_text()) == []
         assert all(reasons.values())

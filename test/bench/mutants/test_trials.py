@@ -1,9 +1,8 @@
 import sys
 
 import pytest
-from coverage import CoverageData
 
-from bench.mutants import trials
+trials = pytest.importorskip('bench.mutants.trials', reason='./run mutants installs coverage')
 
 SOURCE = """
 LIMIT = 7
@@ -61,7 +60,7 @@ def test_the_tests_of_a_file_have_its_path():
 
 
 def test_the_tests_of_a_line_and_of_what_runs_on_import():
-    data = CoverageData(no_disk=True)
+    data = trials.CoverageData(no_disk=True)
     for context, lines in (('', [1, 5]), ('a::one|run', [2]), ('a::two|setup', [2, 6])):
         data.set_context(context)
         data.add_lines({'f.py': lines})

@@ -5,6 +5,7 @@ import pytest
 from oracles.worlds import geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.broadphase import (
+    Boxes,
     _overlap,
     box_gap,
     pairs_between,
@@ -103,6 +104,22 @@ def test_boxes_that_share_a_face_share_a_point(axis, side):
     lowers[1, axis] += side * EPS
     uppers[1, axis] += side * EPS
     assert not _overlap(lowers, uppers, 0, lowers, uppers, 1)
+
+
+@pytest.mark.parametrize('axis', [0, 1, 2])
+def test_sweeps_do_not_end_before_boxes_that_touch(axis):
+    """Three cubes in a row, each touching the next, without the padding of ``sorted_boxes``."""
+    lowers = np.zeros((3, 3))
+    lowers[:, axis] = [0.0, 1.0, 2.0]
+    row = Boxes(axis, np.array([5, 3, 4]), lowers, lowers + 1.0, 1.0)
+    assert as_set(pairs_within(row)) == {(3, 5), (3, 4)}
+    nobody = np.zeros(6, dtype=bool)
+    for k, expected in enumerate(({(3, 5)}, {(3, 5), (3, 4)}, {(3, 4)})):
+        one = Boxes(axis, row.bodies[[k]], lowers[[k]], lowers[[k]] + 1.0, 1.0)
+        others = [m for m in range(3) if m != k]
+        two = Boxes(axis, row.bodies[others], lowers[others], lowers[others] + 1.0, 1.0)
+        assert as_set(pairs_between(one, two, nobody)) == expected
+        assert as_set(pairs_between(two, one, nobody)) == expected
 
 
 def test_gaps_are_lower_bounds_and_tight():

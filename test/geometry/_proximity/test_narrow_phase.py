@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.worlds import geometry_table, random_world
+from oracles.worlds import geometry_table
 
 from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.geometry._proximity.kernels.calling import (
@@ -27,7 +27,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     FAR,
     POSTPONED,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 SPHERE, BOX, ELLIPSOID, HALF_SPACE = 1, 2, 5, 6
@@ -164,6 +164,22 @@ def test_a_queue_takes_who_needs_a_kernel_with_the_least_distance_known():
     np.testing.assert_allclose(distances[:3], [0.12, 0.52, 0.6], atol=1e-14)
 
 
+def test_what_waits_is_no_nearer_than_bounds_say():
+    """A ball beyond a cube's corner: bounding volumes leave room below the distance and above."""
+    loop = Loop([BOX, SPHERE], [[1.0] * 3, [0.5]], [[0, 0, 0], [2, 2, 1.5]])
+    waiting, distances = np.empty(1, dtype=np.int64), np.empty(1)
+    assert loop.answer(9.0, queue=(waiting, distances)) == ([], {'postponed': 1})
+    assert 0.5 < distances[0] <= 1.0
+
+
+@pytest.mark.parametrize('size', [1e-60, 1e60])
+def test_pairs_out_of_the_range_of_products_are_answered_too(size):
+    loop = Loop([SPHERE, BOX], [[size], [size] * 3], [[0, 0, 0], [0, 3.0 * size, 0]])
+    assert loop.answer(math.inf) == ([0], {'closed': 1})
+    assert loop.row(0)[DISTANCE] == pytest.approx(size, rel=1e-14)
+    assert 0.0 < loop.row(0)[ERROR_BOUND] <= 1e-13 * size
+
+
 def test_pairs_that_wait_are_answered_by_the_narrower_of_bounds_and_memory():
     loop = Loop([BOX, SPHERE], [[1.0, 1.0, 1.0], [0.5]], [[0, 0, 0], [2, 2, 2]])
     loop.answer(9.0)
@@ -227,34 +243,12 @@ def test_a_plane_that_turned_knows_nothing_of_before(order, gap):
     assert loop.row(0)[DISTANCE] == pytest.approx(-100.1, rel=1e-12)
 
 
-def test_gaps_of_balls_are_lower_bounds_and_tight():
-    world = random_world(np.random.default_rng(1), 30)
-    for i in range(29):
-        apart = np.linalg.norm(world.p_WGs[i] - world.p_WGs[i + 1])
-        expected = apart - world.outer_radii[i] - world.outer_radii[i + 1]
-        found = narrow_phase._gap_of_balls(i, i + 1, world.p_WGs, world.outer_radii)
-        assert expected - 1e-14 <= found <= expected
-
-
-@pytest.mark.parametrize('offset', [1.0, 1e3, 1e6])
-def test_gaps_of_balls_count_the_rounding_of_where_they_are(offset):
-    p_WGs, outer = np.array([[offset, 0, 0], [0, offset, 0]]), np.array([0.1, 0.2])
-    found = narrow_phase._gap_of_balls(0, 1, p_WGs, outer)
-    expected = math.sqrt(2.0) * offset - 0.3
-    assert 8 * EPS * offset <= expected - found <= 40 * EPS * (offset + 1.0)
-
-
-def test_balls_too_far_apart_for_squares_are_left_to_boxes():
-    p_WGs, outer = np.array([[1e200, 0, 0], [-1e200, 0, 0]]), np.ones(2)
-    with np.errstate(over='ignore'):
-        assert narrow_phase._gap_of_balls(0, 1, p_WGs, outer) == -math.inf
-
-
 def test_near_pairs_are_those_whose_boxes_are_and_planes_have_their_own_gap():
     types, parameters = [HALF_SPACE, BOX, SPHERE], [[], [0.1, 0.2, 0.3], [0.25]]
     loop = Loop(types, parameters, [[9, 9, 1.0], [0, 0, 2.0], [0, 0, 3.0]])
     world = loop.world
-    arguments = world.geometries.types, world.R_WGs, world.p_WGs, world.half_extents
+    arguments = (world.geometries.types, world.R_WGs, world.p_WGs, world.roundings)
+    arguments += (world.half_extents,)
     for distance, expected in ((0.4, []), (0.5, [2]), (0.75, [0, 2]), (1.8, [0, 1, 2])):
         for pairs in (loop.pairs, loop.pairs[:, ::-1].copy()):
             hits = np.empty(3, dtype=np.int64)

@@ -3,7 +3,7 @@
 Among the axes of A and of B and their cross products is the answer of most aligned pairs, which
 are the ones where an iteration finds several equal minima, or a difference without volume. Any
 normal bounds the depth from above (``phi = max over n`` in the conventions), so nothing is lost by
-trying.
+trying, and nothing is claimed: this set is not called complete, and the bound from below stays.
 """
 
 from drake_geom_ros.geometry._proximity.compiled import compiled

@@ -55,6 +55,10 @@ def _axis(b, m):
         return b[m - 3]
     n = cross(along((m - 6) // 3, 1.0), b[(m - 6) % 3])
     sine = math.sqrt(dot(n, n))
+    # Complete without them: boxes with exactly parallel edges are prisms along these, which are
+    # told apart as rectangles are, by their sides, the normals of faces. Turning one box until
+    # the edges are parallel moves no point by more than RIGHT_ANGLE times the extent, and so no
+    # separation: a quarter of CLOSED_FORM_ROUNDING, which is in the error bound.
     if sine <= RIGHT_ANGLE:
         return 0.0, 0.0, 0.0
     return scale(1.0 / sine, n)

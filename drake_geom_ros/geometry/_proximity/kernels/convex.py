@@ -5,8 +5,7 @@ those of ``supports``. In this order, each only where the one before could not c
 
 1. the slab along the hint, or along the line of centres, is wider than the cutoff: BOUND_ONLY;
 2. Newton's method on the normal (``normals``): apart, its two witness points are the certificate;
-3. overlapping: ``revolution`` for parallel axes, ``creases`` for a box or capsule in a cylinder,
-   else ``epa``, which starts from what Newton's method found;
+3. overlapping: ``depths``, which starts from what Newton's method found;
 4. ``gjk`` from the best normal so far, and ``epa`` for what that leaves open.
 
 Hulls have no derivatives and start at 3 with a hint, at 4 without.
@@ -20,11 +19,6 @@ an answer that is unique.
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.axes import least_along_axes
-from drake_geom_ros.geometry._proximity.kernels.barrels import (
-    least_in_long_barrel,
-    least_of_barrels,
-)
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     BOUND_ONLY,
     ITERATIVE,
@@ -33,8 +27,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.caps import widest_cap
-from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
-from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
+from drake_geom_ros.geometry._proximity.kernels.depths import depth_and_bounds
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
@@ -44,35 +37,21 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import (
 )
 from drake_geom_ros.geometry._proximity.kernels.hulls import hull_defect
 from drake_geom_ros.geometry._proximity.kernels.inner_balls import (
-    deepest,
-    depth_between,
     depth_of_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     hold,
     nearby_minimum,
-    settle,
 )
-from drake_geom_ros.geometry._proximity.kernels.revolution import (
-    common_axis,
-    depth_of_revolution,
-)
-from drake_geom_ros.geometry._proximity.kernels.slices import least_over_slices
 from drake_geom_ros.geometry._proximity.kernels.sums import (
-    AXES_A,
-    AXES_B,
-    SEGMENT,
     difference_of,
     feet,
     likely_normal,
-    share_a_point,
     vector,
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
     CONVEX,
     CYLINDER,
     ELLIPSOID,
@@ -94,104 +73,9 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     LOOSE_SLOPE,
     NEAR_TOUCH,
     ROUNDING,
-    SAME_DIRECTION,
     SHARPER,
     SHARPER_DEPTH,
 )
-
-# Caps of EPA. An ordinary minimum takes 8 to 40 vertices, a hard one 150, and arrays of that size
-# cost nothing to get: ten times larger ones go back to the system after each call, which
-# costs as much as EPA does. Only minima that are almost a ring, of shapes almost in a symmetric
-# position, get to the second cap, which leaves about 1e-6 of the size between the bounds.
-FEW_VERTICES = 160
-MANY_VERTICES = 3000
-
-
-@compiled
-def depth_and_bounds(pair, difference, n, near, size, tolerance):
-    """Return what ``epa.depth_of_cores`` does; where its bounds are far apart, axes may do better.
-
-    That is the case in symmetric positions and where the difference has no volume.
-    """
-    found = iterated_depth(pair, difference, n, near, size, tolerance)
-    upper, lower, _, _, _, _, unique = found
-    if upper - lower <= 4.0 * max(tolerance, ROUNDING * EPS * size):
-        return found
-    h, m, a, b = least_along_axes(pair, upper)
-    if h >= upper:
-        return found
-    aside = norm(sub(sub(a, b), scale(h, m)))
-    return h, min(lower, h), m, a, b, aside, unique and dot(m, found[2]) >= SAME_DIRECTION
-
-
-@compiled
-def iterated_depth(pair, difference, n, near, size, tolerance):
-    """Return what ``epa.depth_of_cores`` does, by the cheapest way there is for the pair."""
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-    u, move = common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB)
-    noise = ROUNDING * EPS * size
-    enough = max(tolerance, noise)
-    if move <= 0.5 * enough:
-        return depth_of_revolution(
-            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
-        )
-    if kind_B != CONVEX:  # of a hull no closed form tells how deep a point is
-        newton = nearby_minimum(difference, n, noise)
-        if newton[0] != NOTHING and newton[2] > 0.0:
-            a, b = feet(difference, newton[1])
-            depth, unique, _ = depth_between(pair, a, b, enough)
-            if unique and newton[2] - depth <= enough:
-                return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
-    if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
-        complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
-        if complete and h > 0.0:
-            a, b, aside = points_at(difference, n, h, noise)
-            if share_a_point(pair, a, b):
-                return h, floor, n, a, b, aside, unique
-    found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
-    # Where the difference has the origin on its surface the bounds add up to some tolerances.
-    if found[0] - found[1] <= 4.0 * enough or found[0] < -noise:
-        return found
-    upper, lower, n, a, b, aside, unique = found
-    lower = max(lower, deepest(pair, a, b, size) - noise)
-    if upper - lower <= 4.0 * enough:
-        return upper, min(lower, upper), n, a, b, aside, unique
-    if lower > 0.0 and difference[2] > 0:
-        complete, h, floor, m, unique = least_of_ring(
-            pair, difference, n, upper, lower, enough, noise
-        )
-        if complete:
-            a, b, aside = points_at(difference, m, h, noise)
-            return h, floor, m, a, b, aside, unique
-    return depth_of_cores(pair, difference, n, near, size, tolerance, MANY_VERTICES)
-
-
-@compiled
-def least_of_ring(pair, difference, n, h, floor, enough, noise):
-    """Return (complete, h, floor, n, unique) where a ring of directions is almost as good as n."""
-    kind_A, kind_B = pair[0], pair[3]
-    found = False, h, floor, n, False
-    if kind_A == CYLINDER:
-        found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
-    if not found[0] and kind_B == CYLINDER:
-        found = least_in_long_barrel(difference, difference[1], AXES_B, n, h, enough, noise)
-    if not found[0] and kind_A == CYLINDER and kind_B == CYLINDER:
-        found = least_of_barrels(difference, n, floor, enough, noise)
-    if not found[0] and kind_B == ELLIPSOID:
-        found = least_over_slices(difference, n, h, enough, noise)
-    return found
-
-
-@compiled
-def points_at(difference, n, h, noise):
-    """Return (a, b, aside) at a normal n of least width h: points of the cores, ``a - b = h n``.
-
-    But for ``aside`` [m], which is rounding where Newton's method knows the minimum.
-    """
-    if nearby_minimum(difference, n, noise)[0] == NOTHING:
-        settle(difference, n)
-    a, b = feet(difference, n)
-    return a, b, norm(sub(sub(a, b), scale(h, n)))
 
 
 @compiled

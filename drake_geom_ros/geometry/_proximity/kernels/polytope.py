@@ -107,7 +107,7 @@ def cut_visible(faces, planes, f, w, thickness, stack, rim):
     """
     faces[f, ALIVE] = 0
     stack[0] = f
-    waiting, looked = 1, 0
+    waiting, edges = 1, 0
     while waiting > 0:
         waiting -= 1
         g = stack[waiting]
@@ -121,16 +121,10 @@ def cut_visible(faces, planes, f, w, thickness, stack, rim):
                 stack[waiting] = other
                 waiting += 1
             else:
-                rim[looked, 0] = faces[g, k]
-                rim[looked, 1] = faces[g, (k + 1) % 3]
-                rim[looked, 2] = other
-                looked += 1
-    edges = 0
-    for i in range(looked):  # a face once seen from one side may have been killed from another
-        if faces[rim[i, 2], ALIVE] == 1:
-            for k in range(3):
-                rim[edges, k] = rim[i, k]
-            edges += 1
+                rim[edges, 0] = faces[g, k]
+                rim[edges, 1] = faces[g, (k + 1) % 3]
+                rim[edges, 2] = other
+                edges += 1
     return edges
 
 

@@ -107,6 +107,8 @@ def _axis(d, m):
         return along(m, 1.0)
     n = cross(along(m - 3, 1.0), d)
     sine = math.sqrt(dot(n, n))
+    # Complete without it, as for boxes (``boxes._axis``): a segment along an edge is a point to
+    # the rectangle across it, and turning it by so little is within CLOSED_FORM_ROUNDING.
     if sine <= RIGHT_ANGLE:
         return 0.0, 0.0, 0.0
     return scale(1.0 / sine, n)

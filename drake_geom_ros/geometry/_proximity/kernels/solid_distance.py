@@ -158,6 +158,12 @@ def nearest(A, B, p, n, size, tolerance, limit):
     ``lower <= distance <= upper = |b - a|``. End BEYOND_CUTOFF: farther apart than ``limit``, and
     only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. ``unique`` is False
     if other points are as near, along a clearly different n.
+
+    Nothing nearer is missed: left out, by boxes or within a leaf by GJK, is what is beyond the
+    limit, or farther than the best so far by more than ``noise``, which rounding keeps below. The
+    least of what was left out is in ``lower``: with ``noise`` added to the error it is a
+    certificate. Nothing that crosses is missed, if the limit is ``noise`` or more: its boxes have
+    a gap of 0, to rounding, and no best is below 0.
     """
     noise, reach = ROUNDING * EPS * size, limit
     path, top = walk(A, B, p), 1
@@ -216,7 +222,8 @@ def push_out(A, i, B, j, p, radius, found):
 def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
     """Fill ``pairs`` (k, 2) with leaves of A and of B within ``reach``; return how many.
 
-    Whoever asks has room for as many as matter; the rest is left out.
+    Whoever asks has room for as many as matter; the rest is left out: they are where to begin, and
+    no answer rests on there being no more.
     """
     noise = ROUNDING * EPS * size
     path, top = walk(A, B, p), 1

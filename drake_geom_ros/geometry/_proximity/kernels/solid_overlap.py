@@ -20,7 +20,12 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
-from drake_geom_ros.geometry._proximity.kernels.gjk import OVERLAP, distance_of_cores
+from drake_geom_ros.geometry._proximity.kernels.gjk import OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.solid_containment import (
+    FLUSH,
+    depth_of_point,
+    is_contained,
+)
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import (
     close_pairs,
     contacts,
@@ -33,12 +38,8 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
-    NO_TREE,
     SOLID,
-    edge_of,
     middle_of_triangle,
-    normal_of,
-    tree_of,
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import (
@@ -48,15 +49,12 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     CYLINDER,
     ELLIPSOID,
     SPHERE,
-    bounding_radius,
     local_support,
     support,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
-    column,
-    cross,
     dot,
     norm,
     rotate,
@@ -65,117 +63,29 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     unrotate,
 )
-from drake_geom_ros.geometry._proximity.tolerances import BENEATH, EPS, RIGHT_ANGLE, ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import EPS, RIGHT_ANGLE, ROUNDING
 
-MOST_HALVINGS = 40  # of a distance, until nothing else of the surface is as near
 MOST_PUSHES = 6  # directions that are tried
 MOST_CONTACTS = 64  # pairs of leaves that they are taken from
 MOST_ROUNDS = 4  # pushes one after the other
 MOST_SLIDES = 16
-MOST_FLUSH = 1000  # pairs of leaves that touch, when bodies may be in each other all the same
 MOST_MIDDLES = 16  # of touching triangles that are tried
 STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 
 
 @compiled
-def are_flush(A, B, p, size):
-    """Tell whether a triangle of solids that touch, none of which cross, lies in the other body.
-
-    Walls in line may hide that: what lies just beneath the middle of a triangle tells.
-    """
-    pairs = np.empty((MOST_FLUSH, 2), dtype=np.int64)
-    n = (1.0, 0.0, 0.0)
-    noise = 4.0 * BACK_OFF * ROUNDING * EPS * size
-    beneath = BENEATH * size
-    for k in range(close_pairs(A, B, p, n, size, 0.0, noise, pairs)):
-        i, j = pairs[k, 0], pairs[k, 1]
-        x = add_scaled(middle_of_triangle(A[1], A[3], i), -beneath, normal_of(A[1], A[3], i))
-        y = add_scaled(middle_of_triangle(B[0], B[1], j), -beneath, normal_of(B[0], B[1], j))
-        if is_inside(B[0], B[1], add(p, rotate(A[2], x))):
-            return True
-        if is_inside(A[1], A[3], unrotate(A[2], sub(y, p))):
-            return True
-    return False
-
-
-@compiled
-def is_contained(A, B, p, touches, size):
-    """Tell whether a piece of A lies in B or the reverse, where their surfaces do not cross.
-
-    ``touches`` tells that their surfaces have a point in common, to rounding: then a point of a
-    core that is but one is on B's surface, and neither inside nor outside.
-    """
-    kind, shape, R, tree, _ = A
-    if touches and kind == SOLID and are_flush(A, B, p, size):
-        return True
-    has_side = kind != SOLID and not (touches and kind == SPHERE)
-    if has_side and is_inside(B[0], B[1], middle_of(A, p)):
-        return True
-    for k in range(tree[5]):
-        if is_inside(B[0], B[1], add(p, rotate(R, vector_at(shape, tree[4] + 3 * k)))):
-            return True
-    point = np.zeros(1)
-    for k in range(B[1][5]):
-        v = sub(vector_at(B[0], B[1][4] + 3 * k), p)
-        if kind == SOLID:
-            if is_inside(shape, tree, unrotate(R, v)):
-                return True
-            continue
-        pair = (kind, shape, R, SPHERE, point, B[2], v)
-        size = norm(v) + bounding_radius(kind, shape)
-        n = unit(add_scaled(v, 1.0, column(R, 0)))
-        if distance_of_cores(pair, n, size, 0.0, 0.0)[0] == OVERLAP:
-            return True
-    return False
-
-
-@compiled
 def look(A, B, p, n, size, tolerance, radius):
-    """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found."""
+    """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found.
+
+    It is apart if no surfaces cross or are nearer than touching, and neither body is in the other:
+    both are asked without a limit, and so nothing is left out.
+    """
     noise = ROUNDING * EPS * size
     found = nearest(A, B, p, n, size, tolerance, math.inf)
     end, upper, lower = found[0], found[1], found[2]
     clear = end != OVERLAP and lower >= radius - 2.0 * noise
     return clear and not is_contained(A, B, p, upper <= noise, size), found
-
-
-@compiled
-def depth_of_point(B, q, size):
-    """Return how deep q lies in B [m], negative outside."""
-    point = (SPHERE, np.zeros(1), B[2], NO_TREE, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    n = (1.0, 0.0, 0.0)
-    distance = nearest(point, B, q, n, size, 0.0, math.inf)[1]
-    return distance if is_inside(B[0], B[1], q) else -distance
-
-
-@compiled
-def point_beneath(B, j):
-    """Return a point inside that is nearest to triangle j, sought from its middle inwards."""
-    normal = normal_of(B[0], B[1], j)
-    middle = middle_of_triangle(B[0], B[1], j)
-    below = 0.25 * math.sqrt(norm(cross(edge_of(B[0], B[1], j, 0), edge_of(B[0], B[1], j, 1))))
-    q = middle
-    for _ in range(MOST_HALVINGS):
-        q = add_scaled(middle, -below, normal)
-        if depth_of_point(B, q, 0.0) >= 0.5 * below:
-            break
-        below *= 0.5
-    return q
-
-
-@compiled
-def write_points_beneath(shape, triangles):
-    """Write, for each piece of a solid's surface, a point inside that is nearest to that piece.
-
-    ``triangles`` (c,) has the number of one of each.
-    """
-    tree = tree_of(SOLID, shape)
-    B = (shape, tree, np.eye(3))
-    for k in range(triangles.size):
-        q = point_beneath(B, triangles[k])
-        for c in range(3):
-            shape[tree[4] + 3 * k + c] = q[c]
 
 
 @compiled
@@ -190,11 +100,7 @@ def push_of(A, B, p, found, size, tolerance, radius, pushes):
         pushes[0, 0], pushes[0, 1], pushes[0, 2] = m
         pushes[0, 3] = dot(sub(b, lowest), m) + radius
         count = 1
-    for i in range(1, count):
-        for j in range(i, 0, -1):
-            if pushes[j, 3] < pushes[j - 1, 3]:
-                for c in range(4):
-                    pushes[j, c], pushes[j - 1, c] = pushes[j - 1, c], pushes[j, c]
+    pushes[:count] = pushes[np.argsort(pushes[:count, 3])]
     return count
 
 
@@ -284,7 +190,11 @@ def depth_in(A, B, p, x, size, radius):
 
 @compiled
 def deepest_at(A, B, p, x, size, radius):
-    """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it."""
+    """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it.
+
+    Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
+    at a distance d out of A, a is -d: a ball of radius b - d in B is about A's nearest point then.
+    """
     return depth_in(A, B, p, x, size, radius) + depth_of_point(B, x, size)
 
 
@@ -303,7 +213,7 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
     if A[0] != SOLID:
         lowest = add(p, support(A[0], A[1], A[2], scale(-1.0, m), RIGHT_ANGLE))
         return max(least, radius + depth_of_point(B, lowest, size))
-    noise = 4.0 * BACK_OFF * ROUNDING * EPS * size
+    noise = FLUSH * ROUNDING * EPS * size
     pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
     for k in range(close_pairs(A, B, add(p, t), scale(-1.0, m), size, tolerance, noise, pairs)):
         x = add(p, rotate(A[2], middle_of_triangle(A[1], A[3], pairs[k, 0])))
@@ -318,6 +228,8 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
 
     ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
     """
+    # Whatever is tried or left out, both bounds hold: each t was seen to separate, and each depth
+    # is of balls in both bodies. Trying less only leaves them farther apart, which is told.
     pushes = np.empty((MOST_PUSHES, 4))
     back_off = BACK_OFF * ROUNDING * EPS * size
     enough = max(0.5 * tolerance, 4.0 * back_off)

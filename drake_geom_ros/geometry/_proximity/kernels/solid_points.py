@@ -107,7 +107,13 @@ def winding(shape, tree, q, ratio, without):
 
 @compiled
 def is_inside(shape, tree, q):
-    """Tell whether q, in the solid's frame, lies inside; on the surface either may be told."""
+    """Tell whether q, in the solid's frame, lies inside; on the surface either may be told.
+
+    The number is 0 or 1, off by the dipoles' error at most, so what is farther from 1/2 than that
+    is told rightly, and without dipoles only rounding is left: of a triangle it is EPS times the
+    square of its length over that of its distance, or of its least width where that is more
+    (``rounding_of_angle``). As little as that, times the length, may a point be outside a box.
+    """
     middle, half = box_of_node(shape, tree, 0)
     for c in range(3):
         if outside(q[c] - middle[c], half[c]) > 0.0:

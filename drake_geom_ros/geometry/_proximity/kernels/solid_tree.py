@@ -1,11 +1,11 @@
 """A solid's triangles under a tree of boxes: where things stand, and how trees are walked.
 
 Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
-children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; a point inside, beside
-each connected piece of the surface; the planes of the hull's largest faces; last the place of the
-header. Everything is in the solid's frame, and here B's frame is where all is computed: A, its
-origin at p, is turned into it. A may be a core of ``supports`` or a solid: a core is a tree of one
-leaf.
+children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; a point on each connected
+piece of the surface, the middle of a triangle; the planes of the hull's largest faces; last the
+place of the header. Everything is in the solid's frame, and here B's frame is where all is
+computed: A, its origin at p, is turned into it. A may be a core of ``supports`` or a solid: a core
+is a tree of one leaf.
 """
 
 import math
@@ -145,7 +145,9 @@ def outside(distance, reach):
 def gap_of_boxes(box_A, R, p, box_B):
     """Return a lower bound [m] of the distance of two boxes, the first turned by R and moved by p.
 
-    Each is put into a box along the axes of the other: the larger of both distances.
+    Each is put into a box along the axes of the other: the larger of both distances. Nothing here
+    is farther from Bo than the pair's size, so a dozen roundings of EPS each make it less than
+    ROUNDING EPS size too large; whoever leaves out what is beyond a limit has added that.
     """
     h, k = box_A[1], box_B[1]
     d = sub(add(rotate(R, box_A[0]), p), box_B[0])
@@ -219,6 +221,10 @@ def next_leaves(A, B, p, path, top, limit):
 
     ``top`` pairs are left on the stack. i and j number the leaves, and are -1 when none are left;
     ``skipped`` is the least gap [m] of what was left out, which is beyond the limit.
+
+    No leaves within the limit are left out: a pair of nodes is put aside only if its gap, a lower
+    bound of that of all leaves below, is beyond it, and otherwise it is one of leaves, and handed
+    out, or both its halves take its place. The limit may shrink from call to call.
     """
     stack, gaps = path
     skipped = math.inf

@@ -3,8 +3,8 @@
 A solid is the closed body that a mesh bounds, dents, holes and cavities and all. Apart, the answer
 is the distance of the surfaces (``solid_distance``), as exact as that of two cores. Overlapping,
 it is minus the length of a translation that is verified to separate, and ``error_bound`` tells how
-much shorter the shortest may be (``solid_overlap``). Where surfaces do not meet, points of each
-that lie in the other tell (``solid_points``).
+much shorter the shortest may be (``solid_overlap``). Where surfaces do not meet, points on each
+that lie in the other tell (``solid_containment``).
 """
 
 import math
@@ -14,12 +14,12 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, MESH, NORMAL, write
 from drake_geom_ros.geometry._proximity.kernels.gjk import BEYOND_CUTOFF, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.solid_containment import is_contained
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import nearest
 from drake_geom_ros.geometry._proximity.kernels.solid_hulls import hull_support
 from drake_geom_ros.geometry._proximity.kernels.solid_overlap import (
     BACK_OFF,
     bounds_of_depth,
-    is_contained,
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
 from drake_geom_ros.geometry._proximity.kernels.supports import (

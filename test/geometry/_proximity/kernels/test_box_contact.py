@@ -43,7 +43,7 @@ def test_vectors_go_from_frame_to_frame_and_back():
     ],
 )
 def test_a_line_is_clipped_by_a_rectangle_of_4_by_2(c, d, half_length, interval):
-    found = box_contact._clip(c, d, (2.0, 1.0), half_length)
+    found = box_contact._clip(tuple(map(float, c)), d, (2.0, 1.0), half_length)
     np.testing.assert_allclose(found, interval, rtol=1e-15)
 
 
@@ -52,7 +52,7 @@ def test_a_line_is_clipped_by_a_rectangle_of_4_by_2(c, d, half_length, interval)
     [((0, 1.5), ALONG_X), ((-2.5, 0), ALONG_Y), ((3, 1.5), (0.8, -0.6)), ((9, 0), ALONG_X)],
 )
 def test_a_line_beside_a_rectangle_is_nowhere_in_it(c, d):
-    low, high = box_contact._clip(c, d, (2.0, 1.0), 5.0)
+    low, high = box_contact._clip(tuple(map(float, c)), d, (2.0, 1.0), 5.0)
     assert high < low
 
 

@@ -20,7 +20,11 @@ def answer(e, q, slack=SLACK):
 
 @pytest.mark.parametrize('order', ORDERS)
 @pytest.mark.parametrize(
-    'q', [(0.25, 0.15, 0.2), (0.05, 0.04, 0.03), (0.31, 0.01, 0.001), (2.0, 3.0, 5.0)]
+    'q',
+    [
+        *((0.25, 0.15, 0.2), (0.05, 0.04, 0.03), (0.31, 0.01, 0.001), (2.0, 3.0, 5.0)),
+        *((0.25, 0.1, 0.0), (0.0, 0.19, 0.0), (0.28, 0.0, 0.0)),  # beyond the focal ellipse
+    ],
 )
 def test_every_octant_and_order_of_the_axes(q, order):
     """Where (q - N) is along the normal at N of the surface, and N is the nearest such point."""

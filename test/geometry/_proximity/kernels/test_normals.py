@@ -60,14 +60,14 @@ def test_it_is_a_minimum_and_its_feet_are_on_its_normal(kinds, reach):
 
 @pytest.mark.parametrize('kinds', PAIRS)
 def test_nothing_in_a_cap_is_nearer(kinds):
-    caps = []
+    widths = []
     for rng, difference, found in _minima(kinds, 0.2, 2):
         _, n, h, _ = found
         cap = caps.widest_cap(difference, found, 1e-12)
-        caps.append(cap)
+        widths.append(cap)
         inside = _around(rng, n, cap * rng.uniform(0, 1, 40) ** 2)
         assert _widths(difference, inside).min() >= h - 1e-14
-    assert max(caps) >= 0.05
+    assert max(widths) >= 0.05
 
 
 def test_kinds_of_minima():
@@ -92,6 +92,34 @@ def test_kinds_of_minima():
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.CREASE
     pair = *pair[:6], (1.0, 1.0, 2.0)
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.SMOOTH
+
+
+def test_what_an_earlier_search_leaned_on_is_forgotten():
+    ball = np.array([0.2, 0.3, 0.4])
+    pair = ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125)
+    difference = sums.difference_of(pair)
+    difference[0][[sums.LEAN_A, sums.LEAN_B], :3] = [[0.1, 0.2, 0.3], [0.3, 0.1, 0.2]]
+    kind, n, h, _ = normals.nearby_minimum(difference, (0.8, 0.6, 0.0), NOISE)
+    assert kind == normals.SMOOTH
+    a, b = sums.feet(difference, n)
+    assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('size', 'axis', 'kind'),
+    [
+        ((0.3, 0.2, 0.4), 1, normals.SMOOTH),
+        ((0.3, 0.2, 0.4), 0, normals.NOTHING),  # a saddle, and so the next two
+        ((0.3, 0.4, 0.2), 0, normals.NOTHING),
+        ((0.2, 0.3, 0.4), 1, normals.NOTHING),
+        ((0.3, 0.2, 0.4), 2, normals.NOTHING),  # a maximum
+    ],
+)
+def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
+    """The width of two equal ellipsoids, one in the other, is least along the shortest axis."""
+    pair = ELLIPSOID, np.array(size), np.eye(3), ELLIPSOID, np.array(size), np.eye(3), (0.0,) * 3
+    found = normals.nearby_minimum(sums.difference_of(pair), tuple(np.eye(3)[axis]), NOISE)
+    assert found[0] == kind
 
 
 def test_two_needles_that_cross_have_no_cap():

@@ -93,6 +93,7 @@ def test_faces_come_off_the_heap_by_offset():
         f, waiting = polytope.pop_living(faces, planes, heap, waiting)
         if f >= 0:
             order.append(f)
+    assert tuple(polytope.pop_living(faces, planes, heap, 0)) == (-1, 0)
     living = np.flatnonzero(faces[:, polytope.ALIVE])
     assert order == sorted(living, key=lambda f: planes[f, polytope.OFFSET])
 

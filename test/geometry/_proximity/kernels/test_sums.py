@@ -92,4 +92,6 @@ def test_common_points_are_seen():
     cube, rod = np.array([0.5, 0.5, 0.5]), np.array([0.1, 1.0])
     pair = supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.55, 0.0, 0.0)
     assert sums.share_a_point(pair, (0.5, 0.0, 0.0), (0.45, 0.0, 0.0))
-    assert not sums.share_a_point(pair, (0.4, 0.0, 0.0), (0.65, 0.0, 0.0))
+    assert sums.share_a_point(pair, (0.4, 0.0, 0.0), (0.65, 0.0, 0.0))
+    apart = *pair[:6], (0.625, 0.0, 0.0)
+    assert not sums.share_a_point(apart, (0.5, 0.0, 0.0), (0.525, 0.0, 0.0))

@@ -1,0 +1,194 @@
+"""Depth of two overlapping cores, by the cheapest way that is certain.
+
+In this order, each only where the one before could not certify its answer: ``revolution`` for
+parallel axes; Newton's method (``normals``), whose minimum is proven by balls within both cores
+(``inner_balls``); ``creases`` for a box or capsule in a cylinder; ``epa`` with few vertices;
+``barrels`` and ``slices`` where a ring of directions is almost as good; ``epa`` with many. What is
+left open then, in symmetric positions and where the difference has no volume, ``axes`` may close.
+"""
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.axes import least_along_axes
+from drake_geom_ros.geometry._proximity.kernels.barrels import (
+    least_in_long_barrel,
+    least_of_barrels,
+)
+from drake_geom_ros.geometry._proximity.kernels.circles import across
+from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
+from drake_geom_ros.geometry._proximity.kernels.epa import depth_of_cores
+from drake_geom_ros.geometry._proximity.kernels.inner_balls import (
+    deepest,
+    depth_between,
+)
+from drake_geom_ros.geometry._proximity.kernels.normals import (
+    NOTHING,
+    nearby_minimum,
+    settle,
+)
+from drake_geom_ros.geometry._proximity.kernels.revolution import (
+    common_axis,
+    depth_of_revolution,
+)
+from drake_geom_ros.geometry._proximity.kernels.slices import least_over_slices
+from drake_geom_ros.geometry._proximity.kernels.sums import (
+    AXES_A,
+    AXES_B,
+    LENGTH,
+    SEGMENT,
+    feet,
+    likely_normal,
+    share_a_point,
+    vector,
+    width,
+)
+from drake_geom_ros.geometry._proximity.kernels.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    LOOSE_SLOPE,
+    ROUNDING,
+    SAME_DIRECTION,
+)
+
+# Caps of EPA. An ordinary minimum takes 8 to 40 vertices, a hard one 150, and arrays of that size
+# cost nothing to get: ten times larger ones go back to the system after each call, which
+# costs as much as EPA does. Only minima that are almost a ring, of shapes almost in a symmetric
+# position, get to the second cap, which leaves about 1e-6 of the size between the bounds.
+FEW_VERTICES = 160
+MANY_VERTICES = 3000
+
+
+@compiled
+def depth_and_bounds(pair, difference, n, near, size, tolerance):
+    """Return what ``epa.depth_of_cores`` does; where its bounds are far apart, axes may do better.
+
+    That is the case in symmetric positions and where the difference has no volume.
+    """
+    found = iterated_depth(pair, difference, n, near, size, tolerance)
+    upper, lower, _, _, _, _, unique = found
+    if upper - lower <= 4.0 * max(tolerance, ROUNDING * EPS * size):
+        return found
+    h, m, a, b = least_along_axes(pair, upper)
+    if h >= upper:
+        return found
+    aside = norm(sub(sub(a, b), scale(h, m)))
+    return h, min(lower, h), m, a, b, aside, unique and dot(m, found[2]) >= SAME_DIRECTION
+
+
+@compiled
+def iterated_depth(pair, difference, n, near, size, tolerance):
+    """Return what ``epa.depth_of_cores`` does, by the cheapest way there is for the pair."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    u, move = common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB)
+    noise = ROUNDING * EPS * size
+    enough = max(tolerance, noise)
+    if move <= 0.5 * enough:
+        h, floor, n, a, b, aside, unique = depth_of_revolution(
+            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
+        )
+        return h, guarded(difference, floor, noise), n, a, b, aside, unique
+    if kind_B != CONVEX:  # of a hull no closed form tells how deep a point is
+        newton = nearby_minimum(difference, n, noise)
+        if newton[0] != NOTHING and newton[2] > 0.0:
+            a, b = feet(difference, newton[1])
+            depth, unique, _ = depth_between(pair, a, b, enough)
+            if unique and newton[2] - depth <= enough:
+                return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
+    if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
+        complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
+        floor = guarded(difference, floor, noise)
+        if complete and h > 0.0:
+            n, h, a, b, aside = points_at(difference, n, h, enough, noise)
+            if share_a_point(pair, a, b):
+                return h, floor, n, a, b, aside, unique
+    found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
+    # Where the difference has the origin on its surface the bounds add up to some tolerances.
+    if found[0] - found[1] <= 4.0 * enough or found[0] < -noise:
+        return found
+    upper, lower, n, a, b, aside, unique = found
+    lower = max(lower, deepest(pair, a, b, size) - noise)
+    if upper - lower <= 4.0 * enough:
+        return upper, min(lower, upper), n, a, b, aside, unique
+    if lower > 0.0 and difference[2] > 0:
+        complete, h, floor, m, unique = least_of_ring(
+            pair, difference, n, upper, lower, enough, noise
+        )
+        if complete:
+            m, h, a, b, aside = points_at(difference, m, h, enough, noise)
+            return h, guarded(difference, floor, noise), m, a, b, aside, unique
+    return depth_of_cores(pair, difference, n, near, size, tolerance, MANY_VERTICES)
+
+
+@compiled
+def guarded(difference, floor, noise):
+    """Return what no h is below, [m], after a look at planes that a search did not choose.
+
+    A search over candidates is right where their set is complete. Any plane may show that it was
+    not: then its width is the bound, which so is wider than promised, and counted as such.
+    """
+    terms, _, last, r_A, r_B = difference
+    across = unit(vector(terms, 0))
+    n = likely_normal(difference, across if dot(across, across) > 0.5 else (1.0, 0.0, 0.0))
+    least = width(terms, last, r_A + r_B, n)
+    return least if least < floor - noise else floor
+
+
+@compiled
+def least_of_ring(pair, difference, n, h, floor, enough, noise):
+    """Return (complete, h, floor, n, unique) where a ring of directions is almost as good as n."""
+    kind_A, kind_B = pair[0], pair[3]
+    found = False, h, floor, n, False
+    if kind_A == CYLINDER:
+        found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
+    if not found[0] and kind_B == CYLINDER:
+        found = least_in_long_barrel(difference, difference[1], AXES_B, n, h, enough, noise)
+    if not found[0] and kind_A == CYLINDER and kind_B == CYLINDER:
+        found = least_of_barrels(difference, n, floor, enough, noise)
+    if not found[0] and kind_A != BOX and kind_B == ELLIPSOID:  # a box has edges off the axis
+        found = least_over_slices(difference, n, h, enough, noise)
+    return found
+
+
+@compiled
+def settled(difference, n, h):
+    """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
+    settle(difference, n)
+    a, b = feet(difference, n)
+    return a, b, norm(sub(sub(a, b), scale(h, n)))
+
+
+@compiled
+def points_at(difference, n, h, enough, noise):
+    """Return (n, h, a, b, aside) at a normal n of least width h.
+
+    Points a and b of the cores have ``a - b = h n`` but for ``aside`` [m], which is rounding where
+    Newton's method knows the minimum. Where segments are almost parallel, n may be on the crease
+    of one and the points on that of the other, which is as good but for a part of ``enough`` [m].
+    """
+    terms, _, last, r_A, r_B = difference
+    if nearby_minimum(difference, n, noise)[0] != NOTHING:
+        a, b = feet(difference, n)
+        return n, h, a, b, norm(sub(sub(a, b), scale(h, n)))
+    a, b, aside = settled(difference, n, h)
+    best = n, h, a, b, aside
+    for k in range(SEGMENT, last):
+        if best[4] > LOOSE_SLOPE * noise:
+            m = across(n, scale(1.0 / terms[k, LENGTH], vector(terms, k)))
+            there = width(terms, last, r_A + r_B, m)
+            if there <= h + 0.5 * enough:
+                a, b, aside = settled(difference, m, there)
+                if aside < best[4]:
+                    best = m, there, a, b, aside
+    return best

@@ -1,0 +1,24 @@
+"""docs/certificates.md is what the pair table says."""
+
+import re
+import runpy
+
+import pytest
+from conventions.source_tree import ROOT
+
+from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, SHAPE_NAMES
+
+GENERATOR = runpy.run_path(str(ROOT / 'docs/generate_certificates.py'))
+
+
+def test_the_page_is_current():
+    assert (ROOT / 'docs/certificates.md').read_text() == GENERATOR['certificates'](), (
+        'run: python docs/generate_certificates.py'
+    )
+
+
+@pytest.mark.parametrize('row', ALL_ROWS, ids=lambda row: f'{row.type_a}-{row.type_b}')
+def test_every_row_says_why_in_two_sentences(row):
+    assert len(re.findall(r'\.(?= [A-Z]|$)', row.certificate)) == 2
+    pair = f'{SHAPE_NAMES[row.type_a]} and {SHAPE_NAMES[row.type_b]}'
+    assert pair in GENERATOR['certificates']()
