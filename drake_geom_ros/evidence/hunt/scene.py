@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.bodies import Floats, Pair
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     METHODS,
@@ -53,6 +53,11 @@ class Replies(NamedTuple):
     collides: bool  # HasCollisions of all
 
 
+def _taken(body: Body) -> Body:
+    """Return the body with the rotation nearest to its matrix, which answers are about."""
+    return body.placed(body.pose.rotation().matrix(), body.p)
+
+
 class PairsScene(BodyScene):
     """A scene of the shapes of n pairs; the bodies are posed as often as wanted.
 
@@ -71,10 +76,10 @@ class PairsScene(BodyScene):
         self.query = self.asked(self._context)
 
     def place(self, pairs: Sequence[Pair]) -> Sequence[Pair]:
-        """Pose all bodies; return the pairs as they are now."""
+        """Pose all bodies; return the pairs as they are now, with the rotations taken."""
         self.pose(self._context, [body.pose for pair in pairs for body in (pair.a, pair.b)])
         self.origins[:] = [pair.a.p for pair in pairs]
-        return pairs
+        return [Pair(_taken(pair.a), _taken(pair.b)) for pair in pairs]
 
     def replies(self, rng: np.random.Generator) -> Replies:
         """Return all answers about the pairs; the levels are asked for in any order."""
