@@ -135,3 +135,61 @@ def test_the_largest_radius_is_that_of_the_ellipse_seen_along_the_circles_axis()
     seen = circles.largest_radius(sphere[0], (0.0, 0.0, 1.0))
     assert seen == pytest.approx(9 / 2 + 0.5, rel=1e-13)
     assert circles.largest_radius(sphere[0], (1.0, 0.0, 0.0)) == np.inf
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_an_arc_that_reaches_is_kept_and_no_other(seed):
+    """Against the largest q . n of many directions on the arc."""
+    rng = np.random.default_rng(seed)
+    start, width = rng.uniform(0, 7), rng.uniform(0.1, np.pi / 2)
+    angles = start + np.linspace(0.0, width, 2001)
+    ns = np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
+    q = np.append(rng.normal(size=2), 0.0)
+    largest = float((ns @ q).max())
+    for away, kept in ((1e-5, True), (0.0, True), (-1e-5, False)):
+        found = circles.may_reach(
+            tuple(ns[0]), tuple(ns[-1]), (0.0, 0.0, 1.0), tuple(q), largest - away, NOISE
+        )
+        assert found == kept
+
+
+@pytest.mark.parametrize('flip', [1.0, -1.0])
+def test_an_arc_that_reaches_at_its_end_or_within_but_for_rounding_is_kept(flip):
+    """Equal to the last digit, and within the rounding that q is allowed."""
+    e, near, far = (0.0, 0.0, flip), (0.6, -0.8 * flip, 0.0), (1.0, 0.0, 0.0)
+    q = (1.0, flip, 0.0)  # beyond the end of an arc from near to far; q . far is 1
+    assert circles.may_reach(near, far, e, q, 1.0, NOISE)
+    assert circles.may_reach(near, far, e, q, 1.0 + 0.5 * NOISE, NOISE)
+    assert not circles.may_reach(near, far, e, q, 1.0 + 1e-12, NOISE)
+    q = (1.0, -flip, 0.0)  # beyond the start of the same arc, mirrored
+    mirrored = (0.6, 0.8 * flip, 0.0)
+    assert circles.may_reach(far, mirrored, e, q, 1.0, NOISE)
+    assert circles.may_reach(far, mirrored, e, q, 1.0 + 0.5 * NOISE, NOISE)
+    assert not circles.may_reach(far, mirrored, e, q, 1.0 + 1e-12, NOISE)
+    along = (0.8, -0.6 * flip, 0.0)  # within; longest there
+    assert circles.may_reach(near, far, e, along, 1.0, NOISE)
+    assert not circles.may_reach(near, far, e, along, 1.0 + 1e-12, NOISE)
+
+
+@pytest.mark.parametrize('height', [0.0, 5.0, -5.0])
+def test_only_arcs_on_the_side_of_p_are_taken_and_none_where_p_is_short(height):
+    """Of p only the part across e counts, 0.25 m along x here; arcs end at x and y."""
+    difference = _difference(
+        BOX, [1.0, 1.0, 1.0], np.eye(3), CYLINDER, [0.5, 1.0], np.eye(3), (0.25, 0.0, height)
+    )  # fmt: skip
+    arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
+    kinks = np.empty((circles.MOST_KINKS, 4))
+    for reach, taken in ((-1.0, 4), (0.1, 2), (0.2, 2), (0.3, 0)):
+        count = circles.first_arcs(
+            difference[0], difference[2], (0.0, 0.0, 1.0), reach, NOISE, arcs, kinks
+        )
+        assert count == taken
+        for arc in arcs[:count]:
+            start, end = arc[:3], arc[3:6]
+            assert np.cross(start, end)[2] == pytest.approx(1.0, abs=1e-15)
+            assert reach < 0.0 or start[0] + end[0] == pytest.approx(1.0, abs=1e-15)
+            # The corner of the box less the rim, and the difference of the axes' ends aside.
+            for n, point in ((start, arc[6:9]), (end, arc[9:12])):
+                middle = start + end
+                corner = np.sign(np.round(middle[:2], 9)) + 0.5 * n[:2] - [0.25, 0.0]
+                np.testing.assert_allclose(point[:2], corner, atol=1e-15)
