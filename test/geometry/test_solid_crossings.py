@@ -100,11 +100,14 @@ def test_bodies_that_overlap_are_refused_and_those_that_touch_are_taken(scale):
     assert refused
 
 
+PULLS = 1 if config.DISABLE_JIT else 6  # exact arithmetic takes half a second each
+
+
 @pytest.mark.parametrize('pull', [0.3, 1.0, 2.5])
 def test_a_vertex_that_is_pulled_through_a_face_is_seen(pull):
     """The floor of a pit, pulled down through the bottom of the block, or towards it."""
     seen = 0
-    for seed in range(SEEDS):
+    for seed in range(PULLS):
         rng = np.random.default_rng(seed)
         filled = np.ones((3, 3, 3), dtype=bool)
         filled[1, 1, 1:] = False
@@ -118,4 +121,4 @@ def test_a_vertex_that_is_pulled_through_a_face_is_seen(pull):
         vertices = 10 ** rng.uniform(-6, 2) * vertices @ random_rotation(rng).T
         assert is_taken(vertices, triangles) != crosses
         seen += crosses
-    assert seen == (SEEDS if pull > 1.1 else 0) or pull == 1.0
+    assert seen == (PULLS if pull > 1.0 else 0)

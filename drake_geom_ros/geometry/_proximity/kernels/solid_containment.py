@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.gjk import CLOSED, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.gjk import BEYOND_CUTOFF
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import leaf_gap, nearest
 from drake_geom_ros.geometry._proximity.kernels.solid_hulls import middle_of
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
@@ -49,16 +49,15 @@ def depth_of_point(B, q, size):
 def is_leaf_within(A, i, B, j, p, size, reach):
     """Tell whether, of leaves of A and B, triangles that touch lie in the other body.
 
-    Those that touch are within ``reach``. Walls in line may hide that a triangle is in the other
-    body: what lies just beneath its middle tells.
+    Those touch that are not proven to be farther apart than ``reach``. Walls in line may hide that
+    a triangle is in the other body: what lies just beneath its middle tells.
     """
     beneath, touching = BENEATH * size, 0
     first, last = first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)
     for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
         mine = 0
         for m in range(first, last):
-            end, upper = leaf_gap(A, k, B, m, p, FIRST_NORMAL, size, 0.0, reach)[:2]
-            if end == OVERLAP or (end == CLOSED and upper <= reach):
+            if leaf_gap(A, k, B, m, p, FIRST_NORMAL, size, 0.0, reach)[0] != BEYOND_CUTOFF:
                 mine |= 1 << (m - first)
         touching |= mine
         if mine != 0:
@@ -106,7 +105,7 @@ def is_piece_within(shape, tree, B, R, p, size, least):
 def is_contained(A, B, p, touches, size):
     """Tell whether A and B overlap, where their surfaces do not cross.
 
-    ``touches`` tells that these have a point in common, to rounding.
+    ``touches`` tells that these may have a point in common, to rounding.
 
     Why nothing is missed, for two solids. If their interiors have a point in common, all that they
     have in common is bounded, and a point of its boundary lies on the surface of one and in the

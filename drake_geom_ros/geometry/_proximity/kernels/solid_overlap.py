@@ -83,9 +83,9 @@ def look(A, B, p, n, size, tolerance, radius):
     """
     noise = ROUNDING * EPS * size
     found = nearest(A, B, p, n, size, tolerance, math.inf)
-    end, upper, lower = found[0], found[1], found[2]
+    end, lower = found[0], found[2]
     clear = end != OVERLAP and lower >= radius - 2.0 * noise
-    return clear and not is_contained(A, B, p, upper <= noise, size), found
+    return clear and not is_contained(A, B, p, lower <= noise, size), found
 
 
 @compiled

@@ -107,7 +107,7 @@ def signed_distance_to_solid(
     n = first_direction(out, R_WB, p)
     found = nearest(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
     end, upper, lower, n, a, b, unique = found
-    if end == OVERLAP or upper - radius < -noise or is_contained(A, B, p, upper <= noise, size):
+    if end == OVERLAP or upper - radius < -noise or is_contained(A, B, p, lower <= noise, size):
         if end == BEYOND_CUTOFF:
             found = nearest(A, B, p, n, size, tolerance, math.inf)
         if kind_A == SPHERE and radius == 0.0:  # a point is out where the surface is nearest

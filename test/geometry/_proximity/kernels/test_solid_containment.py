@@ -65,7 +65,7 @@ def test_a_body_whose_surface_runs_close_around_a_cavity(thin):
 
 
 @pytest.mark.parametrize('n', [4, 6] if config.DISABLE_JIT else [6, 24])
-@pytest.mark.parametrize('corner', itertools.product((1, -2), repeat=2))
+@pytest.mark.parametrize('corner', list(itertools.product((1, -2), repeat=2)))
 def test_a_bump_beneath_a_slab_that_lies_flush(n, corner):
     """Thousands of triangles touch, and only those of the bump are in the other body."""
     lines = [np.arange(n + 3.0)] * 3
