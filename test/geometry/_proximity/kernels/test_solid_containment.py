@@ -7,12 +7,12 @@ import itertools
 
 import numpy as np
 import pytest
-from hard_cases.blocks import surface
 from numba import config
 from oracles.pairs import random_rotation
 from oracles.solids import Body, parts_gap, row_of
 from oracles.voxels import KINDS, filled_cells
 
+from drake_geom_ros.evidence.grids import surface
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels import calling
 from drake_geom_ros.geometry._proximity.tolerances import EPS
