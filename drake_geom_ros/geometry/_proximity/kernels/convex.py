@@ -46,6 +46,7 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
 )
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     difference_of,
+    difference_of_edges,
     feet,
     likely_normal,
     vector,
@@ -165,6 +166,25 @@ def is_polytope(kind):
 
 
 @compiled
+def sharpened(pair, difference, n, found, noise, tolerance):
+    """Return (closed, distance, lower, n, a, b): the last digits, by Newton's method, from near n.
+
+    Of hulls it takes the edges next to n, unless bounds as close as ``found`` [m] are as good: the
+    edges are no nearer than the hulls, and how near these may be tells the slab along the normal.
+    """
+    hulls = difference[2] == 0
+    if hulls:
+        if found <= noise:
+            return False, np.inf, -np.inf, n, n, n
+        difference = difference_of_edges(pair, n)
+    end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
+    if hulls:
+        lower = min(lower, gap_along(pair, n))
+        return end == CLOSED and distance - lower < found, distance, lower, n, a, b
+    return end == CLOSED, distance, lower, n, a, b
+
+
+@compiled
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     """Return (end, distance, upper, lower, n, a, b, miss, unique) of two cores.
 
@@ -205,12 +225,11 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     if end == BEYOND_CUTOFF:
         return end, distance, upper, lower, n, a, b, 0.0, True
     if end == CLOSED and not near:
-        if difference[2] > 0:  # from near the answer Newton's method finds the last digits
-            sharper = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
-            if sharper[0] == CLOSED:
-                _, distance, lower, n, a, b = sharper
-                a, b, miss = drawn_to(distance, n, a, b)
-                return end, distance, distance, lower, n, a, b, miss, True
+        sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
+        if sharper[0]:
+            _, distance, lower, n, a, b = sharper
+            a, b, miss = drawn_to(distance, n, a, b)
+            return end, distance, distance, lower, n, a, b, miss, True
         return end, distance, upper, lower, n, a, b, 0.0, True
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance

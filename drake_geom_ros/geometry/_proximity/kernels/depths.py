@@ -24,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     nearby_minimum,
     settle,
+    settle_by_turns,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution import (
     common_axis,
@@ -166,7 +167,11 @@ def settled(difference, n, h):
     """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
     settle(difference, n)
     a, b = feet(difference, n)
-    return a, b, norm(sub(sub(a, b), scale(h, n)))
+    aside = norm(sub(sub(a, b), scale(h, n)))
+    settle_by_turns(difference, n)
+    x, y = feet(difference, n)
+    aside_by_turns = norm(sub(sub(x, y), scale(h, n)))
+    return (x, y, aside_by_turns) if aside_by_turns < aside else (a, b, aside)
 
 
 @compiled
@@ -187,7 +192,8 @@ def points_at(difference, n, h, enough, noise):
         if best[4] > LOOSE_SLOPE * noise:
             m = across(n, scale(1.0 / terms[k, LENGTH], vector(terms, k)))
             there = width(terms, last, r_A + r_B, m)
-            if there <= h + 0.5 * enough:
+            # Along the segment itself there is no such direction, and m is 0.
+            if dot(m, m) > 0.5 and there <= h + 0.5 * enough:
                 a, b, aside = settled(difference, m, there)
                 if aside < best[4]:
                     best = m, there, a, b, aside
