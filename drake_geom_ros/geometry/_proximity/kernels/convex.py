@@ -169,18 +169,20 @@ def is_polytope(kind):
 def sharpened(pair, difference, n, found, noise, tolerance):
     """Return (closed, distance, lower, n, a, b): the last digits, by Newton's method, from near n.
 
-    Of hulls it takes the edges next to n, unless bounds as close as ``found`` [m] are as good: the
-    edges are no nearer than the hulls, and how near these may be tells the slab along the normal.
+    Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
+    may be tells the slab along the normal. Two polytopes are left with bounds as close as
+    ``found`` [m] if that is rounding; beside a round body the normal is not as good then.
     """
     hulls = difference[2] == 0
     if hulls:
-        if found <= noise:
+        if found <= noise and is_polytope(pair[0]) and is_polytope(pair[3]):
             return False, np.inf, -np.inf, n, n, n
         difference = difference_of_edges(pair, n)
     end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
     if hulls:
         lower = min(lower, gap_along(pair, n))
-        return end == CLOSED and distance - lower < found, distance, lower, n, a, b
+        closed = end == CLOSED and distance - lower <= max(found, noise)
+        return closed, distance, lower, n, a, b
     return end == CLOSED, distance, lower, n, a, b
 
 
@@ -292,7 +294,7 @@ def signed_distance_of_cores(
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
     error_bound = max(upper - distance, distance - lower) + noise
-    if miss > LOOSE_SLOPE * noise:  # what Newton's method leaves is on the surface to rounding
+    if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
     if kind_A == CONVEX:
         error_bound += hull_defect(shape_A)

@@ -14,8 +14,8 @@ lies in that with the hull, so its h is nowhere more, and where it is as much wh
 its minimum is true of the hull's.
 
 ``terms`` holds a row for p, four for segments, three for the semi-axes of A and of B, one for
-the point of A's and of B's disk where n is along its axis, and one for the middle of A's edge, from
-Ao: p then is from there to B or to the middle of B's. Column LENGTH is that of the row.
+the point of A's and of B's disk where n is along its axis, and one for the middle of A's edge,
+from Ao: p then is from there to B or to the middle of B's. Column LENGTH is that of the row.
 Column SHARE of a segment tells where on it the support point is: at an end, -1 or 1, or anywhere
 between where n is at right angles to it and h has a kink; the segment is *held* there.
 """
