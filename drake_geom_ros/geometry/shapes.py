@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface, surface
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.rotations import as_vector
+from drake_geom_ros.math.arrays import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
 
 Floats = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._obj_file import read_obj
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.instances import checked_type
-from drake_geom_ros.math.rotations import as_vector
+from drake_geom_ros.math.arrays import as_vector
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
