@@ -50,6 +50,10 @@ class SceneGraphContext:
         other._snapshot = None
         return other
 
+    def Clone(self) -> SceneGraphContext:
+        """Return ``copy()``, by pydrake's name."""
+        return self.copy()
+
     def what_if(self) -> SceneGraphContext:
         """Return a snapshot that may be posed and queried, in another thread too, at little cost.
 

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.engine import Effects
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
+from drake_geom_ros.geometry.bounding_boxes import Obb
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
-from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.query_records import SignedDistancePair
 from drake_geom_ros.geometry.query_results import (
     PenetrationResults,
     PointDistanceResults,
-    SignedDistancePair,
     SignedDistanceResults,
 )
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
@@ -77,9 +78,16 @@ class QueryObject:
 
     # Where things are.
 
-    def GetPoseInWorld(self, id: FrameId | GeometryId) -> RigidTransform:
+    def GetPoseInWorld(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> RigidTransform:
         """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
-        return self.X_WG(id) if isinstance(id, GeometryId) else self.X_WF(id)
+        asked = only_id('GetPoseInWorld', id, frame_id, geometry_id)
+        return self.X_WG(asked) if isinstance(asked, GeometryId) else self.X_WF(asked)
 
     def GetPoseInParent(self, frame_id: FrameId) -> RigidTransform:
         """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
@@ -104,6 +112,11 @@ class QueryObject:
         """Return the pose of a geometry in the world; raises for an id that is not here."""
         record = self._context._model.geometry(id)
         return self.X_WF(record.frame_id) @ record.X_FG
+
+    def ComputeObbInWorld(self, geometry_id: GeometryId) -> Obb | None:
+        """Return the oriented box around a geometry, in World; None for a half space."""
+        obb = self.inspector().GetObbInGeometryFrame(geometry_id)
+        return obb and Obb(self.X_WG(geometry_id) @ obb.pose(), obb.half_width())
 
     # Pairs.
 
@@ -171,14 +184,24 @@ class QueryObject:
         )
 
     def ComputeSignedDistancePairClosestPoints(
-        self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
+        self,
+        geometry_id_A: GeometryId | None = None,
+        geometry_id_B: GeometryId | None = None,
+        *,
+        accuracy: str | None = None,
+        id_A: GeometryId | None = None,
+        id_B: GeometryId | None = None,
     ) -> SignedDistancePair:
         """Return the signed distance of two geometries, with ``id_A < id_B`` in the answer.
+
+        ``id_A`` and ``id_B`` are older names of the arguments.
 
         Raises GeometryError for an id that is not here, a geometry without the proximity role, a
         filtered pair, and two half spaces.
         """
-        return self.signed_distance_of_pair(geometry_id_A, geometry_id_B, accuracy=accuracy)[0]
+        first = only_id('geometry_id_A', geometry_id_A, id_A)
+        second = only_id('geometry_id_B', geometry_id_B, id_B)
+        return self.signed_distance_of_pair(first, second, accuracy=accuracy)[0]
 
     def signed_distance_of_pair(
         self,
@@ -219,8 +242,14 @@ class QueryObject:
             raise GeometryError(f'{asked} was asked for: {why}.')
         return SignedDistanceResults(batch)
 
-    def FindCollisionCandidates(self) -> list[tuple[GeometryId, GeometryId]]:
-        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids."""
+    def FindCollisionCandidates(
+        self, *, accuracy: str | None = None
+    ) -> list[tuple[GeometryId, GeometryId]]:
+        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids.
+
+        They are the same at each ``accuracy``; a name that is none raises ArgumentError.
+        """
+        self._level(accuracy)
         ids_A, ids_B = self.collision_candidates().T.tolist()
         return [(GeometryId(a), GeometryId(b)) for a, b in zip(ids_A, ids_B, strict=True)]
 
@@ -236,8 +265,9 @@ class QueryObject:
     def ComputeSignedDistanceToPoint(
         self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None
     ) -> PointDistanceResults:
-        """Return the signed distances from all geometries to a point (3,), or to points (m, 3).
+        """Return the signed distances from all geometries to a point, or to points (m, 3).
 
+        A point is (3,), or a column (3, 1).
         Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
         (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
         Raises ArgumentError for points that are not finite or not of these shapes and for a
@@ -246,6 +276,8 @@ class QueryObject:
         reach = _checked_distance('threshold', threshold)
         self._level(accuracy)
         p_WQs = np.asarray(p_WQ, dtype=np.float64)
+        if p_WQs.shape == (3, 1):
+            p_WQs = p_WQs[:, 0]
         if p_WQs.ndim not in (1, 2) or p_WQs.shape[-1] != 3:
             raise ArgumentError(
                 f'ComputeSignedDistanceToPoint was given p_WQ of shape {p_WQs.shape}; '

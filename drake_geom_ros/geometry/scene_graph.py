@@ -64,6 +64,7 @@ def _or_on_context(
     # What help() shows: the arguments that callers give.
     shown = inspect.signature(method)
     given = [p for name, p in shown.parameters.items() if name != 'on']
+    given.append(inspect.Parameter('context', inspect.Parameter.KEYWORD_ONLY, default=None))
     call.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
     return cast('_WithOrWithoutContext[_P, _R]', call)
 
@@ -284,6 +285,12 @@ class SceneGraph:
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters, with every X_PF the identity."""
         return SceneGraphContext(self._model.copy(), self._filters.copy(), self._default_accuracy)
+
+    def Clone(self) -> SceneGraph:
+        """Return a scene of its own, with the same ids, filters and default accuracy."""
+        other = SceneGraph(accuracy=self._default_accuracy)
+        other._model, other._filters = self._model.copy(), self._filters.copy()
+        return other
 
     def CreateSharedContext(self) -> SceneGraphContext:
         """Return a context of this very model and its filters, which sees their later changes.

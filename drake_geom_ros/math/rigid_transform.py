@@ -163,9 +163,7 @@ class RigidTransform:
     def _moved_by_kind(self, vec_B: Floats) -> Floats:
         """Return a point or a direction (4,), as its last number says, in A."""
         if vec_B[3] not in (0.0, 1.0):
-            raise RuntimeError(
-                f'RigidTransform: the 4th element of {vec_B.tolist()} is not 0 or 1'
-            )
+            raise RuntimeError(f'RigidTransform: the last of {vec_B.tolist()} is not 0 or 1')
         return np.append(self._R.matrix() @ vec_B[:3] + vec_B[3] * self._p, vec_B[3])
 
     __matmul__ = multiply

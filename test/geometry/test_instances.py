@@ -102,7 +102,7 @@ def test_properties_of_each_role(role, kind):
     getattr(instance, f'set_{role}_properties')(properties)
     properties.AddProperty('g', 'late', 1)
     change().AddProperty('g', 'n', 1)
-    assert read().GetPropertiesInGroup('g') == {'n': 1}
+    assert list(read().GetPropertiesInGroup('g')) == ['n']
     wrong = IllustrationProperties() if kind is ProximityProperties else ProximityProperties()
     with pytest.raises(RuntimeError, match=f'must be of type {kind.__name__}'):
         getattr(instance, f'set_{role}_properties')(wrong)

@@ -102,7 +102,7 @@ def test_four_numbers_are_a_point_or_a_direction():
         expected = X_AB.GetAsMatrix4() @ vec_B
         for vec_A in (X_AB @ vec_B, X_AB.multiply(vec_B=vec_B)):
             np.testing.assert_allclose(vec_A, expected, atol=1e-15)
-    with pytest.raises(RuntimeError, match=r'the 4th element of \[4.0, 5.0, 6.0, 0.5\] is not 0 or 1'):
+    with pytest.raises(RuntimeError, match=r'the last of \[4.0, 5.0, 6.0, 0.5\] is not 0 or 1'):
         X_AB @ [4, 5, 6, 0.5]
     np.testing.assert_array_equal(X_AB.multiply(p_BoQ_B=[4, 5, 6]), X_AB @ [4, 5, 6])
     np.testing.assert_array_equal(R_AB.multiply(v_B=[4, 5, 6]), R_AB @ [4, 5, 6])

@@ -142,7 +142,7 @@ def snapshot(scene_graph):
     def properties_of(geometry_id, role):
         found = inspector.GetProperties(geometry_id, role)
         return found and {
-            (group, name): (type(value), str(value))
+            (group, name): (type(value.get_value()), str(value.get_value()))
             for group in found.GetGroupNames()
             for name, value in found.GetPropertiesInGroup(group).items()
         }
@@ -169,7 +169,9 @@ def snapshot(scene_graph):
             )
             for id in geometry_ids
         ],
-        'candidates': [(place[a], place[b]) for a, b in inspector.GetCollisionCandidates()],
+        'candidates': [
+            (place[a], place[b]) for a, b in sorted(inspector.GetCollisionCandidates())
+        ],
         'groups': {
             name: ([place[id] for id in group.members], set(group.ignored))
             for name, group in manager.filter_groups().items()
