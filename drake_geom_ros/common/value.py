@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 from typing import Any
 
+__all__ = ['AbstractValue']
+
 
 class AbstractValue:
     """A value in a box.

@@ -73,7 +73,12 @@ from drake_geom_ros.geometry.scalar_templates import (
 )
 from drake_geom_ros.geometry.scene_graph import SceneGraph
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
-from drake_geom_ros.geometry.shape_measures import CalcObb, CalcVolume
+from drake_geom_ros.geometry.shape_measures import (
+    CalcObb,
+    CalcVolume,
+    ComputeAabbForTriangleMesh,
+    ComputeObbForTriangleMesh,
+)
 from drake_geom_ros.geometry.shapes import (
     Box,
     Capsule,
@@ -146,6 +151,8 @@ __all__ = [
     'Obb',
     'Aabb',
     'Plane',
+    'ComputeAabbForTriangleMesh',
+    'ComputeObbForTriangleMesh',
     'TriangleSurfaceMesh',
     'SurfaceTriangle',
     'PolygonSurfaceMesh',

@@ -51,8 +51,8 @@ class _FromMesh(Shape):
         given = [value for value in values if value is not None]
         if len(given) != 1:
             raise ArgumentTypeError(f'{kind}: give one of filename, mesh_data, source')
-        scales = _scales(kind, scale if scale3 is None else scale3)
-        self._measures = _mesh_of(kind, given[0]), scales
+        mesh = _mesh_of(kind, given[0])
+        self._measures = mesh, _scales(kind, scale if scale3 is None else scale3)
 
     @classmethod
     def FromMeshData(cls: type[_M], data: MeshData, scale: ArrayLike = 1.0) -> _M:
@@ -188,7 +188,7 @@ def _mesh_of(kind: str, given: object) -> MeshGiven:
         given = given.path() if given.is_path() else given.in_memory()
     if isinstance(given, InMemoryMesh):
         return given
-    if not given or not isinstance(given, (str, os.PathLike)):
+    if not isinstance(given, (str, os.PathLike)) or not given:
         raise ArgumentTypeError(f'{kind}: filename = {given!r} is not the path of a file')
     return os.path.abspath(given)
 

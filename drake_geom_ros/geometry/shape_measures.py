@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._mesh_library import tight_box
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry.bounding_boxes import Obb
+from drake_geom_ros.geometry.bounding_boxes import Aabb, Obb
+from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.instances import checked_type
 from drake_geom_ros.geometry.mesh_shapes import Convex, Mesh
 from drake_geom_ros.geometry.shapes import (
@@ -22,6 +24,7 @@ from drake_geom_ros.geometry.shapes import (
     Shape,
     Sphere,
 )
+from drake_geom_ros.geometry.surface_mesh import TriangleSurfaceMesh
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]
@@ -86,6 +89,26 @@ def CalcObb(shape: Shape) -> Obb | None:
         ends = radius if isinstance(shape, Capsule) else 0.0
         half = np.array([radius, radius, 0.5 * shape.length() + ends])
     return Obb(RigidTransform(centre), half)
+
+
+def ComputeAabbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Aabb:
+    """Return the box along M's axes around some vertices of a mesh, by their indices."""
+    p_MVs = _some(mesh_M, vertices)
+    low, high = p_MVs.min(axis=0), p_MVs.max(axis=0)
+    return Aabb(0.5 * (low + high), 0.5 * (high - low))
+
+
+def ComputeObbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Obb:
+    """Return a smallest oriented box around some vertices of a mesh, by their indices."""
+    return _around(_some(mesh_M, vertices))
+
+
+def _some(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Floats:
+    """Return the positions (n, 3) [m] of vertices; ArgumentError for none, or an unknown one."""
+    indices = sorted(vertices)
+    if not indices:
+        raise ArgumentError('a box around vertices was asked for, and no vertex was given')
+    return np.array([mesh_M.vertex(index) for index in indices])
 
 
 def _around(p_GVs: Floats) -> Obb:

@@ -19,7 +19,7 @@ PYDRAKES = """
     SurfaceMesh SurfaceVertex SurfaceFace ReadObjToSurfaceMesh
     TriangleSurfaceMesh SurfaceTriangle ReadObjToTriangleSurfaceMesh
     PolygonSurfaceMesh SurfacePolygon Plane Obb Aabb CalcObb CalcVolume
-    MeshcatCone InMemoryMesh MeshSource
+    MeshcatCone InMemoryMesh MeshSource ComputeAabbForTriangleMesh ComputeObbForTriangleMesh
     FramePoseVector_ PenetrationAsPointPair_ QueryObject_ SceneGraph_ SceneGraphInspector_
     SignedDistancePair_ SignedDistanceToPoint_ SurfaceMesh_ SurfaceVertex_
     Plane_ PolygonSurfaceMesh_ TriangleSurfaceMesh_

@@ -12,6 +12,8 @@ from drake_geom_ros.geometry import (
     CalcObb,
     CalcVolume,
     Capsule,
+    ComputeAabbForTriangleMesh,
+    ComputeObbForTriangleMesh,
     Convex,
     Cylinder,
     Ellipsoid,
@@ -21,11 +23,13 @@ from drake_geom_ros.geometry import (
     MeshcatCone,
     MeshData,
     Sphere,
+    TriangleSurfaceMesh,
 )
 from drake_geom_ros.math import RollPitchYaw
 
 R = RollPitchYaw(0.4, 0.5, 0.6).ToRotationMatrix()
 CUBE = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+CORNERS = [[2, 0, 0], [0, 1, 0], [0, 0, 3]]
 # An L of two boxes: its hull is larger than what it encloses.
 L = (
     'v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n'
@@ -90,6 +94,19 @@ def test_a_flat_mesh_has_a_box():
     half = np.sort(CalcObb(Mesh(flat)).half_width())
     assert half[0] == pytest.approx(0, abs=1e-14)
     assert half[1] * half[2] == pytest.approx(0.5)  # a right angle: twice the triangle's area
+
+
+def test_boxes_around_some_vertices_of_a_mesh():
+    mesh = TriangleSurfaceMesh.FromArrays([[0, 1, 2], [1, 2, 3]], [[0, 0, 0], *CORNERS])
+    flat = ComputeAabbForTriangleMesh(mesh_M=mesh, vertices={1, 2, 3})
+    assert (flat.lower().tolist(), flat.upper().tolist()) == ([0, 0, 0], [2, 1, 3])
+    tight = ComputeObbForTriangleMesh(mesh_M=mesh, vertices={1, 2, 3})
+    inside = np.abs(tight.pose().inverse() @ np.array(CORNERS, dtype=float).T).T
+    assert (tight.half_width() >= inside).all()
+    assert tight.half_width().min() == pytest.approx(0, abs=1e-13)
+    for vertices, words in (({7}, 'vertex 7 was asked for'), ((), 'no vertex was given')):
+        with pytest.raises(RuntimeError, match=words):
+            ComputeAabbForTriangleMesh(mesh, vertices)
 
 
 def test_a_cone_is_for_pictures():
