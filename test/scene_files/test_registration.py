@@ -26,7 +26,8 @@ geometries:
 - {name: rod, source: robot, frame: arm, shape: {type: sphere, radius: 0.1}}
 - {name: palm, source: robot, frame: hand, shape: {type: sphere, radius: 0.2}}
 - {name: palm, source: robot, frame: hand, shape: {type: sphere, radius: 0.3},
-   roles: {illustration: {phong: {diffuse: {rgba: [1, 0, 0, 1]}}}}}
+   roles: {illustration: {phong: {diffuse: {rgba: [1, 0, 0, 1]}},
+                          renderer: {accepting: {set: [vtk, gl]}}}}}
 - {name: floor, source: room, shape: {type: half_space}}
 """
 
@@ -63,7 +64,9 @@ def test_everything_is_registered_and_found_by_name():
     assert len(loaded.geometry_ids) == 4
     drawn = loaded.geometry_ids[2]
     assert inspector.GetProximityProperties(drawn) is None
-    assert inspector.GetIllustrationProperties(drawn).HasProperty('phong', 'diffuse')
+    properties = inspector.GetIllustrationProperties(drawn)
+    assert properties.HasProperty('phong', 'diffuse')
+    assert properties.GetProperty('renderer', 'accepting') == {'vtk', 'gl'}
     assert list(loaded.X_PFs) == [arm]
     assert loaded.X_PFs[arm].translation().tolist() == [0, 0, 1]
 

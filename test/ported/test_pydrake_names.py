@@ -5,7 +5,7 @@ import inspect
 import json
 
 import pytest
-from geometry.pydrake_names import MODULES, RECORDED, arguments, ours, pydrakes, recorded
+from ported.pydrake_names import MODULES, RECORDED, arguments, ours, pydrakes, recorded
 
 # What is said of these stands in docs/differences_from_pydrake.md.
 BY_KEYWORD_ONLY = {('geometry', 'Convex', '__init__', 'points')}
@@ -22,7 +22,7 @@ def test_the_record_is_what_pydrake_says():
     installed = importlib.metadata.version('drake')
     if installed.rsplit('.', 1)[0] != version.rsplit('.', 1)[0]:
         pytest.skip(f'recorded of {version}, installed is {installed}')
-    assert recorded() == pydrakes(), 'run: python test/geometry/pydrake_names.py'
+    assert recorded() == pydrakes(), 'run: python test/ported/pydrake_names.py'
 
 
 def common_calls():

@@ -1,6 +1,6 @@
 """The public names of pydrake, and the arguments of what this package has too.
 
-``python test/geometry/pydrake_names.py`` writes pydrake_names.json, which stands for pydrake where
+``python test/ported/pydrake_names.py`` writes pydrake_names.json, which stands for pydrake where
 that is not installed; a test holds the two alike.
 """
 
