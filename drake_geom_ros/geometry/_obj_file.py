@@ -67,7 +67,7 @@ def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indi
         elif words[0] == 'f':
             polygons.append(_Polygon(_corners(words[1:], len(points), where), where))
     if not points:
-        raise MeshFileError(f"'{filename}' has no vertices and no faces: no line begins with 'v '")
+        raise MeshFileError(f"'{filename}' has no faces and no vertices: no line begins with 'v '")
     triangles: list[tuple[int, int, int]] = []
     for polygon in polygons:
         if max(polygon.vertices) >= len(points):

@@ -114,7 +114,7 @@ def test_hulls_that_there_are_none():
         Mesh('/a/b.ext').GetConvexHull()
     with pytest.raises(MeshFileError, match=r"mesh in memory 'flat'.*lie in a plane"):
         Convex(points=CORNER[:3].T, label='flat').GetConvexHull()
-    with pytest.raises(MeshFileError, match='no vertices and no faces'):
+    with pytest.raises(MeshFileError, match='no faces and no vertices'):
         Mesh(InMemoryMesh(mesh_file=MemoryFile('# ', '.obj', 'junk'))).hull_surface()
 
 
