@@ -223,7 +223,7 @@ class MeshcatCone(Shape):
     """
 
     __slots__ = ()
-    _TYPE = 9
+    _TYPE = -1  # no number of kernels or messages
     _NAMES = ('height', 'a', 'b')
 
     def __init__(
