@@ -25,7 +25,9 @@ def test_a_package_is_found_on_the_ament_prefix_path(package, monkeypatch):
 
 @pytest.mark.parametrize('slashes', ['', '/', '//'])
 def test_a_third_slash_before_the_package_changes_nothing(package, slashes):
-    found = ResourceResolver([package]).resolve(f'package://{slashes}parts/meshes/a b.obj', package)
+    found = ResourceResolver([package]).resolve(
+        f'package://{slashes}parts/meshes/a b.obj', package
+    )
     assert found == package / 'meshes' / 'a b.obj'
 
 
