@@ -240,6 +240,8 @@ class QueryObject:
 
         Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
         (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
+        On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
+        is the mean of the outward normals that adjoin there, at unit length.
         Raises ArgumentError for points that are not finite or not of these shapes and for a
         threshold that is NaN.
         """

@@ -187,5 +187,5 @@ def test_a_robot_that_ignores_the_universal_group_is_invisible_to_the_others():
 
 
 def test_nobody_defines_the_universal_group():
-    with pytest.raises(SceneFileError, match="<text>:3: .*'universal' is the group that all"):
+    with pytest.raises(SceneFileError, match=r"<text>:3: .*'universal' is the group that all"):
         load_scene(GHOST.format(name='universal'), SceneGraph())

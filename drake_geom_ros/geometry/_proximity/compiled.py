@@ -79,7 +79,7 @@ def _remove_old_versions() -> None:
         shutil.rmtree(old, ignore_errors=True)
 
 
-class _Compiling(event.Listener):
+class _Compiling(event.Listener):  # type: ignore[misc]
     """Hears of each function that is compiled, ours or not, but not of those from a cache."""
 
     def on_start(self, event: event.Event) -> None:
