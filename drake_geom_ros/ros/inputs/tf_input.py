@@ -23,6 +23,7 @@ from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.pose_ages import time_of
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
@@ -81,7 +82,12 @@ class TfInput:
                 changed.add(child)
         # What is static holds at any time: its own does not tell how new the poses are.
         if changed and (not static or self._stamp is None):
-            self._stamp = message.transforms[-1].header.stamp
+            fresh_stamps = [
+                entry.header.stamp
+                for entry in message.transforms
+                if _plain(entry.child_frame_id) in changed
+            ]
+            self._stamp = max(fresh_stamps, key=time_of)
         return self._pose(scene, changed)
 
     def follow(self, scene: EditableScene) -> int:

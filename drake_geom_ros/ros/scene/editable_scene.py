@@ -72,8 +72,7 @@ class EditableScene(HeldScene):
     def pose(self, poses: FramePoseVector, posed_at: Mapping[int, float], stamp: Any) -> None:
         """Pose frames; ``posed_at`` [s] says since when, by the value of the frame's id."""
         self._context.UpdateFramePoses(poses)
-        self._ages.note(posed_at)
-        self.newest_stamp = stamp
+        self._ages.note(posed_at, stamp)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""

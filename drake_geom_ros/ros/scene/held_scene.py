@@ -45,7 +45,6 @@ class HeldScene:
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._now), Leases(self._now)
         self._robots: list[RobotDescription] = []
-        self.newest_stamp: Any = None
 
     @property
     def version(self) -> int:
@@ -96,7 +95,7 @@ class HeldScene:
     def moment(self) -> Moment:
         """Return which scene and poses an answer of now is for."""
         oldest = self._ages.oldest(self.names)
-        return Moment(self.version, self.newest_stamp, oldest, self.world_frame)
+        return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
 
     def view(self) -> SceneView:
         """Return a snapshot, which may be kept."""

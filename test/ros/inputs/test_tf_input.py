@@ -151,7 +151,7 @@ def test_what_is_static_leaves_the_stamp_of_what_moves(scene, tf):
     tf.take(scene, message(transform('map', 'tool', at(1), 50.0)), static=False)
     tf.take(scene, message(transform('world', 'map', at(2), 4.0)), static=True)
     assert position(scene, 'tool') == [3, 0, 0]
-    assert scene.newest_stamp.sec == 50
+    assert scene.moment().newest_stamp.sec == 50
 
 
 def test_more_frames_than_are_kept_are_refused(scene, tf, monkeypatch):
