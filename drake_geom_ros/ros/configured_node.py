@@ -26,7 +26,7 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.outputs.replays import Replays
@@ -39,7 +39,6 @@ from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, t
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
-_LOG_PERIOD = 5.0  # [s] at most one line of a kind in this time
 
 
 class CallbackGroups(NamedTuple):
@@ -216,6 +215,7 @@ class ConfiguredNode:
         """Answer a service call that changes the scene."""
         with self.live.editing() as scene:
             self._guard.answer(change, scene, request, response)
+        self._log_what_is_told()
         if self._stream.active:
             self._guard.attempt(self._scene_topic.publish_soon)
         return response
@@ -244,23 +244,24 @@ class ConfiguredNode:
 
     def _keep_house(self) -> None:
         with self.live.editing() as scene:
-            expired = scene.expire_filters()
+            scene.expire_filters()
             if self._tf is not None:
                 self._guard.take('/tf', self._tf.follow, scene)
-        for filter_id in expired:
-            self._node.get_logger().info(
-                f'the lease of transient filter {filter_id.get_value()} ran out: removed',
-                throttle_duration_sec=_LOG_PERIOD,
-            )
+        self._log_what_is_told()
         self._publish_scene()
+
+    def _log_what_is_told(self) -> None:
+        """Log what became of transient filters, in one line."""
+        with self.live.editing() as scene:
+            told, scene.told = scene.told, []
+        if told:
+            self._node.get_logger().info('; '.join(told))
 
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
-            ages, version = scene.pose_ages(), scene.version
+            state = SceneState(scene.version, scene.pose_ages(), scene.filter_owners())
         stale_after = self._settings.values.stale_after
-        message = self._diagnostics.message(
-            ages, version, stale_after, self._cycle, time.monotonic()
-        )
+        message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._diagnostics_publisher.publish(message)
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace as Plain
 import pytest
 
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
 
 
 class Log:
@@ -37,7 +37,7 @@ def guard(log, diagnostics):
 
 def told(diagnostics):
     cycle = Plain(count=0, worst_error_bound=0.0)
-    message = diagnostics.message({}, 0, 1.0, cycle, 1.0)
+    message = diagnostics.message(SceneState(0, {}, {}), 1.0, cycle, 1.0)
     return {v.key: v.value for v in message.status[0].values}
 
 

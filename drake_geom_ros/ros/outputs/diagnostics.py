@@ -7,6 +7,7 @@ import resource
 import threading
 from collections import Counter
 from pathlib import Path
+from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
@@ -18,6 +19,14 @@ _SHOWN_REASONS = 5
 _NAMES_IN_MESSAGE = 5
 _NAMES_IN_VALUE = 50
 _STATM = Path('/proc/self/statm')
+
+
+class SceneState(NamedTuple):
+    """What is said of the scene."""
+
+    version: int
+    ages: dict[str, float]  # [s] of all frames' poses by name
+    filter_owners: dict[int, str]  # of the active transient filters, by id
 
 
 class Diagnostics:
@@ -53,12 +62,10 @@ class Diagnostics:
                 self._reasons[key] += 1
 
     def message(
-        self, ages: dict[str, float], version: int, stale_after: float, cycle: Cycle, now: float
+        self, scene: SceneState, stale_after: float, cycle: Cycle, now: float
     ) -> DiagnosticArray:
-        """Return what is to be said of now; ``now`` [s] is of any steady clock.
-
-        ``ages`` [s] are those of all frames' poses by name, ``version`` is the scene's.
-        """
+        """Return what is to be said of now; ``now`` [s] is of any steady clock."""
+        ages = scene.ages
         with self._lock:
             taken, delays, self._delays = self._taken, sorted(self._delays), []
             refused = self._refused['frame_poses']
@@ -87,7 +94,8 @@ class Diagnostics:
             'stale frames': len(stale),
             'names of stale frames': _some(stale, _NAMES_IN_VALUE),
             'oldest pose': _oldest(ages),
-            'scene version': version,
+            'transient filters': _owned(scene.filter_owners),
+            'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
             'memory [MB]': f'{_memory() / 2**20:.1f}',
         }
@@ -98,6 +106,12 @@ class Diagnostics:
 
 def _some(names: list[str], count: int) -> str:
     return ', '.join(names[:count]) + (' ...' if len(names) > count else '')
+
+
+def _owned(owners: dict[int, str]) -> str:
+    """Return the transient filters and who asked for them in words."""
+    told = [f'{number} ({owner or "nobody said whose"})' for number, owner in owners.items()]
+    return _some(told, _NAMES_IN_VALUE) or 'none'
 
 
 def _milliseconds(delays: list[float], part: float) -> str:

@@ -36,6 +36,7 @@ class HeldScene:
         self.world_frame = world_frame
         self._now = now
         self._adopt(scene_graph, version)
+        self.told: list[str] = []  # what is to be logged, by who has a logger
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
@@ -45,6 +46,7 @@ class HeldScene:
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._now), Leases(self._now)
         self._robots: list[RobotDescription] = []
+        self._owners: dict[int, str] = {}
 
     @property
     def version(self) -> int:
@@ -97,11 +99,20 @@ class HeldScene:
         oldest = self._ages.oldest(self.names)
         return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
 
+    def filter_owners(self) -> dict[int, str]:
+        """Return who asked for each active transient filter, by its id; empty: nobody said."""
+        manager = self._scene_graph.collision_filter_manager()
+        active = [filter_id.get_value() for filter_id in manager.active_filter_ids()]
+        # Those of filters that are gone are forgotten here.
+        self._owners = {number: self._owners.get(number, '') for number in active}
+        return dict(self._owners)
+
     def view(self) -> SceneView:
         """Return a snapshot, which may be kept."""
         context = self._context.what_if()
         filters = self._scene_graph.collision_filter_manager(context)
-        return SceneView(context, filters, self.names, self.moment())
+        owners = self.filter_owners()
+        return SceneView(context, filters, self.names, self.moment(), owners)
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +37,7 @@ class SceneView:
     filters: CollisionFilterManager
     names: NameTable
     moment: Moment
+    filter_owners: Mapping[int, str]  # of the active transient filters, by id
 
     @property
     def query(self) -> QueryObject:

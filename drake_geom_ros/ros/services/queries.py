@@ -19,6 +19,7 @@ from drake_geom_ros.ros.conversions.results import (
     fill_signed_distances,
 )
 from drake_geom_ros.ros.inputs.point_queries import distances_to
+from drake_geom_ros.ros.scene.editable_scene import owned_by
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 
@@ -117,10 +118,12 @@ def get_pose(live: LiveScene, request: Any, response: Any) -> None:
 
 def get_filters(live: LiveScene, request: Any, response: Any) -> None:
     """Tell the state of the filters."""
-    manager = live.view().filters
+    view = live.view()
+    manager = view.filters
     response.has_transient_history = manager.has_transient_history()
     active = [f.get_value() for f in manager.active_filter_ids()]
     response.active_filter_ids = unsigned(np.array(active))
+    response.active_filter_owners = [view.filter_owners[number] for number in active]
     response.filtered_pairs = manager.num_filtered_pairs()
 
 
@@ -128,5 +131,9 @@ def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether a pair is filtered, and by what."""
     view = live.view()
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
-    response.reasons = view.filters.explain(a, b)
+    named = {
+        f'transient declaration {number}': owned_by(owner)
+        for number, owner in view.filter_owners.items()
+    }
+    response.reasons = [reason + named.get(reason, '') for reason in view.filters.explain(a, b)]
     response.filtered = bool(response.reasons)
