@@ -70,6 +70,13 @@ class SceneGraphContext:
         """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
         self._accuracy = checked_accuracy(accuracy)
 
+    def set_detailed_effects(self, detailed: bool) -> None:
+        """Set whether ``QueryObject.effects()`` tells the seconds of the cache from the kernels'.
+
+        That costs a query some microseconds.
+        """
+        self._engine.detailed = detailed
+
     def compile_kernels(self) -> list[str]:
         """Compile what queries of this scene run, or load it from the cache; return the kernels.
 

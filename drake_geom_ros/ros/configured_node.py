@@ -27,6 +27,7 @@ from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.outputs.replays import Replays
@@ -39,6 +40,7 @@ from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, t
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
+_NOT_DUE = 'no {} since the last report'
 
 
 class CallbackGroups(NamedTuple):
@@ -80,20 +82,25 @@ class ConfiguredNode:
         }
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
-        self._cycle = Cycle(messages, publishers, self._costs, self._replays)
+        self._beside = self._told_beside()
+        self._cycle = Cycle(
+            *(messages, publishers, self._costs, self._replays, tuple(self._beside.values()))
+        )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
             surface.publisher(messages.Scene, '~/scene', latched()),
             messages,
             lambda: node.get_clock().now().to_msg(),
+            self._beside['scene'].did,
         )
         self._diagnostics_publisher = surface.publisher(DiagnosticArray, '/diagnostics', results())
         self._markers = MarkerPublisher(
             live,
-            surface.publisher(MarkerArray, '~/markers', results()),
+            self._marker_publisher,
             SimpleNamespace(Marker=Marker, MarkerArray=MarkerArray, Point=Point),
             lambda: settings.values.max_distance,
+            self._beside['markers'].did,
         )
         self._open_inputs(settings.values)
         self._tf = self._opened_tf() if settings.values.use_tf else None
@@ -132,6 +139,25 @@ class ConfiguredNode:
 
     # What is opened.
 
+    def _told_beside(self) -> dict[str, Beside]:
+        """Open what is published beside the cycles, and return what is to be told of it."""
+        surface = self._surface
+        points = surface.publisher(messages.PointDistances, '~/point_distances', results())
+        markers = surface.publisher(MarkerArray, '~/markers', results())
+        self._point_publisher, self._marker_publisher = points, markers
+
+        def why_no_markers() -> str:
+            if not self._settings.values.publish_markers:
+                return 'publish_markers is false'
+            return unheard(markers, _NOT_DUE.format('drawing'))
+
+        reasons = {
+            'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
+            'scene': lambda: _NOT_DUE.format('change of the scene'),
+            'markers': why_no_markers,
+        }
+        return {topic: Beside(topic, why_not) for topic, why_not in reasons.items()}
+
     def _open_inputs(self, values: NodeParameters) -> None:
         """Listen to poses, points and robot descriptions."""
         groups = self._groups
@@ -139,9 +165,11 @@ class ConfiguredNode:
         self._listen(messages.FramePoses, '~/frame_poses', poses, sensor_data(), groups.stream)
         points = PointQueries(
             self.live,
-            self._surface.publisher(messages.PointDistances, '~/point_distances', results()),
+            self._point_publisher,
             messages.PointDistances,
             lambda: self._settings.values.point_threshold,
+            lambda: self._stream.active,
+            self._beside['point_distances'].did,
         )
         self._listen(PointCloud2, '~/query_points', points.take, sensor_data(), groups.beside)
         if values.robot_description_topic:

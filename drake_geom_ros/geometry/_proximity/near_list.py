@@ -15,6 +15,7 @@ exceeds a distance, the pair is farther apart than that, without any look at it.
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +53,7 @@ class NearList:
         self.slots: Indices = np.zeros(0, dtype=np.int64)  # (k,)
         self._codes: Indices = np.zeros(0, dtype=np.int64)  # (k,) i n + j
         self._version = -1  # of the filters
+        self.filter_seconds = 0.0  # [s] that the filters took when the list was made
         self._lowers = np.zeros((n, 3))  # (n, 3) [m] the boxes for which the list stands
         self._uppers = np.zeros((n, 3))
         self._checked = 0  # the revision in which everybody was last seen in them
@@ -170,8 +172,10 @@ class NearList:
     def _take(self, world: World, filters: FilterState, candidates: Indices) -> None:
         """Make the list of these pairs, less the filtered ones; who stays keeps the slot."""
         self.considered, self.has_kernels = len(candidates), False
+        start = time.perf_counter()
         of = filters.slots(world.geometries.ids)
         candidates = candidates[filters.mask(of[candidates[:, 0]], of[candidates[:, 1]])]
+        self.filter_seconds = time.perf_counter() - start
         n = world.geometry_count
         codes = candidates[:, 0] * n + candidates[:, 1]
         codes.sort()

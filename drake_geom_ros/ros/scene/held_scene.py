@@ -99,6 +99,10 @@ class HeldScene:
         oldest = self._ages.oldest(self.names)
         return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
 
+    def tell_effects(self, *, detailed: bool) -> None:
+        """Have queries tell the seconds of the cache apart, which costs them microseconds."""
+        self._context.set_detailed_effects(detailed)
+
     def filter_owners(self) -> dict[int, str]:
         """Return who asked for each active transient filter, by its id; empty: nobody said."""
         manager = self._scene_graph.collision_filter_manager()

@@ -100,7 +100,7 @@ def publisher():
 
 @pytest.fixture
 def drawing(live, publisher):
-    return MarkerPublisher(live, publisher, TYPES, lambda: 2.0)
+    return MarkerPublisher(live, publisher, TYPES, lambda: 2.0, lambda *_: None)
 
 
 def extent(parts):
