@@ -287,7 +287,9 @@ class ConfiguredNode:
 
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
-            state = SceneState(scene.version, scene.pose_ages(), scene.filter_owners())
+            state = SceneState(
+                scene.version, scene.pose_ages(), scene.waiting(), scene.filter_owners()
+            )
         stale_after = self._settings.values.stale_after
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         message.header.stamp = self._node.get_clock().now().to_msg()

@@ -355,6 +355,7 @@ def test_changes_of_shape_and_removals_are_seen():
     assert len(scene.query.ComputeSignedDistancePairwiseClosestPoints()) == 0
     # The model that the context was made from is another.
     fresh = scene.graph.CreateDefaultContext()
+    fresh.UpdateFramePoses(FramePoseVector({frame: RigidTransform() for frame in scene.frames}))
     query = scene.graph.get_query_output_port().Eval(fresh)
     assert len(query.ComputeSignedDistancePairwiseClosestPoints()) == 1
 

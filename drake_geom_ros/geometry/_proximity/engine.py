@@ -168,7 +168,7 @@ class Engine:
         """
         near = self._near(world, filters, cutoff)
         query = _GAPS[accuracy], cutoff, penetrating
-        moment = (world.revision, filters.version, query)
+        moment = (world.revision, world.placings, filters.version, query)
         if self._last is not None and self._last[0] == moment:
             self._counts[:] = 0
             self._counts[CACHED] = len(near.pairs)
@@ -255,7 +255,10 @@ class Engine:
         self._considered, self._filtered = capacity, 0
         self._counts[FAR] = capacity - count
         self._times[4] = time.perf_counter()
-        return PointBatch(ids[:count], points[:count], rows[:count])
+        if world.is_whole:
+            return PointBatch(ids[:count], points[:count], rows[:count])
+        there = np.flatnonzero(~world.waiting[np.searchsorted(table.ids, ids[:count])])
+        return PointBatch(ids[there], points[there], rows[there])
 
     # Steps.
 

@@ -64,6 +64,7 @@ class TfInput:
         self._stamp: Any = None
         self._version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
+        self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
 
     def take(self, scene: EditableScene, message: Any, *, static: bool) -> int:
         """Take a TFMessage whole and pose what hangs on it; return how many frames were posed.
@@ -160,8 +161,17 @@ class TfInput:
                 if self._hangs_on(name, changed, moved):
                     affected.add(frame)
         inspector = scene.inspector
-        # Of a nested frame the pose in its parent changes when either moves.
+        # Of a nested frame the pose in its parent changes when either moves; while the parent
+        # waits for a pose from elsewhere it is not known.
+        affected |= self._unknown
         to_pose = [f for f in found if affected & {f, inspector.GetParentFrame(f)}]
+        query = scene.query
+        self._unknown = {
+            f
+            for f in to_pose
+            if not ((P := inspector.GetParentFrame(f)) in found or query.is_placed(P))
+        }
+        to_pose = [f for f in to_pose if f not in self._unknown]
         if to_pose:
             X_PFs = [
                 _in_parent(scene, inspector.GetParentFrame(f), found[f], found) for f in to_pose

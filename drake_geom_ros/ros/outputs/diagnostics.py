@@ -12,6 +12,7 @@ from typing import NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.scene.waiting import Waiting
 
 _REASON_LENGTH = 120
 _KINDS_OF_REASONS = 50
@@ -26,6 +27,7 @@ class SceneState(NamedTuple):
 
     version: int
     ages: dict[str, float]  # [s] of all frames' poses by name
+    waiting: Waiting
     filter_owners: dict[int, str]  # of the active transient filters, by id
 
 
@@ -65,7 +67,7 @@ class Diagnostics:
         self, scene: SceneState, stale_after: float, cycle: Cycle, now: float
     ) -> DiagnosticArray:
         """Return what is to be said of now; ``now`` [s] is of any steady clock."""
-        ages = scene.ages
+        ages, waiting = scene.ages, scene.waiting
         with self._lock:
             taken, delays, self._delays = self._taken, sorted(self._delays), []
             refused = self._refused['frame_poses']
@@ -73,13 +75,14 @@ class Diagnostics:
             reasons, latest = self._reasons.most_common(_SHOWN_REASONS), self._latest
         stale = sorted(name for name, age in ages.items() if age > stale_after)
         status = DiagnosticStatus(name=self._name, hardware_id=self._name)
-        status.level = DiagnosticStatus.WARN if stale else DiagnosticStatus.OK
-        status.message = f'{cycle.count} cycles, {taken} pose messages'
+        troubles = [waiting.in_words()] if waiting.frames else []
         if stale:
-            status.message = (
+            troubles.append(
                 f'{len(stale)} of {len(ages)} frames are stale (older than {stale_after:g} s): '
                 f'{_some(stale, _NAMES_IN_MESSAGE)}'
             )
+        status.level = DiagnosticStatus.WARN if troubles else DiagnosticStatus.OK
+        status.message = '; '.join(troubles) or f'{cycle.count} cycles, {taken} pose messages'
         elapsed, done = now - self._last[0], cycle.count - self._last[1]
         self._last = (now, cycle.count)
         values = {
@@ -94,6 +97,9 @@ class Diagnostics:
             'stale frames': len(stale),
             'names of stale frames': _some(stale, _NAMES_IN_VALUE),
             'oldest pose': _oldest(ages),
+            'frames that never had a pose': len(waiting.frames),
+            'names of frames that never had a pose': _some(waiting.frames, _NAMES_IN_VALUE),
+            'pairs left out for them': waiting.pairs,
             'transient filters': _owned(scene.filter_owners),
             'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',

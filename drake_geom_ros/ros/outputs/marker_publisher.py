@@ -86,6 +86,8 @@ class MarkerPublisher:
             count, _ = self._shown.pop(key)
             markers += writer.removed(*key, range(count))
         for key, (parts, colour) in self._looks.items():
+            if not view.query.is_placed(key[1]):
+                continue
             X_WG: RigidTransform = view.query.X_WG(key[1])
             state = len(parts), X_WG.ToArray().tobytes()
             before = self._shown.get(key, (0, b''))

@@ -19,7 +19,13 @@ from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges
 from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
-from drake_geom_ros.scene_files import RobotDescription, SceneDescription, describe
+from drake_geom_ros.ros.scene.waiting import Waiting, waiting
+from drake_geom_ros.scene_files import (
+    RobotDescription,
+    SceneDescription,
+    describe,
+    poses_in_parents,
+)
 
 
 class HeldScene:
@@ -41,7 +47,7 @@ class HeldScene:
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
         self._scene_graph = scene_graph
-        self._context = scene_graph.CreateSharedContext()
+        self._context = scene_graph.CreateSharedContext(partial=True)
         self._version_base = version
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._now), Leases(self._now)
@@ -111,6 +117,10 @@ class HeldScene:
         self._owners = {number: self._owners.get(number, '') for number in active}
         return dict(self._owners)
 
+    def waiting(self) -> Waiting:
+        """Return what waits for its first pose."""
+        return waiting(self.query, self.names)
+
     def view(self) -> SceneView:
         """Return a snapshot, which may be kept."""
         context = self._context.what_if()
@@ -123,11 +133,8 @@ class HeldScene:
         return self._context.copy()
 
     def description(self) -> SceneDescription:
-        """Return the scene: persistent filters included, every frame where it is now."""
-        query, inspector = self.query, self.inspector
-        X_PFs = {
-            frame: query.X_PF(frame)
-            for frame in inspector.GetAllFrameIds()
-            if frame != inspector.world_frame_id()
-        }
-        return describe(self._scene_graph, X_PFs, self._robots)
+        """Return the scene: persistent filters included, every frame where it is now.
+
+        Frames that wait for their first pose go on waiting in it.
+        """
+        return describe(self._scene_graph, poses_in_parents(self.query), self._robots)

@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_geom_ros.geometry import CollisionFilterManager, QueryObject, SceneGraphContext
 from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
 @dataclass(frozen=True)
@@ -43,3 +44,7 @@ class SceneView:
     def query(self) -> QueryObject:
         """The query object of this moment."""
         return QueryObject(self.context)
+
+    def waiting(self) -> Waiting:
+        """Return what waits for its first pose."""
+        return waiting(self.query, self.names)

@@ -144,6 +144,18 @@ def test_an_answer_is_published_and_told_of(queries, done):
     assert done == [len(message.distance)] == [1]
 
 
+def test_what_waits_for_a_pose_is_left_out(done):
+    live = live_scene(TEXT.replace(', pose: {position: [1, 0, 0], quaternion: [0, 0, 1, 0]}', ''))
+    queries = queries_of(live, 1, done)
+    with live.reading() as scene:
+        found = distances(scene, queries.answer(cloud(np.array([[0, 0, 0.25]]))))
+    assert found == {(0, 'floor'): 0.25}
+    points = cloud(np.zeros((1, 3)))
+    points.header.frame_id = 'hand'
+    with pytest.raises(RuntimeError, match=r"'hand' .* never had a pose"):
+        queries.take(points)
+
+
 def test_more_distances_than_an_answer_holds_are_refused(queries, monkeypatch):
     monkeypatch.setattr(point_queries, '_ROWS_AT_ONCE', 4)
     monkeypatch.setattr(point_queries, '_MOST_ROWS', 6)

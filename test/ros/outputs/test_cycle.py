@@ -62,6 +62,9 @@ class Asked:
     def moment(self):
         return self._scene.moment()
 
+    def waiting(self):
+        return self._scene.waiting()
+
     def tell_effects(self, *, detailed):
         self._scene.tell_effects(detailed=detailed)
 
@@ -188,6 +191,21 @@ def test_who_does_not_read_the_report_does_not_pay_for_its_seconds(live, asked, 
         run(asked, cycle, topics, *names)
         with live.reading() as scene:
             assert scene._context._engine.detailed == detailed
+
+
+def test_what_waits_for_a_pose_is_counted_and_named(live, asked, cycle, topics):
+    with live.editing() as scene:
+        scene.add(read_scene(MORE.replace(', pose: {}', '')))
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    assert report['waiting_frames'] == ['more::c', 'more::d']
+    assert report['waiting_pairs'] == 5
+    assert len(topics['signed_distances'].published[-1]['id_a']) == 1
+    with live.editing() as scene:
+        frames = map(scene.names.frame, 'cd')
+        scene._context.UpdateFramePoses(FramePoseVector(dict.fromkeys(frames, RigidTransform())))
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    assert (report['waiting_frames'], report['waiting_pairs']) == ([], 0)
+    assert len(topics['signed_distances'].published[-1]['id_a']) == 6
 
 
 def test_what_is_done_beside_the_cycles_is_told_once(live, asked, topics):
