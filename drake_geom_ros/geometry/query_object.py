@@ -29,6 +29,7 @@ class QueryObject:
 
     The one that a SceneGraph's query port gives is live: it sees later poses and changes of its
     context. A copy of it (``copy.copy``) is baked: it keeps answering for the moment of the copy.
+    Queries raise PoseError, which names them, while frames never had a pose.
 
     Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; without it
     the SceneGraph's default holds.
@@ -73,7 +74,7 @@ class QueryObject:
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         return seconds_a_pair(world, context._filters, reach, samples, seed)
 
     # Where things are.
@@ -95,17 +96,13 @@ class QueryObject:
 
     def X_WF(self, id: FrameId) -> RigidTransform:
         """Return the pose of a frame in the world; raises for an id that is not here."""
-        self._context._model.frame(id)
-        world = self._context._up_to_date_world()
+        world, row = self._context._placed_frame(id)
         world.update()
-        row = world.frame_rows(np.array([id.get_value()]))[0]
         return _transform(world.R_WFs[row], world.p_WFs[row])
 
     def X_PF(self, id: FrameId) -> RigidTransform:
         """Return the pose of a frame in its parent; raises for an id that is not here."""
-        self._context._model.frame(id)
-        world = self._context._up_to_date_world()
-        row = world.frame_rows(np.array([id.get_value()]))[0]
+        world, row = self._context._placed_frame(id, in_world=False)
         return _transform(world.R_PFs[row], world.p_PFs[row])
 
     def X_WG(self, id: GeometryId) -> RigidTransform:
@@ -117,6 +114,23 @@ class QueryObject:
         """Return the oriented box around a geometry, in World; None for a half space."""
         obb = self.inspector().GetObbInGeometryFrame(geometry_id)
         return obb and Obb(self.X_WG(geometry_id) @ obb.pose(), obb.half_width())
+
+    # What waits for its first pose: while anything does, other contexts refuse all queries, and
+    # partial ones leave it out.
+
+    def waiting_frames(self) -> list[FrameId]:
+        """Return the frames that never had a pose, parents before what hangs on them."""
+        return [FrameId(v) for v in self._context._up_to_date_world().unposed_frames().tolist()]
+
+    def is_placed(self, id: FrameId | GeometryId) -> bool:
+        """Return whether a frame, or that of a geometry, and all it hangs on have a pose."""
+        model, world = self._context._model, self._context._up_to_date_world()
+        frame = model.geometry(id).frame_id if isinstance(id, GeometryId) else model.frame(id).id
+        return bool(world.placed[world.frame_rows(np.array([frame.get_value()]))[0]])
+
+    def num_waiting_pairs(self) -> int:
+        """Return how many unfiltered pairs have a geometry that is not placed: at any distance."""
+        return self._context._count_waiting_pairs()
 
     # Pairs.
 
@@ -136,7 +150,7 @@ class QueryObject:
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         level, budget = self._level(accuracy), _checked_budget(time_budget)
         batch = context._engine.signed_distances(
             *(world, context._filters, level, 0.0, True), time_budget=budget
@@ -148,7 +162,7 @@ class QueryObject:
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first."""
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         return context._engine.has_overlap(world, context._filters, self._level(accuracy))
 
     def ComputeSignedDistancePairwiseClosestPoints(
@@ -175,7 +189,7 @@ class QueryObject:
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         return SignedDistanceResults(
             context._engine.signed_distances(
                 *(world, context._filters, self._level(accuracy), reach),
@@ -232,7 +246,9 @@ class QueryObject:
                 f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
                 'See CollisionFilterManager for how to allow it.'
             )
-        world = context._up_to_date_world()
+        for record in records:
+            context._placed_frame(record.frame_id)
+        world = context._posed_world()
         pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
         start = None if hint is None else _checked_hint(hint)
         batch = context._engine.distance_of_pair(world, pair, self._level(accuracy), start)
@@ -256,7 +272,7 @@ class QueryObject:
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         pairs = context._engine.candidates(world, context._filters, 0.0)
         return world.geometries.ids[pairs]
 
@@ -270,6 +286,8 @@ class QueryObject:
         A point is (3,), or a column (3, 1).
         Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
         (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
+        On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
+        is the mean of the outward normals that adjoin there, at unit length.
         Raises ArgumentError for points that are not finite or not of these shapes and for a
         threshold that is NaN.
         """
@@ -289,7 +307,7 @@ class QueryObject:
                 f'{p_WQs[~np.isfinite(p_WQs).all(axis=-1)][:1].tolist()}.'
             )
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         points = np.ascontiguousarray(np.atleast_2d(p_WQs))
         return PointDistanceResults(context._engine.point_distances(world, points, reach))
 

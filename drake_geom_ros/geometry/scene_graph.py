@@ -283,7 +283,10 @@ class SceneGraph:
         self._default_accuracy = checked_accuracy(accuracy)
 
     def CreateDefaultContext(self) -> SceneGraphContext:
-        """Return a context: a copy of the model and its filters, with every X_PF the identity."""
+        """Return a context: a copy of the model and its filters, in which no frame has a pose.
+
+        Queries raise PoseError, which names the frames, until each frame was given one.
+        """
         return SceneGraphContext(self._model.copy(), self._filters.copy(), self._default_accuracy)
 
     def Clone(self) -> SceneGraph:
@@ -292,12 +295,14 @@ class SceneGraph:
         other._model, other._filters = self._model.copy(), self._filters.copy()
         return other
 
-    def CreateSharedContext(self) -> SceneGraphContext:
+    def CreateSharedContext(self, *, partial: bool = False) -> SceneGraphContext:
         """Return a context of this very model and its filters, which sees their later changes.
 
-        For a program whose one scene lives and changes, as a ROS node: nothing is copied.
+        For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
+        ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
+        on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
         """
-        return SceneGraphContext(self._model, self._filters, self._default_accuracy)
+        return SceneGraphContext(self._model, self._filters, self._default_accuracy, partial)
 
     def get_source_pose_port(self, source_id: SourceId) -> SourcePosePort:
         """Return the port that takes the poses of a source's frames.

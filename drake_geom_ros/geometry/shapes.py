@@ -5,6 +5,7 @@ Every shape is centred on the origin of its geometry frame G; lengths lie along 
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import Any, ClassVar, TypeVar
 
@@ -33,8 +34,8 @@ class Shape:
         self._measures: tuple[Any, ...] = ()
 
     def Clone(self: _S) -> _S:
-        """Return the shape itself, which nobody can change."""
-        return self
+        """Return another object that is the same shape."""
+        return copy.copy(self)
 
     def _type_number(self) -> int:
         """Return the number of the kind, as in the kernels and in messages."""

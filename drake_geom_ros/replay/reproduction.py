@@ -18,7 +18,8 @@ def reproduce(replay: Replay, file: str = '<replay>') -> Answer:
         loaded = load_scene(f'{replay.scene}\n', scene_graph)
     except SceneFileError as error:
         raise SceneFileError(str(error), file, key='scene') from None
-    context = scene_graph.CreateDefaultContext()
+    # Frames may have waited for a pose, elsewhere in the scene.
+    context = scene_graph.CreateSharedContext(partial=True)
     context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
     a = _geometry(loaded, question.geometry_a, file)
     b = _geometry(loaded, question.geometry_b, file)

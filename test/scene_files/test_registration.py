@@ -13,6 +13,7 @@ from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import register
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.scene_file import load_scene
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import read_yaml
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
@@ -170,3 +171,24 @@ def test_a_context_that_exists_does_not_see_what_is_loaded_later():
     inspector = scene_graph.get_query_output_port().Eval(context).inspector()
     assert inspector.num_geometries() == 0
     assert scene_graph.model_inspector().NumGeometriesWithRole(Role.kProximity) == 3
+
+
+GHOST = """<robot name="ghost">
+<link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
+<collision_filter_group name="{name}"><member link="a"/>
+<ignored_collision_filter_group collision_filter_group="universal"/></collision_filter_group>
+</robot>"""
+
+
+def test_a_robot_that_ignores_the_universal_group_is_invisible_to_the_others():
+    scene_graph = SceneGraph()
+    room = load(SCENE, scene_graph)
+    ghost = load_scene(GHOST.format(name='ghosts'), scene_graph)
+    manager = scene_graph.collision_filter_manager()
+    ids = ghost.geometries['ghost', 'a', 'collision_0'], room.geometries[FLOOR]
+    assert manager.explain(*ids) == ['group ghost::ghosts']
+
+
+def test_nobody_defines_the_universal_group():
+    with pytest.raises(SceneFileError, match=r"<text>:3: .*'universal' is the group that all"):
+        load_scene(GHOST.format(name='universal'), SceneGraph())
