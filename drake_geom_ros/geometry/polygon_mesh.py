@@ -31,17 +31,18 @@ class PolygonSurfaceMesh(FacetMesh):
     __slots__ = ()
 
     def __init__(self, face_data: Sequence[int] = (), vertices: ArrayLike = ()) -> None:
-        data = [int(number) for number in face_data]
+        data = np.array(face_data, dtype=np.int64)
         faces: list[Indices] = []
-        while data:
-            count, data = data[0], data[1:]
-            if not 3 <= count <= len(data):
+        start = 0
+        while start < len(data):
+            count, start = int(data[start]), start + 1
+            if not 3 <= count <= len(data) - start:
                 raise ArgumentError(
                     f'PolygonSurfaceMesh: face {len(faces)} is said to have {count} vertices; it '
-                    f'must have 3 or more, and {len(data)} numbers follow'
+                    f'must have 3 or more, and {len(data) - start} numbers follow'
                 )
-            faces.append(np.array(data[:count], dtype=np.int64))
-            data = data[count:]
+            faces.append(data[start : start + count])
+            start += count
         self._set(faces, positions(vertices, 'PolygonSurfaceMesh: vertices'))
 
     @classmethod

@@ -109,6 +109,22 @@ def test_the_hull_of_a_ball_of_points():
     assert hull.total_area() == pytest.approx(0.5 * np.linalg.norm(cross, axis=1).sum())
 
 
+@pytest.mark.parametrize('seed', range(12))
+@pytest.mark.parametrize('offset', [0.0, 1.0])
+def test_the_hull_of_a_turned_grid(seed, offset):
+    """Rounding bends the faces of a small body far from its origin: nothing of them is lost."""
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5)] * 3), axis=-1).reshape(-1, 3)
+    size = 10.0 ** rng.uniform(-6, 1)
+    points = grid * [1, 2, 3] @ turn.T * size + offset * rng.normal(size=3)
+    hull = Convex.FromMeshData(MeshData(points)).GetConvexHull()
+    rounding = 1e-13 * (1.0 + offset / size)
+    assert hull.total_area() == pytest.approx(88 * size**2, rel=rounding)
+    if not offset:
+        assert hull.num_faces() == 6
+
+
 def test_hulls_that_there_are_none():
     with pytest.raises(MeshFileError, match=r"MakeConvexHull only applies to .*'\.ext'"):
         Mesh('/a/b.ext').GetConvexHull()
