@@ -40,7 +40,11 @@ More that no example shows:
 - Every answer has an `error_bound`, every query takes `accuracy`; the page
   [concepts](concepts.md) says more of what is ours.
 - A file that was pickled with pydrake makes objects of pydrake.
+- Errors have texts of their own, which say what was asked and what is allowed.
 - There is one scalar type, float: `SceneGraph_[float]`.
+- There is no systems framework: a SceneGraph is no LeafSystem, and its ports have `FixValue` and
+  `Eval` alone; nor is there `pydrake.geometry.optimization`, or what served pictures in 2020
+  (`pydrake.geometry.render`, `ConnectDrakeVisualizer`, `get_pose_bundle_output_port`).
 - The property `('mesh', 'solid')` makes a Mesh a body that need not be convex.
 """
 
