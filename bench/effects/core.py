@@ -73,7 +73,6 @@ def measure(folder: Path) -> dict[str, Any]:
     watch.step('numba')
     loaded = load_scene(folder / 'scene.yaml', graph)
     context = graph.CreateSharedContext()
-    context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
     watch.step('scene')
     functions, kernels = compiled(context)
     watch.step('compile')
@@ -94,7 +93,7 @@ def measure(folder: Path) -> dict[str, Any]:
         'functions': functions,
         'effects': {name: counted(effects) for name, effects in told.items()},
         'cycle': {'moving': moving, 'resting': resting},
-        'allocated': allocated(graph, FramePoseVector(loaded.X_PFs), vectors),
+        'allocated': allocated(graph, vectors),
     }
 
 
@@ -118,14 +117,13 @@ def posed(folder: Path, loaded: Any, vector: Any) -> list[Any]:
     return [vector.FromArrays(ids, poses) for poses in np.load(folder / 'poses.npy')]
 
 
-def allocated(graph: Any, first: Any, vectors: list[Any]) -> dict[str, float]:
+def allocated(graph: Any, vectors: list[Any]) -> dict[str, float]:
     """Return the kilobytes [kB] that a context holds, and that a moving cycle takes at most."""
     import tracemalloc
 
     tracemalloc.start()
     before, _ = tracemalloc.get_traced_memory()
     context = graph.CreateDefaultContext()
-    context.UpdateFramePoses(first)
     query = graph.get_query_output_port().Eval(context)
     half = len(vectors) // 2
     cycles(context, query, vectors[:half])

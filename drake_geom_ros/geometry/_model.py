@@ -57,6 +57,7 @@ class Model:
         self.sources: dict[SourceId, str] = {internal: INTERNAL_SOURCE_NAME}
         self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
+        self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.versions = Versions()
         self._source_names = {INTERNAL_SOURCE_NAME}
         self._frame_names = {(internal, WORLD_NAME)}
@@ -73,6 +74,7 @@ class Model:
             for id, frame in self.frames.items()
         }
         other.geometries = dict(self.geometries)
+        other.first_X_PFs = dict(self.first_X_PFs)
         other.versions = self.versions.copy()
         other._source_names = set(self._source_names)
         other._frame_names = set(self._frame_names)

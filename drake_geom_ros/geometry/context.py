@@ -42,6 +42,8 @@ class SceneGraphContext:
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
         self._waiting_pairs: tuple[object, int] = None, 0
+        if model.first_X_PFs:
+            self.UpdateFramePoses(FramePoseVector(model.first_X_PFs))
 
     def copy(self) -> SceneGraphContext:
         """Return a context that shares nothing that either could change."""
@@ -159,9 +161,9 @@ class SceneGraphContext:
             raise PoseError(
                 f'Of {len(world.frames.ids) - 1} frames {len(waiting)} never had a pose: '
                 f'{self._describe(waiting)}. Give all frames of a source theirs by '
-                'get_source_pose_port(source_id).FixValue(context, poses), or some by '
-                'UpdateFramePoses(poses) of the context; what a scene file gives is in '
-                'LoadedScene.X_PFs.'
+                'get_source_pose_port(source_id).FixValue(context, poses), some by '
+                'UpdateFramePoses(poses) of the context, or what contexts begin with by '
+                'SceneGraph.SetFirstPoses(poses).'
             )
         return world
 

@@ -14,6 +14,8 @@ from drake_geom_ros.geometry._records import WORLD_FRAME_ID, GeometryRecord
 from drake_geom_ros.geometry.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.collision_filter_manager import CollisionFilterManager
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.geometry_set import GeometrySet
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance, checked_type
@@ -282,10 +284,23 @@ class SceneGraph:
         """Set the accuracy that later contexts get: bound, fast, balanced or exact."""
         self._default_accuracy = checked_accuracy(accuracy)
 
-    def CreateDefaultContext(self) -> SceneGraphContext:
-        """Return a context: a copy of the model and its filters, in which no frame has a pose.
+    def SetFirstPoses(self, poses: FramePoseVector) -> None:
+        """Set the poses X_PF that some frames have in contexts which are made later.
 
-        Queries raise PoseError, which names the frames, until each frame was given one.
+        What a scene file says of frames comes in this way. Raises RuntimeError for a frame that is
+        not here and for the world, and nothing has changed then.
+        """
+        checked_type(poses, FramePoseVector, 'SetFirstPoses: poses')
+        first = {self._model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
+        if WORLD_FRAME_ID in first:
+            raise PoseError('SetFirstPoses: the world frame has no pose')
+        self._model.first_X_PFs |= first
+
+    def CreateDefaultContext(self) -> SceneGraphContext:
+        """Return a context: a copy of the model and its filters.
+
+        Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
+        queries raise PoseError, which names the frames, until each frame was given one.
         """
         return SceneGraphContext(self._model.copy(), self._filters.copy(), self._default_accuracy)
 

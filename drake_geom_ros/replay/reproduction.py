@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry import FramePoseVector, GeometryId, SceneGraph
+from drake_geom_ros.geometry import GeometryId, SceneGraph
 from drake_geom_ros.replay.record import Answer, Name, Replay, answer_of
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, load_scene
 
@@ -20,7 +20,6 @@ def reproduce(replay: Replay, file: str = '<replay>') -> Answer:
         raise SceneFileError(str(error), file, key='scene') from None
     # Frames may have waited for a pose, elsewhere in the scene.
     context = scene_graph.CreateSharedContext(partial=True)
-    context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
     a = _geometry(loaded, question.geometry_a, file)
     b = _geometry(loaded, question.geometry_b, file)
     if a == b:

@@ -207,9 +207,7 @@ def test_a_scene_file_says_what_is_solid():
     for _ in range(2):
         graph = SceneGraph()
         loaded = load_scene(text, graph)
-        context = graph.CreateDefaultContext()
-        context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
-        query = graph.get_query_output_port().Eval(context)
+        query = graph.get_query_output_port().Eval(graph.CreateDefaultContext())
         (pair,) = query.ComputeSignedDistancePairwiseClosestPoints()
         assert pair.distance == pytest.approx(0.1)
         text = save_scene(graph, loaded.X_PFs)

@@ -8,6 +8,7 @@ from oracles.small_scene import SmallScene
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
+    FrameId,
     FramePoseVector,
     GeometryFrame,
     GeometryInstance,
@@ -165,3 +166,22 @@ def test_the_effects_count_what_was_looked_at_only():
     scene.pairs()
     effects = scene.query.effects()
     assert effects.broadphase_pairs == effects.narrowphase_pairs == 1
+
+
+def test_first_poses_are_those_that_later_contexts_begin_with():
+    scene = Chain(partial=False)
+    poses = {frame: RigidTransform([0, 0, z]) for frame, z in ((scene.a, 2), (scene.c, 5))}
+    scene.graph.SetFirstPoses(FramePoseVector(poses))
+    assert scene.query.waiting_frames() == [scene.a, scene.b, scene.c]
+    later = scene.graph.CreateDefaultContext()
+    query = scene.graph.get_query_output_port().Eval(later)
+    assert query.waiting_frames() == [scene.b]
+    later.UpdateFramePoses(FramePoseVector({scene.b: RigidTransform([0, 0, 1])}))
+    places = [query.X_WF(frame).translation()[2] for frame in (scene.a, scene.b, scene.c)]
+    assert places == [2, 3, 5]
+    for frame, words in ((scene.graph.world_frame_id(), 'world'), (FrameId(10**9), 'no frame')):
+        bad = FramePoseVector({scene.a: RigidTransform(), frame: RigidTransform()})
+        with pytest.raises(RuntimeError, match=words):
+            scene.graph.SetFirstPoses(bad)
+    again = scene.graph.get_query_output_port().Eval(scene.graph.CreateSharedContext(partial=True))
+    assert again.X_WF(scene.a).translation().tolist() == [0, 0, 2]

@@ -4,11 +4,13 @@ import pytest
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
+    FramePoseVector,
     GeometrySet,
     Role,
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import register
 from drake_geom_ros.scene_files.resources import ResourceResolver
@@ -162,6 +164,19 @@ def test_persistent_filters_are_refused_during_a_transient_history_as_a_whole():
     assert str(caught.value).startswith('a.yaml:4: filters[0].exclude_within: Apply: ')
     assert to_yaml(describe(scene_graph)) == before
     load('frames:\n- {name: f}', scene_graph)
+
+
+def test_contexts_begin_with_the_poses_of_the_file():
+    scene_graph = SceneGraph()
+    loaded = load(SCENE, scene_graph)
+    arm, hand = loaded.frames['robot', 'arm'], loaded.frames['robot', 'hand']
+    for context in (scene_graph.CreateDefaultContext(), scene_graph.CreateSharedContext()):
+        query = scene_graph.get_query_output_port().Eval(context)
+        assert query.waiting_frames() == [hand]
+        context.UpdateFramePoses(FramePoseVector({hand: RigidTransform([1, 0, 0])}))
+        assert query.X_WF(hand).translation().tolist() == [1, 0, 1]
+        context.UpdateFramePoses(FramePoseVector({arm: RigidTransform()}))
+        assert query.X_WF(hand).translation().tolist() == [1, 0, 0]
 
 
 def test_a_context_that_exists_does_not_see_what_is_loaded_later():
