@@ -21,8 +21,10 @@ _SERVICES = """## Services
 
 All of `drake_geom_msgs/srv`, on `~/name` of the node. Every answer begins with `bool success`
 (false: refused, and nothing changed) and `string message` (what was asked, what is allowed, where
-to look), which are left out below. `flatten_filters` is a `std_srvs/Trigger` and has no
-definition of its own: the filters that hold now become the persistent ones.
+to look), which are left out below. Of an answer about all pairs or geometries the message says how
+many pairs it leaves out for want of poses, and names the frames that never had one.
+`flatten_filters` is a `std_srvs/Trigger` and has no definition of its own: the filters that hold
+now become the persistent ones.
 """
 _PARAMETERS = """## Parameters
 

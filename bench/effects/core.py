@@ -73,7 +73,6 @@ def measure(folder: Path) -> dict[str, Any]:
     watch.step('numba')
     loaded = load_scene(folder / 'scene.yaml', graph)
     context = graph.CreateSharedContext()
-    context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
     watch.step('scene')
     functions, kernels = compiled(context)
     watch.step('compile')

@@ -129,7 +129,12 @@ class MixedClient:
             service = 'compute_signed_distance_to_point'
             yield from self._ask(service, kind, points=[0.0, 0, 1] * 20, threshold=0.5)
         elif what == 3:
-            yield from self._ask('get_pose', srv.GetPose, geometry=mine)
+            # In its frame it has a pose; where the frame is nobody ever said.
+            place = self._random.choice((srv.GetPose.Request.WORLD, srv.GetPose.Request.PARENT))
+            is_known = place == srv.GetPose.Request.PARENT
+            yield from self._ask(
+                'get_pose', srv.GetPose, is_known, geometry=mine, relative_to=place
+            )
         elif what == 4:
             pair = {'geometry_a': mine, 'geometry_b': mine}
             yield from self._ask('explain_filter', srv.ExplainFilter, **pair)

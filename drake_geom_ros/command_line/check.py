@@ -9,7 +9,7 @@ from typing import Any
 
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.geometry import GeometryId, Role
-from drake_geom_ros.scene_files import Member, SceneFileError
+from drake_geom_ros.scene_files import Member, SceneFileError, poses_in_parents
 from drake_geom_ros.scene_files.description import (
     CliqueDescription,
     DeactivationDescription,
@@ -62,11 +62,14 @@ def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
         f'geometries {inspector.num_geometries()}, filters {len(description.filters)}'
     )
     yield 'frames'
+    X_PFs = poses_in_parents(scene.query)
     for frame in inspector.GetAllFrameIds():
         if frame != inspector.world_frame_id():
+            place = 'waits for a pose'
+            if frame in X_PFs:
+                place = f'at {" ".join(f"{x:.6g}" for x in X_PFs[frame].translation())}'
             parent = scene.frame_name(inspector.GetParentFrame(frame))
-            position = ' '.join(f'{x:.6g}' for x in scene.query.X_PF(frame).translation())
-            yield f'  {scene.frame_name(frame)} in {parent} at {position}'
+            yield f'  {scene.frame_name(frame)} in {parent} {place}'
     yield 'geometries'
     for geometry in inspector.GetAllGeometryIds():
         roles = [name for role, name in _ROLE_NAMES.items() if _has_role(scene, geometry, role)]

@@ -4,7 +4,12 @@ from collections.abc import Iterable
 
 from drake_geom_ros.command_line.pose_file import FramePose
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
-from drake_geom_ros.scene_files import SceneDescription, read_scene, register
+from drake_geom_ros.scene_files import (
+    SceneDescription,
+    SceneFileError,
+    read_scene,
+    register,
+)
 from drake_geom_ros.scene_files.names import NameTable
 from drake_geom_ros.trajectories.motion_file import load_motion
 
@@ -13,16 +18,17 @@ class PosedScene:
     """A scene, and where its frames are.
 
     A frame stands where the scene file says, a link of a robot where forward kinematics with all
-    joints at 0 (or at their limit nearest to 0) puts it, any other frame at its parent's origin.
+    joints at 0 (or at their limit nearest to 0) puts it. Any other frame waits for a pose.
     """
 
     def __init__(self, path: str, srdf: str = '') -> None:
         """Load a file; raises SceneFileError for one that cannot be."""
+        self._path = path
         self.description: SceneDescription = read_scene(path, srdf=srdf)
         self.scene_graph = SceneGraph()
         loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames
-        self._context = self.scene_graph.CreateDefaultContext()
+        self._context = self.scene_graph.CreateSharedContext(partial=True)
         self._context.UpdateFramePoses(self._at_rest())
         self._context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
         self._table = NameTable(self.description.frames, self.description.geometries)
@@ -33,6 +39,15 @@ class PosedScene:
     def query(self) -> QueryObject:
         """The query object of the scene as it is posed."""
         return self.scene_graph.get_query_output_port().Eval(self._context)
+
+    def check_whole(self) -> None:
+        """Raise SceneFileError, naming the frames, while some have no pose."""
+        if waiting := self.query.waiting_frames():
+            raise SceneFileError(
+                f'these frames have no pose: {", ".join(map(self.frame_name, waiting))}; give '
+                'them the key `pose` in the scene file, or name them in a file for --poses',
+                self._path,
+            )
 
     def pose(self, poses: Iterable[FramePose]) -> None:
         """Pose frames; raises SceneFileError that blames the pose's place for a name."""

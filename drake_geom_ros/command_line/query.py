@@ -65,6 +65,7 @@ def run(options: argparse.Namespace) -> int:
         ask = KINDS[options.what]
         for moment in moments:
             scene.pose(moment.poses)
+            scene.check_whole()
             yield moment.time, ask(scene, options.max_distance, points, options.accuracy)
 
     # Everything is computed before the file is opened: bad input leaves an old one alone.

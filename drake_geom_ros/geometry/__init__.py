@@ -2,6 +2,7 @@
 
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS, Effects
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
+from drake_geom_ros.geometry.bounding_boxes import Aabb, Obb
 from drake_geom_ros.geometry.collision_filter_declaration import (
     CollisionFilterDeclaration,
     CollisionFilterScope,
@@ -11,6 +12,7 @@ from drake_geom_ros.geometry.collision_filter_manager import (
     FilterGroup,
     FilterStatement,
 )
+from drake_geom_ros.geometry.contact_material import AddContactMaterial
 from drake_geom_ros.geometry.context import SceneGraphContext
 from drake_geom_ros.geometry.errors import (
     ArgumentError,
@@ -26,9 +28,14 @@ from drake_geom_ros.geometry.errors import (
 )
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.geometry_set import GeometrySet
+from drake_geom_ros.geometry.geometry_version import GeometryVersion
 from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh, MeshSource
 from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.mesh_shapes import Convex, Mesh
 from drake_geom_ros.geometry.mesh_source import MeshData
+from drake_geom_ros.geometry.plane import Plane
+from drake_geom_ros.geometry.polygon_mesh import PolygonSurfaceMesh, SurfacePolygon
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
     IllustrationProperties,
@@ -39,18 +46,22 @@ from drake_geom_ros.geometry.properties import (
     RoleAssign,
 )
 from drake_geom_ros.geometry.query_object import QueryObject
-from drake_geom_ros.geometry.query_results import (
+from drake_geom_ros.geometry.query_records import (
     PenetrationAsPointPair,
+    SignedDistancePair,
+    SignedDistanceToPoint,
+)
+from drake_geom_ros.geometry.query_results import (
     PenetrationResults,
     PointDistanceResults,
-    SignedDistancePair,
     SignedDistanceResults,
-    SignedDistanceToPoint,
 )
 from drake_geom_ros.geometry.rgba import Rgba
 from drake_geom_ros.geometry.scalar_templates import (
     FramePoseVector_,
     PenetrationAsPointPair_,
+    Plane_,
+    PolygonSurfaceMesh_,
     QueryObject_,
     SceneGraph_,
     SceneGraphInspector_,
@@ -58,25 +69,34 @@ from drake_geom_ros.geometry.scalar_templates import (
     SignedDistanceToPoint_,
     SurfaceMesh_,
     SurfaceVertex_,
+    TriangleSurfaceMesh_,
 )
 from drake_geom_ros.geometry.scene_graph import SceneGraph
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.shape_measures import (
+    CalcObb,
+    CalcVolume,
+    ComputeAabbForTriangleMesh,
+    ComputeObbForTriangleMesh,
+)
 from drake_geom_ros.geometry.shapes import (
     Box,
     Capsule,
-    Convex,
     Cylinder,
     Ellipsoid,
     HalfSpace,
-    Mesh,
+    MeshcatCone,
     Shape,
     Sphere,
 )
 from drake_geom_ros.geometry.surface_mesh import (
     ReadObjToSurfaceMesh,
+    ReadObjToTriangleSurfaceMesh,
     SurfaceFace,
     SurfaceMesh,
+    SurfaceTriangle,
     SurfaceVertex,
+    TriangleSurfaceMesh,
 )
 
 __all__ = [
@@ -90,7 +110,12 @@ __all__ = [
     'HalfSpace',
     'Convex',
     'Mesh',
+    'MeshcatCone',
     'MeshData',
+    'MeshSource',
+    'InMemoryMesh',
+    'CalcVolume',
+    'CalcObb',
     # ids,
     'SourceId',
     'FrameId',
@@ -107,11 +132,13 @@ __all__ = [
     'Role',
     'RoleAssign',
     'MakePhongIllustrationProperties',
+    'AddContactMaterial',
     'GeometrySet',
     'FramePoseVector',
     # the scene,
     'SceneGraph',
     'SceneGraphInspector',
+    'GeometryVersion',
     'CollisionFilterManager',
     'CollisionFilterDeclaration',
     'CollisionFilterScope',
@@ -120,7 +147,18 @@ __all__ = [
     'PenetrationAsPointPair',
     'SignedDistancePair',
     'SignedDistanceToPoint',
-    # meshes.
+    # boxes, planes and meshes,
+    'Obb',
+    'Aabb',
+    'Plane',
+    'ComputeAabbForTriangleMesh',
+    'ComputeObbForTriangleMesh',
+    'TriangleSurfaceMesh',
+    'SurfaceTriangle',
+    'PolygonSurfaceMesh',
+    'SurfacePolygon',
+    'ReadObjToTriangleSurfaceMesh',
+    # the last of them by the names of 2020.
     'SurfaceMesh',
     'SurfaceVertex',
     'SurfaceFace',
@@ -133,8 +171,11 @@ __all__ = [
     'SceneGraphInspector_',
     'SignedDistancePair_',
     'SignedDistanceToPoint_',
+    'Plane_',
+    'PolygonSurfaceMesh_',
     'SurfaceMesh_',
     'SurfaceVertex_',
+    'TriangleSurfaceMesh_',
     # Ours: contexts, result sequences, levels of accuracy, what there is to know of filters,
     'SceneGraphContext',
     'PenetrationResults',

@@ -5,6 +5,7 @@ It takes 2 s to import, and most scenes have no mesh.
 
 from __future__ import annotations
 
+import functools
 import io
 import math
 from typing import Any
@@ -48,6 +49,25 @@ def parse_mesh(data: bytes, kind: str, filename: str) -> tuple[Floats, Indices]:
             f'{filename!r} holds no mesh that can be read: {error!r}. What it refers to in other '
             'files, such as buffers of glTF, is not opened: embed them (.glb)'
         ) from None
+
+
+@functools.cache
+def readable_kinds() -> tuple[str, ...]:
+    """Return the suffixes of the files that ``parse_mesh`` reads."""
+    import trimesh
+
+    return tuple(sorted({'obj', *trimesh.exchange.load.mesh_formats()}))
+
+
+def tight_box(points: Floats) -> Floats:
+    """Return the axes, columns of a rotation (3, 3), of a smallest box around points (n, 3).
+
+    One side of the box lies in a face of the points' hull.
+    """
+    import trimesh
+
+    axes: Floats = trimesh.bounds.oriented_bounds(points)[0][:3, :3].T  # type: ignore[no-untyped-call]
+    return axes
 
 
 def convex_hull(points: Floats, name: str) -> tuple[Floats, Indices]:

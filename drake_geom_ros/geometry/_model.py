@@ -7,6 +7,7 @@ Every change checks all first, then commits all.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Collection
 
 from drake_geom_ros.geometry._records import (
     INTERNAL_SOURCE_NAME,
@@ -30,6 +31,7 @@ from drake_geom_ros.geometry.errors import (
     UnknownIdError,
 )
 from drake_geom_ros.geometry.geometry_set import GeometrySet
+from drake_geom_ros.geometry.geometry_version import fresh_number
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.instances import (
     GeometryFrame,
@@ -55,6 +57,7 @@ class Model:
         self.sources: dict[SourceId, str] = {internal: INTERNAL_SOURCE_NAME}
         self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
+        self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
         self.versions = Versions()
         self._source_names = {INTERNAL_SOURCE_NAME}
         self._frame_names = {(internal, WORLD_NAME)}
@@ -71,7 +74,8 @@ class Model:
             for id, frame in self.frames.items()
         }
         other.geometries = dict(self.geometries)
-        other.versions = dataclasses.replace(self.versions)
+        other.first_X_PFs = dict(self.first_X_PFs)
+        other.versions = self.versions.copy()
         other._source_names = set(self._source_names)
         other._frame_names = set(self._frame_names)
         other._geometry_names = dict(self._geometry_names)
@@ -99,8 +103,9 @@ class Model:
         """Return a geometry."""
         if checked_type(geometry_id, GeometryId, 'geometry_id') not in self.geometries:
             raise UnknownIdError(
-                f'{geometry_id!r} is no geometry of this scene, which has {len(self.geometries)}; '
-                'see SceneGraphInspector.GetAllGeometryIds'
+                f'Referenced geometry {geometry_id!r} is no geometry of this scene, which has '
+                f'{len(self.geometries)}; see SceneGraphInspector.GetAllGeometryIds. It has not '
+                'been registered.'
             )
         return self.geometries[geometry_id]
 
@@ -230,7 +235,7 @@ class Model:
                 del self._geometry_names[record.frame_id, role, record.name]
             del self.frames[record.frame_id].geometry_ids[record.id]
             del self.geometries[record.id]
-        self._changed(proximity=any(record.proximity is not None for record in removed))
+        self._changed(roles={role for record in removed for role in record.roles()})
         return removed
 
     # Changes.
@@ -260,7 +265,7 @@ class Model:
         record = record.changed(**changed)
         if role is Role.kProximity:
             check_for_queries(record)
-        self._store(record, proximity=role is Role.kProximity)
+        self._store(record, roles=[role])
         return record
 
     def remove_role(
@@ -280,7 +285,7 @@ class Model:
             changed: dict[str, None] = {ROLE_FIELDS[role]: None}
             self.geometries[record.id] = record.changed(**changed)
         if losing:
-            self._changed(proximity=role is Role.kProximity)
+            self._changed(roles=[role])
         return losing
 
     def change_shape(
@@ -321,16 +326,16 @@ class Model:
             self._check_geometry_name(record, new_name, record.roles(), 'RenameGeometry')
             for role in record.roles():
                 del self._geometry_names[record.frame_id, role, record.name]
-            self._store(record.changed(name=new_name), proximity=False)
+            self._store(record.changed(name=new_name), roles=())
 
     # Helpers.
 
-    def _store(self, record: GeometryRecord, proximity: bool = True) -> None:
-        """Keep a record and the names it takes."""
+    def _store(self, record: GeometryRecord, roles: Collection[Role] | None = None) -> None:
+        """Keep a record and the names it takes; ``roles`` are those that change, None for all."""
         self.geometries[record.id] = record
         for role in record.roles():
             self._geometry_names[record.frame_id, role, record.name] = record.id
-        self._changed(proximity=proximity and record.proximity is not None)
+        self._changed(roles=record.roles() if roles is None else roles)
 
     def _repose(self, record: GeometryRecord, X_FG: RigidTransform) -> None:
         """Move a geometry in its frame; what was registered on it keeps its pose in it."""
@@ -341,11 +346,19 @@ class Model:
         for child_id in self._children.get(record.id, []):
             self._repose(self.geometries[child_id], X_FG @ self.geometries[child_id].X_PG)
 
-    def _changed(self, frames: bool = False, proximity: bool = False) -> None:
-        """Count a change."""
+    def _changed(self, frames: bool = False, roles: Collection[Role] = ()) -> None:
+        """Count a change of frames, or of what has these roles."""
         self.versions.any += 1
         self.versions.frames += frames
-        self.versions.proximity += proximity
+        self.versions.proximity += Role.kProximity in roles
+        self.versions.roles.update((role, fresh_number()) for role in roles)
+
+    def role_versions(self, filters: int) -> dict[Role, int]:
+        """Return the number of each role, given the version of the filters."""
+        if self.versions.filters != filters:
+            self.versions.filters = filters
+            self.versions.roles[Role.kProximity] = fresh_number()
+        return self.versions.roles
 
     def _check_owner(self, source_id: SourceId, record: FrameRecord | GeometryRecord) -> None:
         """Raise OwnershipError if a frame or a geometry belongs to another source."""

@@ -37,11 +37,27 @@ def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
         text = Path(filename).read_text(encoding='utf-8', errors='replace')
     except OSError as error:
         raise MeshFileError(f"'{filename}' cannot be read: {error.strerror}") from None
-    return parse_obj(text, filename)
+    points, triangles = parse_obj(text, filename)
+    if len(triangles) == 0:
+        raise MeshFileError(f"'{filename}' has no faces: no line of it begins with 'f '")
+    return points, triangles
+
+
+def obj_text(points: Floats, triangles: Indices | None = None) -> str:
+    """Return vertices (n, 3) and triangles (m, 3), counted from 0, as the text of an .obj file."""
+    lines = ['v ' + ' '.join(_shortest(x) for x in point) for point in points.tolist()]
+    if triangles is not None:
+        lines += ['f ' + ' '.join(map(str, corners)) for corners in (triangles + 1).tolist()]
+    return ''.join(f'{line}\n' for line in lines)
+
+
+def _shortest(x: float) -> str:
+    """Return the shortest text that is read as the same number."""
+    return repr(x).removesuffix('.0')
 
 
 def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
-    """Return what ``read_obj`` does of a file's text; the name is for messages."""
+    """Return what ``read_obj`` does of a file's text, which may have no faces."""
     points: list[Point] = []
     polygons: list[_Polygon] = []
     for number, words in _statements(text):
@@ -50,8 +66,8 @@ def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indi
             points.append(_point(words[1:4], where))
         elif words[0] == 'f':
             polygons.append(_Polygon(_corners(words[1:], len(points), where), where))
-    if not polygons:
-        raise MeshFileError(f"'{filename}' has no faces: no line of it begins with 'f '")
+    if not points:
+        raise MeshFileError(f"'{filename}' has no faces and no vertices: no line begins with 'v '")
     triangles: list[tuple[int, int, int]] = []
     for polygon in polygons:
         if max(polygon.vertices) >= len(points):
@@ -60,7 +76,8 @@ def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indi
                 f'the file has {len(points)}'
             )
         triangles += triangulate(polygon.vertices, [points[i] for i in polygon.vertices])
-    return np.array(points), np.array(triangles, dtype=np.int64)
+    vertices = np.array(points, dtype=np.float64).reshape(-1, 3)
+    return vertices, np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 
 def triangulate(names: list[int], corners: list[Point]) -> list[tuple[int, int, int]]:

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.pair_table import CONVEX
+from drake_geom_ros.geometry.geometry_version import fresh_marks
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.mesh_shapes import Mesh
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
     IllustrationProperties,
@@ -18,7 +20,7 @@ from drake_geom_ros.geometry.properties import (
     ProximityProperties,
     Role,
 )
-from drake_geom_ros.geometry.shapes import Mesh, Shape
+from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
 
 Floats = NDArray[np.float64]
@@ -93,7 +95,7 @@ class GeometryRecord:
             return CONVEX, shape._kernel_parameters()
         from drake_geom_ros.geometry._solid_mesh import solid_of
 
-        return solid_of(shape.mesh_data() or shape.filename(), tuple(shape.scale3().tolist()))
+        return solid_of(*shape._measures)
 
     def changed(self, **fields: Any) -> GeometryRecord:
         """Return the record with other values in some fields; the shape stays packed if it can."""
@@ -127,6 +129,12 @@ class Versions:
     frames: int = 0  # a frame was registered or renamed
     proximity: int = 0  # what takes part in proximity queries, its shape or its X_FG
     any: int = 0
+    roles: dict[Role, int] = field(default_factory=fresh_marks)  # see GeometryVersion
+    filters: int = 0  # the version of the filters that ``roles`` know of
+
+    def copy(self) -> Versions:
+        """Return numbers that grow on their own."""
+        return replace(self, roles=dict(self.roles))
 
 
 def named(record: FrameRecord | GeometryRecord) -> str:

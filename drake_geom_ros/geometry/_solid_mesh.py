@@ -29,10 +29,11 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.mesh_source import (
-    MeshData,
-    MeshSource,
+    MeshGiven,
+    MeshKey,
     hull_of,
     mesh_source,
+    name_of,
     triangles_of,
     turned,
 )
@@ -45,7 +46,7 @@ MOST_PLANES = 64
 _ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
 
 
-def solid_of(mesh: str | MeshData, scale: tuple[float, ...]) -> tuple[int, Floats]:
+def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
     """Return the type number and the kernel parameters of a mesh as a solid.
 
     One that is convex counts as its hull. Raises MeshFileError for a mesh that bounds no solid.
@@ -54,8 +55,8 @@ def solid_of(mesh: str | MeshData, scale: tuple[float, ...]) -> tuple[int, Float
 
 
 @functools.lru_cache(maxsize=32)
-def _solid(source: MeshSource, scale: tuple[float, ...]) -> tuple[int, Floats]:
-    name = 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
+def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
+    name = name_of(source)
     factors = np.array(scale)
     hull_vertices, hull_triangles = hull_of(source)
     hull_vertices, hull_triangles = hull_vertices * factors, turned(hull_triangles, factors)

@@ -134,6 +134,11 @@ class CollisionFilterManager:
 
     # Ours: groups and cliques.
 
+    @staticmethod
+    def universal_group_name() -> str:
+        """Return the name of the group that all geometries belong to, in every scene."""
+        return UNIVERSAL
+
     def AddGroup(
         self, name: str, members: GeometrySet, ignored_groups: Iterable[str] = ()
     ) -> None:

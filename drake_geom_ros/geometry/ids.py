@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import threading
 from collections.abc import Iterator
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from drake_geom_ros.geometry.errors import ArgumentTypeError, GeometryError
 
@@ -76,6 +76,14 @@ class Identifier:
 
     def __repr__(self) -> str:
         return f'<{type(self).__name__} value={self._value}>'
+
+
+def only_id(what: str, *ids: Any) -> Any:
+    """Return the one id that was given; ArgumentTypeError where it is none, or several."""
+    given = [id for id in ids if id is not None]
+    if len(given) != 1:
+        raise ArgumentTypeError(f'{what}: give one id, not {len(given)}')
+    return given[0]
 
 
 class SourceId(Identifier):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, TypeVar
 
 import numpy as np
@@ -72,6 +73,19 @@ class GeometryInstance:
         self._proximity: ProximityProperties | None = None
         self._illustration: IllustrationProperties | None = None
         self._perception: PerceptionProperties | None = None
+
+    def __copy__(self) -> GeometryInstance:
+        """Return an instance of the same id that shares nothing that either could change."""
+        other = GeometryInstance.__new__(GeometryInstance)
+        for name in GeometryInstance.__slots__:
+            setattr(other, name, getattr(self, name))
+        other._proximity = copy.copy(self._proximity)
+        other._illustration = copy.copy(self._illustration)
+        other._perception = copy.copy(self._perception)
+        return other
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> GeometryInstance:
+        return self.__copy__()
 
     def id(self) -> GeometryId:
         """Return the id, the same in every copy."""

@@ -1,4 +1,4 @@
-"""Meshes, from files or from numbers, each known by its content: surfaces and convex hulls."""
+"""Meshes: files, in memory or numbers, each known by its content; surfaces and convex hulls."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._mesh_library import convex_hull, parse_mesh
+from drake_geom_ros.geometry._hull_polygons import united
+from drake_geom_ros.geometry._mesh_library import convex_hull, parse_mesh, readable_kinds
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
+from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh
 
 # A file is read whole, and trimesh needs some ten times its size; a scan of 2 million triangles as
 # binary STL has 100 MB.
@@ -105,7 +107,9 @@ class MeshFile:
         return repr(self.filename)
 
 
-MeshSource = MeshData | MeshFile
+# What a shape holds, and what meshes are known by.
+MeshGiven = str | MeshData | InMemoryMesh
+MeshKey = MeshData | MeshFile | InMemoryMesh
 
 
 @functools.lru_cache(maxsize=1024)
@@ -114,27 +118,48 @@ def _digest(filename: str, mtime_ns: int, size: int) -> bytes:
     return hashlib.sha256(Path(filename).read_bytes()).digest()
 
 
-def mesh_source(mesh: str | MeshData) -> MeshSource:
-    """Return the source of a mesh, which came as numbers or as the path of a file."""
+def mesh_source(mesh: MeshGiven) -> MeshKey:
+    """Return what a mesh is known by: numbers, a file in memory, or one on disk as it is."""
     return MeshFile(mesh) if isinstance(mesh, str) else mesh
 
 
-def hull_vertices(mesh: str | MeshData, scale3: Floats) -> Floats:
+def name_of(source: MeshKey) -> str:
+    """Return how messages name a mesh."""
+    if isinstance(source, InMemoryMesh):
+        return f'the mesh in memory {source.mesh_file.filename_hint()!r}'
+    return 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
+
+
+def numbers_of(mesh: MeshData | InMemoryMesh) -> MeshData:
+    """Return a mesh in memory as numbers, unscaled."""
+    return mesh if isinstance(mesh, MeshData) else MeshData(*triangles_of(mesh))
+
+
+def check_extension(extension: str, name: str) -> None:
+    """Raise MeshFileError for an extension that no mesh file has."""
+    if extension.lstrip('.') not in readable_kinds():
+        raise MeshFileError(
+            f'GetConvexHull: MakeConvexHull only applies to {", ".join(readable_kinds())} files; '
+            f'{name!r} has the extension {extension!r}'
+        )
+
+
+def hull_vertices(mesh: MeshGiven, scale3: Floats) -> Floats:
     """Return the vertices (n, 3) [m] of the convex hull of a mesh, scaled along x, y, z.
 
-    ``mesh`` is numbers or a file. Raises MeshFileError for a file that is missing, holds no mesh
+    ``mesh`` is as a shape holds it. Raises MeshFileError for a file that is missing, holds no mesh
     or numbers that are not finite, or where the hull has no volume.
     """
     return hull_surface(mesh, scale3)[0]
 
 
-def hull_surface(mesh: str | MeshData, scale3: Floats) -> tuple[Floats, Indices]:
+def hull_surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
     """Return ``hull_vertices`` and the hull's triangles (m, 3), counter-clockwise from outside."""
     vertices, triangles = hull_of(mesh_source(mesh))
     return vertices * scale3, turned(triangles, scale3)
 
 
-def surface(mesh: str | MeshData, scale3: Floats) -> tuple[Floats, Indices]:
+def surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh itself, scaled along x, y, z."""
     vertices, triangles = triangles_of(mesh_source(mesh))
     return vertices * scale3, turned(triangles, scale3)
@@ -146,19 +171,37 @@ def turned(triangles: Indices, scale3: Floats) -> Indices:
 
 
 @functools.lru_cache(maxsize=8)
-def triangles_of(source: MeshSource) -> tuple[Floats, Indices]:
+def triangles_of(source: MeshKey) -> tuple[Floats, Indices]:
     """Return vertices and triangles of a source, unscaled; not to be written to."""
     if isinstance(source, MeshData):
         return source.vertices, source.triangles
-    vertices, triangles = parse_mesh(source.content(), source.kind, source.filename)
+    if isinstance(source, InMemoryMesh):
+        file = source.mesh_file
+        content, kind, name = file.contents(), file.extension().lstrip('.'), file.filename_hint()
+    else:
+        content, kind, name = source.content(), source.kind, source.filename
+    vertices, triangles = parse_mesh(content, kind, name)
     if len(vertices) == 0 or not np.isfinite(vertices).all():
-        raise MeshFileError(f'{source}: {len(vertices)} vertices, and all must be finite')
+        raise MeshFileError(f'{name_of(source)}: {len(vertices)} vertices, and all must be finite')
     vertices.flags.writeable = triangles.flags.writeable = False
     return vertices, triangles
 
 
 @functools.lru_cache(maxsize=256)
-def hull_of(source: MeshSource) -> tuple[Floats, Indices]:
+def hull_of(source: MeshKey) -> tuple[Floats, Indices]:
     """Return vertices and triangles of the convex hull of a source, unscaled."""
-    name = 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
-    return convex_hull(triangles_of(source)[0], name)
+    return convex_hull(triangles_of(source)[0], name_of(source))
+
+
+@functools.lru_cache(maxsize=32)
+def _polygons_of(source: MeshKey) -> list[list[int]]:
+    """Return the polygons that bound the convex hull of a source, by its vertices."""
+    return united(*hull_of(source))
+
+
+def hull_polygons(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, list[list[int]]]:
+    """Return vertices (n, 3) [m] and polygons, counter-clockwise, of the hull of a scaled mesh."""
+    source = mesh_source(mesh)
+    mirrored = np.prod(np.sign(scale3)) < 0.0
+    polygons = [polygon[:: -1 if mirrored else 1] for polygon in _polygons_of(source)]
+    return hull_of(source)[0] * scale3, polygons

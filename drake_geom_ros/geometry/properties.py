@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from drake_geom_ros.common.value import AbstractValue
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.geometry.rgba import Rgba
 
@@ -42,7 +43,8 @@ class RoleAssign(_PydrakeEnum):
 class GeometryProperties:
     """Values by group and name: the base of the properties of each role.
 
-    Values are copied in and copied out. The type of a value is fixed when it is added. Properties
+    Made of nothing, or as a copy of the properties of any role. Values are copied in and copied
+    out. The type of a value is fixed when it is added. Properties
     that came out of a scene are read only: assign changed copies with ``AssignRole`` and
     ``RoleAssign.kReplace``.
 
@@ -57,7 +59,7 @@ class GeometryProperties:
     def __init__(self, other: GeometryProperties | None = None) -> None:
         if type(self) is GeometryProperties:
             raise ArgumentTypeError('GeometryProperties: make those of a role')
-        if other is not None and type(other) is not type(self):
+        if other is not None and not isinstance(other, GeometryProperties):
             raise ArgumentTypeError(f'{type(self).__name__}: cannot copy {other!r}')
         groups = {_DEFAULT_GROUP: {}} if other is None else copy.deepcopy(other._groups)
         self._groups: dict[str, dict[str, Any]] = groups
@@ -80,13 +82,17 @@ class GeometryProperties:
         """Return the names of all groups."""
         return set(self._groups)
 
-    def GetPropertiesInGroup(self, group_name: str) -> dict[str, Any]:
-        """Return names and values of a group; raises RuntimeError if there is none such."""
+    def GetPropertiesInGroup(self, group_name: str) -> dict[str, AbstractValue]:
+        """Return names and values of a group, each value in a box: ``get_value()``.
+
+        Raises RuntimeError if there is none such.
+        """
         if group_name not in self._groups:
             raise ArgumentError(
                 f'GetPropertiesInGroup: no group {group_name!r}; there are {list(self._groups)}'
             )
-        return copy.deepcopy(self._groups[group_name])
+        group = self._groups[group_name]
+        return {name: AbstractValue.Make(value) for name, value in group.items()}
 
     def HasProperty(self, group_name: str, name: str) -> bool:
         """Return whether the group and the property in it exist."""

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.engine import Effects
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
+from drake_geom_ros.geometry.bounding_boxes import Obb
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
-from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.query_records import SignedDistancePair
 from drake_geom_ros.geometry.query_results import (
     PenetrationResults,
     PointDistanceResults,
-    SignedDistancePair,
     SignedDistanceResults,
 )
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
@@ -28,6 +29,7 @@ class QueryObject:
 
     The one that a SceneGraph's query port gives is live: it sees later poses and changes of its
     context. A copy of it (``copy.copy``) is baked: it keeps answering for the moment of the copy.
+    Queries raise PoseError, which names them, while frames never had a pose.
 
     Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; without it
     the SceneGraph's default holds.
@@ -72,14 +74,21 @@ class QueryObject:
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         return seconds_a_pair(world, context._filters, reach, samples, seed)
 
     # Where things are.
 
-    def GetPoseInWorld(self, id: FrameId | GeometryId) -> RigidTransform:
+    def GetPoseInWorld(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> RigidTransform:
         """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
-        return self.X_WG(id) if isinstance(id, GeometryId) else self.X_WF(id)
+        asked = only_id('GetPoseInWorld', id, frame_id, geometry_id)
+        return self.X_WG(asked) if isinstance(asked, GeometryId) else self.X_WF(asked)
 
     def GetPoseInParent(self, frame_id: FrameId) -> RigidTransform:
         """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
@@ -87,23 +96,41 @@ class QueryObject:
 
     def X_WF(self, id: FrameId) -> RigidTransform:
         """Return the pose of a frame in the world; raises for an id that is not here."""
-        self._context._model.frame(id)
-        world = self._context._up_to_date_world()
+        world, row = self._context._placed_frame(id)
         world.update()
-        row = world.frame_rows(np.array([id.get_value()]))[0]
         return _transform(world.R_WFs[row], world.p_WFs[row])
 
     def X_PF(self, id: FrameId) -> RigidTransform:
         """Return the pose of a frame in its parent; raises for an id that is not here."""
-        self._context._model.frame(id)
-        world = self._context._up_to_date_world()
-        row = world.frame_rows(np.array([id.get_value()]))[0]
+        world, row = self._context._placed_frame(id, in_world=False)
         return _transform(world.R_PFs[row], world.p_PFs[row])
 
     def X_WG(self, id: GeometryId) -> RigidTransform:
         """Return the pose of a geometry in the world; raises for an id that is not here."""
         record = self._context._model.geometry(id)
         return self.X_WF(record.frame_id) @ record.X_FG
+
+    def ComputeObbInWorld(self, geometry_id: GeometryId) -> Obb | None:
+        """Return the oriented box around a geometry, in World; None for a half space."""
+        obb = self.inspector().GetObbInGeometryFrame(geometry_id)
+        return obb and Obb(self.X_WG(geometry_id) @ obb.pose(), obb.half_width())
+
+    # What waits for its first pose: while anything does, other contexts refuse all queries, and
+    # partial ones leave it out.
+
+    def waiting_frames(self) -> list[FrameId]:
+        """Return the frames that never had a pose, parents before what hangs on them."""
+        return [FrameId(v) for v in self._context._up_to_date_world().unposed_frames().tolist()]
+
+    def is_placed(self, id: FrameId | GeometryId) -> bool:
+        """Return whether a frame, or that of a geometry, and all it hangs on have a pose."""
+        model, world = self._context._model, self._context._up_to_date_world()
+        frame = model.geometry(id).frame_id if isinstance(id, GeometryId) else model.frame(id).id
+        return bool(world.placed[world.frame_rows(np.array([frame.get_value()]))[0]])
+
+    def num_waiting_pairs(self) -> int:
+        """Return how many unfiltered pairs have a geometry that is not placed: at any distance."""
+        return self._context._count_waiting_pairs()
 
     # Pairs.
 
@@ -123,7 +150,7 @@ class QueryObject:
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         level, budget = self._level(accuracy), _checked_budget(time_budget)
         batch = context._engine.signed_distances(
             *(world, context._filters, level, 0.0, True), time_budget=budget
@@ -135,7 +162,7 @@ class QueryObject:
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first."""
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         return context._engine.has_overlap(world, context._filters, self._level(accuracy))
 
     def ComputeSignedDistancePairwiseClosestPoints(
@@ -162,7 +189,7 @@ class QueryObject:
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         return SignedDistanceResults(
             context._engine.signed_distances(
                 *(world, context._filters, self._level(accuracy), reach),
@@ -171,14 +198,24 @@ class QueryObject:
         )
 
     def ComputeSignedDistancePairClosestPoints(
-        self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
+        self,
+        geometry_id_A: GeometryId | None = None,
+        geometry_id_B: GeometryId | None = None,
+        *,
+        accuracy: str | None = None,
+        id_A: GeometryId | None = None,
+        id_B: GeometryId | None = None,
     ) -> SignedDistancePair:
         """Return the signed distance of two geometries, with ``id_A < id_B`` in the answer.
+
+        ``id_A`` and ``id_B`` are older names of the arguments.
 
         Raises GeometryError for an id that is not here, a geometry without the proximity role, a
         filtered pair, and two half spaces.
         """
-        return self.signed_distance_of_pair(geometry_id_A, geometry_id_B, accuracy=accuracy)[0]
+        first = only_id('geometry_id_A', geometry_id_A, id_A)
+        second = only_id('geometry_id_B', geometry_id_B, id_B)
+        return self.signed_distance_of_pair(first, second, accuracy=accuracy)[0]
 
     def signed_distance_of_pair(
         self,
@@ -209,7 +246,9 @@ class QueryObject:
                 f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
                 'See CollisionFilterManager for how to allow it.'
             )
-        world = context._up_to_date_world()
+        for record in records:
+            context._placed_frame(record.frame_id)
+        world = context._posed_world()
         pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
         start = None if hint is None else _checked_hint(hint)
         batch = context._engine.distance_of_pair(world, pair, self._level(accuracy), start)
@@ -219,15 +258,21 @@ class QueryObject:
             raise GeometryError(f'{asked} was asked for: {why}.')
         return SignedDistanceResults(batch)
 
-    def FindCollisionCandidates(self) -> list[tuple[GeometryId, GeometryId]]:
-        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids."""
+    def FindCollisionCandidates(
+        self, *, accuracy: str | None = None
+    ) -> list[tuple[GeometryId, GeometryId]]:
+        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids.
+
+        They are the same at each ``accuracy``; a name that is none raises ArgumentError.
+        """
+        self._level(accuracy)
         ids_A, ids_B = self.collision_candidates().T.tolist()
         return [(GeometryId(a), GeometryId(b)) for a, b in zip(ids_A, ids_B, strict=True)]
 
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         pairs = context._engine.candidates(world, context._filters, 0.0)
         return world.geometries.ids[pairs]
 
@@ -236,16 +281,21 @@ class QueryObject:
     def ComputeSignedDistanceToPoint(
         self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None
     ) -> PointDistanceResults:
-        """Return the signed distances from all geometries to a point (3,), or to points (m, 3).
+        """Return the signed distances from all geometries to a point, or to points (m, 3).
 
+        A point is (3,), or a column (3, 1).
         Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
         (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
+        On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
+        is the mean of the outward normals that adjoin there, at unit length.
         Raises ArgumentError for points that are not finite or not of these shapes and for a
         threshold that is NaN.
         """
         reach = _checked_distance('threshold', threshold)
         self._level(accuracy)
         p_WQs = np.asarray(p_WQ, dtype=np.float64)
+        if p_WQs.shape == (3, 1):
+            p_WQs = p_WQs[:, 0]
         if p_WQs.ndim not in (1, 2) or p_WQs.shape[-1] != 3:
             raise ArgumentError(
                 f'ComputeSignedDistanceToPoint was given p_WQ of shape {p_WQs.shape}; '
@@ -257,7 +307,7 @@ class QueryObject:
                 f'{p_WQs[~np.isfinite(p_WQs).all(axis=-1)][:1].tolist()}.'
             )
         context = self._context
-        world = context._up_to_date_world()
+        world = context._posed_world()
         points = np.ascontiguousarray(np.atleast_2d(p_WQs))
         return PointDistanceResults(context._engine.point_distances(world, points, reach))
 

@@ -1,4 +1,4 @@
-"""What queries return: records as pydrake has them, made when indexed, over arrays.
+"""What queries return: sequences of records, which are made when indexed, over arrays.
 
 A record costs about a microsecond of Python, which for all pairs of a large scene is more than
 the whole query (measured: 0.7 us to 1 us each). So a query returns a read-only sequence that
@@ -7,9 +7,9 @@ keeps NumPy arrays and makes the record of an index when somebody asks for it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Generic, TypeVar, overload
+import operator
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,114 +41,70 @@ from drake_geom_ros.geometry._proximity.kernels.calling_points import (
     POINT_UNIQUE,
 )
 from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.query_records import (
+    PenetrationAsPointPair,
+    SignedDistancePair,
+    SignedDistanceToPoint,
+)
 
 Floats = NDArray[np.float64]
 Record = TypeVar('Record')
+Batch = TypeVar('Batch', PairBatch, PointBatch)
 
 
-def _zeros() -> Floats:
-    return np.zeros(3)
+class ResultSequence(Sequence[Record], Generic[Record, Batch]):
+    """A sequence of records over arrays; subclasses name the arrays.
 
-
-def _no_id() -> GeometryId:
-    return GeometryId(0)
-
-
-@dataclass(kw_only=True, eq=False)
-class PenetrationAsPointPair:
-    """Two overlapping geometries, by the pair of points that most deeply penetrate each other.
-
-    ``depth = (p_WCb - p_WCa) . nhat_BA_W`` [m], positive; -1 in a record nobody filled.
-    ``nhat_BA_W`` is unit and points out of B into A. ``|depth - true depth| <= error_bound``; the
-    true depth of bodies that are apart, which bounds alone may report, is minus their distance.
+    Nothing in it can be changed but the order, by ``sort``, which the arrays follow. It compares
+    with lists of records, and adds to them as one; the sum is a list.
     """
 
-    id_A: GeometryId = field(default_factory=_no_id)
-    id_B: GeometryId = field(default_factory=_no_id)
-    p_WCa: Floats = field(default_factory=_zeros)
-    p_WCb: Floats = field(default_factory=_zeros)
-    nhat_BA_W: Floats = field(default_factory=_zeros)
-    depth: float = -1.0
-    error_bound: float = 0.0
-    method: int = 0
-
-
-@dataclass(kw_only=True, eq=False)
-class SignedDistancePair:
-    """The signed distance of two geometries and the points that witness it.
-
-    ``p_ACa`` and ``p_BCb`` are measured and expressed in the geometries' own frames [m],
-    ``nhat_BA_W`` is the gradient of the distance with respect to a translation of A, out of B
-    into A. ``|distance - true distance| <= error_bound``.
-    """
-
-    id_A: GeometryId = field(default_factory=_no_id)
-    id_B: GeometryId = field(default_factory=_no_id)
-    p_ACa: Floats = field(default_factory=_zeros)
-    p_BCb: Floats = field(default_factory=_zeros)
-    distance: float = 0.0
-    nhat_BA_W: Floats = field(default_factory=_zeros)
-    is_nhat_BA_W_unique: bool = True
-    error_bound: float = 0.0
-    method: int = 0
-    _p_FaCa_W: Floats = field(default_factory=_zeros, repr=False)
-    _p_FbCb_W: Floats = field(default_factory=_zeros, repr=False)
-
-    def gradient(self) -> tuple[Floats, Floats]:
-        """Return d(distance)/d(pose) for the frames Fa and Fb that carry A and B, (6,) each.
-
-        With the spatial velocities V_WF = [w_WF, v_WFo] (rotational first, as in Drake, in World)
-        the distance changes at the rate ``gradient[0] . V_WFa + gradient[1] . V_WFb``: the
-        surface points move with v + w x p, and only their parting along the normal counts
-        (envelope theorem). Valid where the normal is unique.
-        """
-        n = self.nhat_BA_W
-        return (
-            np.concatenate((np.cross(self._p_FaCa_W, n), n)),
-            -np.concatenate((np.cross(self._p_FbCb_W, n), n)),
-        )
-
-
-@dataclass(kw_only=True, eq=False)
-class SignedDistanceToPoint:
-    """The signed distance from a geometry G to a query point Q.
-
-    ``p_GN`` is the point of G's surface nearest to Q, in G [m]; ``grad_W`` the gradient of the
-    distance with respect to the position of Q: unit, and finite even where it is not unique.
-    """
-
-    id_G: GeometryId = field(default_factory=_no_id)
-    p_GN: Floats = field(default_factory=_zeros)
-    distance: float = 0.0
-    grad_W: Floats = field(default_factory=_zeros)
-    is_grad_W_unique: bool = True
-    error_bound: float = 0.0
-    method: int = 0
-    point_index: int = 0
-
-
-class ResultSequence(Sequence[Record], Generic[Record]):
-    """A read-only sequence of records over arrays; subclasses name the arrays."""
-
-    def __init__(self, count: int) -> None:
-        self._count = count
+    def __init__(self, batch: Batch) -> None:
+        self._batch: Batch = batch
+        self._rows: Floats = batch.rows
 
     def __len__(self) -> int:
-        return self._count
+        return len(self._rows)
 
     @overload
     def __getitem__(self, index: int) -> Record: ...
     @overload
     def __getitem__(self, index: slice) -> list[Record]: ...
     def __getitem__(self, index: int | slice) -> Record | list[Record]:
+        count = len(self)
         if isinstance(index, slice):
-            return [self._record(k) for k in range(*index.indices(self._count))]
-        if not -self._count <= index < self._count:
-            raise IndexError(f'result {index} of {self._count} results was asked for')
-        return self._record(index % self._count)
+            return [self._record(k) for k in range(*index.indices(count))]
+        if not -count <= index < count:
+            raise IndexError(f'result {index} of {count} results was asked for')
+        return self._record(index % count)
+
+    def sort(self, *, key: Callable[[Record], Any], reverse: bool = False) -> None:
+        """Order the results by ``key(record)``, as ``list.sort`` does; the arrays follow."""
+        keys = [key(record) for record in self]
+        order = sorted(range(len(self)), key=keys.__getitem__, reverse=reverse)
+        arrays: list[Any] = [array[order] for array in self._batch]
+        for array in arrays:
+            array.flags.writeable = False
+        self._batch = type(self._batch)(*arrays)
+        self._rows = self._batch.rows
+
+    def __add__(self, other: Sequence[Any]) -> list[Any]:
+        if not isinstance(other, (list, ResultSequence)):
+            return NotImplemented
+        return [*self, *other]
+
+    def __radd__(self, other: list[Any]) -> list[Any]:
+        return [*other, *self] if isinstance(other, list) else NotImplemented
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, (list, ResultSequence)):
+            return NotImplemented
+        return len(self) == len(other) and all(map(operator.eq, self, other))
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return f'<{type(self).__name__} of {self._count} results>'
+        return f'<{type(self).__name__} of {len(self)} results>'
 
     def _record(self, k: int) -> Record:
         raise NotImplementedError
@@ -159,13 +115,8 @@ def _vector(row: Floats, column: int) -> Floats:
     return row[column : column + 3].copy()
 
 
-class _PairSequence(ResultSequence[Record]):
+class _PairSequence(ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds and methods."""
-
-    def __init__(self, batch: PairBatch) -> None:
-        super().__init__(len(batch.ids))
-        self._batch = batch
-        self._rows = batch.rows
 
     @property
     def id_A(self) -> NDArray[np.int64]:
@@ -286,14 +237,18 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
         )
 
 
-class PointDistanceResults(ResultSequence[SignedDistanceToPoint]):
+class PointDistanceResults(ResultSequence[SignedDistanceToPoint, PointBatch]):
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
-    def __init__(self, batch: PointBatch) -> None:
-        super().__init__(len(batch.ids))
-        self._rows = batch.rows
-        self.id_G: NDArray[np.int64] = batch.ids
-        self.point_index: NDArray[np.uint32] = batch.points
+    @property
+    def id_G(self) -> NDArray[np.int64]:
+        """Id values (k,) of the geometries."""
+        return self._batch.ids
+
+    @property
+    def point_index(self) -> NDArray[np.uint32]:
+        """Which point (k,) each answer is for."""
+        return self._batch.points
 
     @property
     def distance(self) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,6 +17,8 @@ class Rgba:
     """
 
     __slots__ = ('_rgba',)
+    # What ``pydrake.common.yaml`` looks at to read and write a colour.
+    __fields__ = (SimpleNamespace(name='rgba', type=np.ndarray),)
 
     def __init__(self, r: float = 1.0, g: float = 1.0, b: float = 1.0, a: float = 1.0) -> None:
         self._rgba = _checked(r, g, b, a)
@@ -40,21 +44,27 @@ class Rgba:
         """Red, green, blue and alpha, (4,)."""
         return np.array(self._rgba)
 
+    @rgba.setter
+    def rgba(self, values: ArrayLike) -> None:
+        self.set(rgba=values)
+
     def set(
         self,
-        r: float | ArrayLike,
+        r: float | ArrayLike | None = None,
         g: float | None = None,
         b: float | None = None,
         a: float = 1.0,
+        *,
+        rgba: ArrayLike | None = None,
     ) -> None:
         """Become the colour r, g, b, a, or that of one array of three or four of them."""
-        if g is None or b is None:
-            values = np.asarray(r, dtype=np.float64).tolist()
-            if not isinstance(values, list) or len(values) not in (3, 4):
-                raise ArgumentError(f'Rgba: {r!r} must be three or four numbers')
-            self._rgba = _checked(*values)
-        else:
+        if r is not None and g is not None and b is not None and rgba is None:
             self._rgba = _checked(r, g, b, a)
+            return
+        values = np.asarray(r if rgba is None else rgba, dtype=np.float64).tolist()
+        if not isinstance(values, list) or len(values) not in (3, 4):
+            raise ArgumentError(f'Rgba: {values!r} must be 3 or 4 numbers')
+        self._rgba = _checked(*values)
 
     def update(
         self,
@@ -66,6 +76,19 @@ class Rgba:
         """Change the channels that are given."""
         given = zip((r, g, b, a), self._rgba, strict=True)
         self._rgba = _checked(*(old if new is None else new for new, old in given))
+
+    def scale_rgb(self, scale: float) -> Rgba:
+        """Return the colour of r, g, b times ``scale`` >= 0, at most 1, and the same alpha."""
+        if not scale >= 0.0:
+            raise ArgumentError(f'Rgba.scale_rgb: scale = {scale} must be >= 0')
+        r, g, b, a = self._rgba
+        return Rgba(min(r * scale, 1.0), min(g * scale, 1.0), min(b * scale, 1.0), a)
+
+    def __mul__(self, other: Rgba) -> Rgba:
+        """Return the colour whose channels are the products of both colours' channels."""
+        if not isinstance(other, Rgba):
+            return NotImplemented
+        return Rgba(*(self.rgba * other.rgba).tolist())
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Rgba):
@@ -86,6 +109,7 @@ def _checked(
         raise ArgumentError(f'Rgba: ({r!r}, {g!r}, {b!r}, {a!r}) must be numbers') from None
     if not all(0.0 <= value <= 1.0 for value in (red, green, blue, alpha)):
         raise ArgumentError(
-            f'Rgba: values must be in [0, 1], given (r={red}, g={green}, b={blue}, a={alpha})'
+            'Rgba: values must be in the range [0, 1], given '
+            f'(r={red}, g={green}, b={blue}, a={alpha})'
         )
     return red, green, blue, alpha

@@ -14,6 +14,8 @@ from drake_geom_ros.geometry._records import WORLD_FRAME_ID, GeometryRecord
 from drake_geom_ros.geometry.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.collision_filter_manager import CollisionFilterManager
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.geometry_set import GeometrySet
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance, checked_type
@@ -64,6 +66,7 @@ def _or_on_context(
     # What help() shows: the arguments that callers give.
     shown = inspect.signature(method)
     given = [p for name, p in shown.parameters.items() if name != 'on']
+    given.append(inspect.Parameter('context', inspect.Parameter.KEYWORD_ONLY, default=None))
     call.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
     return cast('_WithOrWithoutContext[_P, _R]', call)
 
@@ -281,16 +284,40 @@ class SceneGraph:
         """Set the accuracy that later contexts get: bound, fast, balanced or exact."""
         self._default_accuracy = checked_accuracy(accuracy)
 
+    def SetFirstPoses(self, poses: FramePoseVector) -> None:
+        """Set the poses X_PF that some frames have in contexts which are made later.
+
+        What a scene file says of frames comes in this way. Raises RuntimeError for a frame that is
+        not here and for the world, and nothing has changed then.
+        """
+        checked_type(poses, FramePoseVector, 'SetFirstPoses: poses')
+        first = {self._model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
+        if WORLD_FRAME_ID in first:
+            raise PoseError('SetFirstPoses: the world frame has no pose')
+        self._model.first_X_PFs |= first
+
     def CreateDefaultContext(self) -> SceneGraphContext:
-        """Return a context: a copy of the model and its filters, with every X_PF the identity."""
+        """Return a context: a copy of the model and its filters.
+
+        Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
+        queries raise PoseError, which names the frames, until each frame was given one.
+        """
         return SceneGraphContext(self._model.copy(), self._filters.copy(), self._default_accuracy)
 
-    def CreateSharedContext(self) -> SceneGraphContext:
+    def Clone(self) -> SceneGraph:
+        """Return a scene of its own, with the same ids, filters and default accuracy."""
+        other = SceneGraph(accuracy=self._default_accuracy)
+        other._model, other._filters = self._model.copy(), self._filters.copy()
+        return other
+
+    def CreateSharedContext(self, *, partial: bool = False) -> SceneGraphContext:
         """Return a context of this very model and its filters, which sees their later changes.
 
-        For a program whose one scene lives and changes, as a ROS node: nothing is copied.
+        For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
+        ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
+        on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
         """
-        return SceneGraphContext(self._model, self._filters, self._default_accuracy)
+        return SceneGraphContext(self._model, self._filters, self._default_accuracy, partial)
 
     def get_source_pose_port(self, source_id: SourceId) -> SourcePosePort:
         """Return the port that takes the poses of a source's frames.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import KeysView
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,14 @@ import numpy as np
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._records import FrameRecord, GeometryRecord, named
+from drake_geom_ros.geometry.bounding_boxes import Obb
 from drake_geom_ros.geometry.errors import GeometryError, RoleError
 from drake_geom_ros.geometry.geometry_set import GeometrySet
-from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.geometry_version import GeometryVersion
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId, only_id
 from drake_geom_ros.geometry.instances import GeometryInstance, canonical_name, checked_type
+from drake_geom_ros.geometry.mesh_shapes import Convex, Mesh
+from drake_geom_ros.geometry.polygon_mesh import PolygonSurfaceMesh
 from drake_geom_ros.geometry.properties import (
     GeometryProperties,
     IllustrationProperties,
@@ -21,6 +24,7 @@ from drake_geom_ros.geometry.properties import (
     ProximityProperties,
     Role,
 )
+from drake_geom_ros.geometry.shape_measures import CalcObb
 from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -29,8 +33,8 @@ class SceneGraphInspector:
     """A view of a scene's model, or of a context's copy of it, which it always sees as it is now.
 
     Comes from ``SceneGraph.model_inspector()`` or ``QueryObject.inspector()``. Lists of ids are in
-    ascending order, and so are sets (ordered, as the keys of a dictionary are). Every method
-    raises RuntimeError for an id that the scene does not hold.
+    ascending order. Every method raises RuntimeError for an id that the scene does not hold. Where
+    an id may be of several kinds it has a keyword for each kind, and ``id`` for any of them.
     """
 
     def __init__(self, model: Model, filters: FilterState) -> None:
@@ -47,34 +51,60 @@ class SceneGraphInspector:
         """Return the ids of all sources, the scene's own included."""
         return sorted(self._model.sources)
 
-    def SourceIsRegistered(self, source_id: SourceId) -> bool:
+    def SourceIsRegistered(
+        self, source_id: SourceId | None = None, *, id: SourceId | None = None
+    ) -> bool:
         """Return whether there is a source of that id."""
-        return source_id in self._model.sources
+        return only_id('SourceIsRegistered', source_id, id) in self._model.sources
 
-    def GetSourceName(self, source_id: SourceId) -> str:
+    def GetSourceName(
+        self, source_id: SourceId | None = None, *, id: SourceId | None = None
+    ) -> str:
         """Return the name of a source, by the older name of ``GetName``."""
-        return self._model.source_name(source_id)
+        return self._model.source_name(only_id('GetSourceName', source_id, id))
 
     def NumFramesForSource(self, source_id: SourceId) -> int:
         """Return how many frames a source has."""
         return len(self._model.frames_of_source(source_id))
 
-    def FramesForSource(self, source_id: SourceId) -> KeysView[FrameId]:
-        """Return the set of a source's frames."""
-        return _ordered(self._model.frames_of_source(source_id))
+    def FramesForSource(self, source_id: SourceId) -> set[FrameId]:
+        """Return a source's frames."""
+        return set(self._model.frames_of_source(source_id))
 
-    def BelongsToSource(self, id: FrameId | GeometryId, source_id: SourceId) -> bool:
+    def BelongsToSource(
+        self,
+        id: FrameId | GeometryId | None = None,
+        source_id: SourceId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> bool:
         """Return whether a frame or a geometry belongs to a source."""
-        self._model.source_name(source_id)
-        return self._record(id).source_id == source_id
+        source: SourceId = only_id('BelongsToSource: source_id', source_id)
+        self._model.source_name(source)
+        asked = only_id('BelongsToSource', id, frame_id, geometry_id)
+        return self._record(asked).source_id == source
 
-    def GetOwningSourceId(self, id: FrameId | GeometryId) -> SourceId:
+    def GetOwningSourceId(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> SourceId:
         """Return the source that a frame or a geometry belongs to."""
-        return self._record(id).source_id
+        return self._record(only_id('GetOwningSourceId', id, frame_id, geometry_id)).source_id
 
-    def GetOwningSourceName(self, id: FrameId | GeometryId) -> str:
+    def GetOwningSourceName(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> str:
         """Return the name of the source that a frame or a geometry belongs to."""
-        return self._model.source_name(self._record(id).source_id)
+        asked = only_id('GetOwningSourceName', id, frame_id, geometry_id)
+        return self._model.source_name(self._record(asked).source_id)
 
     # Frames.
 
@@ -89,6 +119,10 @@ class SceneGraphInspector:
     def GetAllFrameIds(self) -> list[FrameId]:
         """Return the ids of all frames, the world included."""
         return sorted(self._model.frames)
+
+    def all_frame_ids(self) -> list[FrameId]:
+        """Return ``GetAllFrameIds()``, by the older name."""
+        return self.GetAllFrameIds()
 
     def GetParentFrame(self, frame_id: FrameId) -> FrameId:
         """Return the frame that a frame was registered on; the world is its own."""
@@ -151,9 +185,9 @@ class SceneGraphInspector:
 
     def GetGeometryIds(
         self, geometry_set: GeometrySet, role: Role | None = None
-    ) -> KeysView[GeometryId]:
-        """Return the set of geometries that a GeometrySet means now, with a role when given."""
-        return _ordered(self._model.resolve(geometry_set, role))
+    ) -> set[GeometryId]:
+        """Return the geometries that a GeometrySet means now, those with a role when given."""
+        return set(self._model.resolve(geometry_set, role))
 
     def GetFrameId(self, geometry_id: GeometryId) -> FrameId:
         """Return the frame that a geometry is on."""
@@ -162,6 +196,19 @@ class SceneGraphInspector:
     def GetShape(self, geometry_id: GeometryId) -> Shape:
         """Return the shape of a geometry."""
         return self._model.geometry(geometry_id).shape
+
+    def GetConvexHull(self, geometry_id: GeometryId) -> PolygonSurfaceMesh | None:
+        """Return the convex hull of a Mesh or Convex, in G; None for another shape."""
+        shape = self._model.geometry(geometry_id).shape
+        return shape.GetConvexHull() if isinstance(shape, (Mesh, Convex)) else None
+
+    def GetObbInGeometryFrame(self, geometry_id: GeometryId) -> Obb | None:
+        """Return the oriented box around a geometry, in G; None for a half space."""
+        return CalcObb(self._model.geometry(geometry_id).shape)
+
+    def geometry_version(self) -> GeometryVersion:
+        """Return the mark of the geometries as they are now."""
+        return GeometryVersion._of(self._model.role_versions(self._filters.version))
 
     def GetPoseInFrame(self, geometry_id: GeometryId) -> RigidTransform:
         """Return X_FG, the pose of a geometry in its frame."""
@@ -202,11 +249,19 @@ class SceneGraphInspector:
 
     # Frames, geometries and sources alike.
 
-    def GetName(self, id: SourceId | FrameId | GeometryId) -> str:
+    def GetName(
+        self,
+        id: SourceId | FrameId | GeometryId | None = None,
+        *,
+        source_id: SourceId | None = None,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> str:
         """Return the name of a source, a frame or a geometry."""
-        if isinstance(id, SourceId):
-            return self._model.source_name(id)
-        return self._record(id).name
+        asked = only_id('GetName', id, source_id, frame_id, geometry_id)
+        if isinstance(asked, SourceId):
+            return self._model.source_name(asked)
+        return self._record(asked).name
 
     def GetNameByFrameId(self, frame_id: FrameId) -> str:
         """Return the name of a frame, by the older name of ``GetName``."""
@@ -231,8 +286,8 @@ class SceneGraphInspector:
             keys.append(geometry_id.get_value())
         return self._filters.filtered(*keys)
 
-    def GetCollisionCandidates(self) -> KeysView[tuple[GeometryId, GeometryId]]:
-        """Return the set of pairs (A, B), A < B, that pairwise queries consider."""
+    def GetCollisionCandidates(self) -> set[tuple[GeometryId, GeometryId]]:
+        """Return the pairs (A, B), A < B, that pairwise queries consider."""
         ids = self.GetAllGeometryIds(Role.kProximity)
         slots = self._filters.slots(np.array([id.get_value() for id in ids], dtype=np.int64))
         pairs: list[tuple[GeometryId, GeometryId]] = []
@@ -240,16 +295,11 @@ class SceneGraphInspector:
             others = slots[i + 1 :]
             reported = self._filters.mask(np.full_like(others, slots[i]), others)
             pairs += ((id_A, ids[i + 1 + k]) for k in np.flatnonzero(reported).tolist())
-        return _ordered(pairs, presorted=True)
+        return set(pairs)
 
     def _record(self, id: FrameId | GeometryId) -> FrameRecord | GeometryRecord:
         """Return the record of a frame or a geometry."""
         return self._model.frame(id) if isinstance(id, FrameId) else self._model.geometry(id)
-
-
-def _ordered(ids: list[Any], presorted: bool = False) -> KeysView[Any]:
-    """Return the set of ids, in ascending order."""
-    return dict.fromkeys(ids if presorted else sorted(ids)).keys()
 
 
 def _has_role(record: GeometryRecord, role: Role) -> bool:

@@ -5,24 +5,20 @@ Every shape is centred on the origin of its geometry frame G; lengths lie along 
 
 from __future__ import annotations
 
+import copy
 import math
-import os
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
-from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
-from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface, surface
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.rotations import as_vector
+from drake_geom_ros.math.arrays import as_vector
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
 
 Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
-_M = TypeVar('_M', bound='_FromMesh')
 
 
 class Shape:
@@ -38,8 +34,8 @@ class Shape:
         self._measures: tuple[Any, ...] = ()
 
     def Clone(self: _S) -> _S:
-        """Return the shape itself, which nobody can change."""
-        return self
+        """Return another object that is the same shape."""
+        return copy.copy(self)
 
     def _type_number(self) -> int:
         """Return the number of the kind, as in the kernels and in messages."""
@@ -220,114 +216,43 @@ class HalfSpace(Shape):
         return RigidTransform._make(R_FH, offset * Hz_F)
 
 
-class _FromMesh(Shape):
-    """A shape that a mesh describes: a file, or numbers (``FromMeshData``)."""
+class MeshcatCone(Shape):
+    """An elliptical cone for pictures: its apex at Go, its base at z = ``height`` [m].
 
-    __slots__ = ()
-    _NAMES = ('filename', 'scale3')
-
-    def __init__(
-        self,
-        filename: str | os.PathLike[str] | None = None,
-        scale: ArrayLike = 1.0,
-        *,
-        scale3: ArrayLike | None = None,
-        absolute_filename: str | os.PathLike[str] | None = None,
-    ) -> None:
-        kind = type(self).__name__
-        given = absolute_filename if filename is None else filename
-        if not given or not isinstance(given, (str, os.PathLike)):
-            raise ArgumentTypeError(f'{kind}: filename = {given!r} is not the path of a file')
-        self._measures = os.path.abspath(given), _scales(kind, scale if scale3 is None else scale3)
-
-    @classmethod
-    def FromMeshData(cls: type[_M], data: MeshData, scale: ArrayLike = 1.0) -> _M:
-        """Return the shape of a mesh that came as numbers."""
-        shape = cls.__new__(cls)
-        shape._measures = data, _scales(cls.__name__, scale)
-        return shape
-
-    def __repr__(self) -> str:
-        data = self.mesh_data()
-        if data is None:
-            return super().__repr__()
-        return f'{type(self).__name__}.FromMeshData({data!r}, {list(self._measures[1])})'
-
-    def mesh_data(self) -> MeshData | None:
-        """Return the numbers that the shape was made from; None where it was a file."""
-        mesh = self._measures[0]
-        return mesh if isinstance(mesh, MeshData) else None
-
-    def filename(self) -> str:
-        """Return the absolute path of the file; raises RuntimeError where there is none."""
-        if self.mesh_data() is not None:
-            raise GeometryError(f'{type(self).__name__}: made of numbers; see mesh_data()')
-        return str(self._measures[0])
-
-    def extension(self) -> str:
-        """Return what the file's name ends in, lower case with the dot, as ``.obj``."""
-        return os.path.splitext(self.filename())[1].lower()
-
-    def scale(self) -> float:
-        """Return the scale [-]; raises RuntimeError when it differs between the axes."""
-        if len(set(self._measures[1])) > 1:
-            raise GeometryError(
-                f'{type(self).__name__}: scale() of {list(self._measures[1])}, which is not '
-                'uniform; see scale3()'
-            )
-        return float(self._measures[1][0])
-
-    def scale3(self) -> Floats:
-        """Return the scale (3,) [-] along x, y and z."""
-        return np.array(self._measures[1])
-
-    def hull_surface(self) -> tuple[Floats, NDArray[np.int64]]:
-        """Return vertices (n, 3) [m] and triangles (m, 3) of the convex hull, as queries see it.
-
-        Triangles are indices of vertices, counter-clockwise from outside. Raises MeshFileError
-        for a file that is not a mesh with a volume.
-        """
-        return hull_surface(self._measures[0], self.scale3())
-
-    def _kernel_parameters(self) -> Floats:
-        return hull_parameters(*self.hull_surface())
-
-
-class Convex(_FromMesh):
-    """The convex hull of what a mesh file holds, scaled by ``scale``, a number or one an axis."""
-
-    __slots__ = ()
-    _TYPE = 7
-
-
-class Mesh(_FromMesh):
-    """The triangle mesh in a file, scaled by ``scale``, a number or one an axis.
-
-    In proximity queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as
-    the body that its surface encloses.
+    ``a`` and ``b`` are the semi-axes [m] of the base along x and y; all > 0. It has no proximity
+    role.
     """
 
     __slots__ = ()
-    _TYPE = 8
+    _TYPE = -1  # no number of kernels or messages
+    _NAMES = ('height', 'a', 'b')
 
-    def surface(self) -> tuple[Floats, NDArray[np.int64]]:
-        """Return vertices (n, 3) [m] and triangles (m, 3) of the mesh itself, scaled.
+    def __init__(
+        self,
+        height: Any = None,
+        a: float = 1.0,
+        b: float = 1.0,
+        *,
+        measures: ArrayLike | None = None,
+    ) -> None:
+        if measures is None and np.ndim(height) == 1:
+            measures = height
+        self._measures = _positive(self, (height, a, b), measures)
 
-        Triangles are indices of vertices, turned as in the file. Raises MeshFileError for a file
-        that is not a mesh.
-        """
-        return surface(self._measures[0], self.scale3())
+    def height(self) -> float:
+        """Return the size [m] along z."""
+        return float(self._measures[0])
 
+    def a(self) -> float:
+        """Return the semi-axis [m] of the base along x."""
+        return float(self._measures[1])
 
-def _scales(kind: str, scale: ArrayLike) -> tuple[float, ...]:
-    """Return the scale along x, y and z, or raise an error that names it."""
-    factors = np.broadcast_to(np.asarray(scale, float), 3)
-    if not (np.abs(factors) >= SMALLEST_SCALE).all() or not np.isfinite(factors).all():
-        raise ArgumentError(
-            f'{kind}: |scale| must be finite and >= {SMALLEST_SCALE:g} on every axis, '
-            f'given {factors.tolist()}'
-        )
-    return tuple(factors.tolist())
+    def b(self) -> float:
+        """Return the semi-axis [m] of the base along y."""
+        return float(self._measures[2])
+
+    def _kernel_parameters(self) -> Floats:
+        raise GeometryError('MeshcatCone: it is for pictures, and cannot have the proximity role')
 
 
 def _number(kind: str, name: str, value: Any) -> float:

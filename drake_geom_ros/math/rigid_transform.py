@@ -7,13 +7,10 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.math.arrays import as_vector, orthogonal
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
-from drake_geom_ros.math.rotations import (
-    RollPitchYaw,
-    RotationMatrix,
-    as_vector,
-    orthogonal,
-)
+from drake_geom_ros.math.quaternions import AngleAxis
+from drake_geom_ros.math.rotations import RollPitchYaw, RotationMatrix
 
 Floats = NDArray[np.float64]
 
@@ -22,9 +19,9 @@ class RigidTransform:
     """A pose X_AB of frame B in frame A: ``p_AQ = X_AB @ p_BQ``.
 
     Made as in pydrake: of nothing (the identity), a rotation and a position p (3,) [m], either of
-    them, or a matrix (3, 4) or (4, 4). A rotation is a ``RotationMatrix``, a ``RollPitchYaw`` or a
-    quaternion, see ``RotationMatrix``. ``FromArray`` takes seven numbers, x y z qx qy qz qw.
-    Raises RuntimeError for what is no pose, or not finite.
+    them, or a matrix (3, 4) or (4, 4). A rotation is a ``RotationMatrix``, a ``RollPitchYaw``, an
+    ``AngleAxis`` or a quaternion, see ``RotationMatrix``. ``FromArray`` takes seven numbers,
+    x y z qx qy qz qw. Raises RuntimeError for what is no pose, or not finite.
 
         >>> X_WA = RigidTransform(RollPitchYaw(0, 0, 0.5), [1, 2, 3])
         >>> (X_WA.inverse() @ X_WA).IsNearlyIdentity(1e-15)
@@ -40,13 +37,17 @@ class RigidTransform:
         R: RotationMatrix | None = None,
         rpy: RollPitchYaw | None = None,
         quaternion: Any = None,
+        theta_lambda: AngleAxis | None = None,
         pose: ArrayLike | None = None,
         other: RigidTransform | None = None,
     ) -> None:
         first, p = _split(value, p)
-        given = [v for v in (first, R, rpy, quaternion, pose, other) if v is not None]
+        values = (first, R, rpy, quaternion, theta_lambda, pose, other)
+        given = [v for v in values if v is not None]
         if len(given) > 1:
-            raise RuntimeError('RigidTransform: give one of R, rpy, quaternion, pose, other')
+            raise RuntimeError(
+                'RigidTransform: give one of R, rpy, quaternion, theta_lambda, pose, other'
+            )
         self._R, self._p = _parts(given[0] if given else RotationMatrix(), p)
 
     @staticmethod
@@ -81,9 +82,18 @@ class RigidTransform:
         self._R, self._p = _parts(RotationMatrix(), None)
         return self
 
-    def set_rotation(self, R: Any) -> None:
-        """Take another rotation: a RotationMatrix, a RollPitchYaw or a quaternion."""
-        self._R = RotationMatrix(R)
+    def set_rotation(
+        self,
+        R: Any = None,
+        *,
+        rpy: RollPitchYaw | None = None,
+        quaternion: Any = None,
+        theta_lambda: AngleAxis | None = None,
+    ) -> None:
+        """Take another rotation: a RotationMatrix, RollPitchYaw, quaternion or AngleAxis."""
+        if R is rpy is quaternion is theta_lambda is None:
+            raise RuntimeError('set_rotation: give one of R, rpy, quaternion, theta_lambda')
+        self._R = RotationMatrix(R, rpy=rpy, quaternion=quaternion, theta_lambda=theta_lambda)
 
     def set_translation(self, p: ArrayLike) -> None:
         """Take another position p (3,) [m]."""
@@ -120,17 +130,41 @@ class RigidTransform:
     def multiply(self, other: RigidTransform) -> RigidTransform: ...
     @overload
     def multiply(self, other: ArrayLike) -> Floats: ...
-    def multiply(self, other: RigidTransform | ArrayLike) -> RigidTransform | Floats:
-        """Return X_AC for an X_BC, or p_AQ, of the same shape, for p_BQ (3,) or (3, n) [m]."""
+    @overload
+    def multiply(self, *, p_BoQ_B: ArrayLike) -> Floats: ...
+    @overload
+    def multiply(self, *, vec_B: ArrayLike) -> Floats: ...
+    def multiply(
+        self,
+        other: Any = None,
+        *,
+        p_BoQ_B: ArrayLike | None = None,
+        vec_B: ArrayLike | None = None,
+    ) -> Any:
+        """Return X_AC for an X_BC, or p_AQ, of the same shape, for p_BQ (3,) or (3, n) [m].
+
+        Four numbers (4,) are a point where the last is 1 and a direction, which is only turned,
+        where it is 0; any other raises RuntimeError.
+        """
+        given = next((value for value in (other, p_BoQ_B, vec_B) if value is not None), None)
         R = self._R.matrix()
-        if isinstance(other, RigidTransform):
-            R_AC = orthogonal(R @ other._R.matrix())
-            return RigidTransform._make(R_AC, self._p + R @ other._p)
-        p_BQ = np.asarray(other, dtype=np.float64)
+        if isinstance(given, RigidTransform):
+            R_AC = orthogonal(R @ given._R.matrix())
+            return RigidTransform._make(R_AC, self._p + R @ given._p)
+        p_BQ = np.asarray(given, dtype=np.float64)
+        if p_BQ.shape == (4,):
+            return self._moved_by_kind(p_BQ)
         if p_BQ.ndim not in (1, 2) or p_BQ.shape[0] != 3:
-            raise RuntimeError(f'RigidTransform: cannot move shape {p_BQ.shape}, (3,) or (3, n)')
-        p_AQ: Floats = (self._p + (R @ p_BQ).T).T
-        return p_AQ
+            raise RuntimeError(
+                f'RigidTransform: cannot move shape {p_BQ.shape}; give (3,), (3, n) or (4,)'
+            )
+        return (self._p + (R @ p_BQ).T).T
+
+    def _moved_by_kind(self, vec_B: Floats) -> Floats:
+        """Return a point or a direction (4,), as its last number says, in A."""
+        if vec_B[3] not in (0.0, 1.0):
+            raise RuntimeError(f'RigidTransform: the last of {vec_B.tolist()} is not 0 or 1')
+        return np.append(self._R.matrix() @ vec_B[:3] + vec_B[3] * self._p, vec_B[3])
 
     __matmul__ = multiply
 
@@ -189,7 +223,10 @@ def _parts(value: Any, p: ArrayLike | None) -> tuple[RotationMatrix, Floats]:
         if p is not None or (matrix.shape == (4, 4) and matrix[3].tolist() != [0, 0, 0, 1]):
             raise RuntimeError(f'RigidTransform: {matrix.tolist()} is not [R p; 0 0 0 1]')
         value, p = matrix[:3, :3], matrix[:3, 3]
-    elif not isinstance(value, (RotationMatrix, RollPitchYaw)) and np.shape(value) == (3, 3):
+    elif not isinstance(value, (RotationMatrix, RollPitchYaw, AngleAxis)) and np.shape(value) == (
+        3,
+        3,
+    ):
         raise RuntimeError('RigidTransform: give the rotation as RotationMatrix(R)')
     position = np.zeros(3) if p is None else as_vector(p, 'RigidTransform: p')
     position.flags.writeable = False

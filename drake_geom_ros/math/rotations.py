@@ -8,27 +8,22 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.math.arrays import as_vector, orthogonal, rotation_error
 from drake_geom_ros.math.batched import quaternions_from_rotations, rotations_from_quaternions
-from drake_geom_ros.math.tolerances import (
-    ALMOST_ROTATION,
-    DIRECTION_NORM,
-    ORTHOGONAL,
-    ROTATION,
-)
+from drake_geom_ros.math.quaternions import AngleAxis, Quaternion
+from drake_geom_ros.math.tolerances import ALMOST_ROTATION, DIRECTION_NORM, ROTATION
 
 Floats = NDArray[np.float64]
-
-_IDENTITY = np.eye(3)
 
 
 class RotationMatrix:
     """A rotation R_AB, which takes a vector from B's axes to A's: ``v_A = R_AB @ v_B``.
 
-    Made of nothing (the identity), a matrix (3, 3), a ``RollPitchYaw``, or a unit quaternion: an
-    array w x y z in Drake's order, or an object with ``wxyz()``. A matrix that is off orthogonal,
-    by no more than ``ALMOST_ROTATION``, stands for the rotation nearest to it, which is taken in
-    its place; products are kept orthogonal alike, however many. Raises RuntimeError for a matrix
-    that is not a rotation or a quaternion that is not of unit length.
+    Made of nothing (the identity), a matrix (3, 3), a ``RollPitchYaw``, an ``AngleAxis`` or a unit
+    quaternion: a ``Quaternion`` or an array w x y z in Drake's order. A matrix that is off
+    orthogonal, by no more than ``ALMOST_ROTATION``, stands for the rotation nearest to it, which
+    is taken in its place; products are kept orthogonal alike, however many. Raises RuntimeError
+    for a matrix that is not a rotation or a quaternion that is not of unit length.
 
         >>> R_WA = RotationMatrix.MakeZRotation(math.pi / 2)
         >>> (R_WA @ [1, 0, 0]).round(9).tolist()
@@ -42,12 +37,16 @@ class RotationMatrix:
         R: RotationMatrix | RollPitchYaw | ArrayLike | None = None,
         *,
         quaternion: Any = None,
+        theta_lambda: AngleAxis | None = None,
         rpy: RollPitchYaw | None = None,
         other: RotationMatrix | None = None,
     ) -> None:
-        given = [value for value in (R, quaternion, rpy, other) if value is not None]
+        values = (R, quaternion, theta_lambda, rpy, other)
+        given = [value for value in values if value is not None]
         if len(given) > 1:
-            raise RuntimeError('RotationMatrix: give one of R, quaternion, rpy, other')
+            raise RuntimeError(
+                'RotationMatrix: give one of R, quaternion, theta_lambda, rpy, other'
+            )
         self._R = _read_only(_matrix_of(given[0]) if given else np.eye(3))
 
     def set(self, R: ArrayLike) -> None:
@@ -149,15 +148,17 @@ class RotationMatrix:
     def multiply(self, other: RotationMatrix) -> RotationMatrix: ...
     @overload
     def multiply(self, other: ArrayLike) -> Floats: ...
-    def multiply(self, other: RotationMatrix | ArrayLike) -> RotationMatrix | Floats:
+    @overload
+    def multiply(self, *, v_B: ArrayLike) -> Floats: ...
+    def multiply(self, other: Any = None, *, v_B: ArrayLike | None = None) -> Any:
         """Return R_AC for an R_BC, or v_A, of the same shape, for v_B (3,) or (3, n)."""
-        if isinstance(other, RotationMatrix):
-            return RotationMatrix._make(orthogonal(self._R @ other._R))
-        v_B = np.asarray(other, dtype=np.float64)
-        if v_B.ndim not in (1, 2) or v_B.shape[0] != 3:
-            raise RuntimeError(f'RotationMatrix: cannot rotate shape {v_B.shape}, (3,) or (3, n)')
-        v_A: Floats = self._R @ v_B
-        return v_A
+        given = v_B if other is None else other
+        if isinstance(given, RotationMatrix):
+            return RotationMatrix._make(orthogonal(self._R @ given._R))
+        v_Bs = np.asarray(given, dtype=np.float64)
+        if v_Bs.ndim not in (1, 2) or v_Bs.shape[0] != 3:
+            raise RuntimeError(f'RotationMatrix: cannot rotate shape {v_Bs.shape}, (3,) or (3, n)')
+        return self._R @ v_Bs
 
     __matmul__ = multiply
 
@@ -180,6 +181,14 @@ class RotationMatrix:
     def ToQuaternionAsVector(self) -> Floats:
         """Return the unit quaternion (4,) w x y z, Drake's order, with w >= 0."""
         return np.roll(quaternions_from_rotations(self._R[None])[0], 1)
+
+    def ToQuaternion(self) -> Quaternion:
+        """Return the unit quaternion with w >= 0."""
+        return Quaternion(self.ToQuaternionAsVector())
+
+    def ToAngleAxis(self) -> AngleAxis:
+        """Return axis and angle, which is between 0 and pi."""
+        return AngleAxis(quaternion=self.ToQuaternion())
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RotationMatrix):
@@ -258,6 +267,10 @@ class RollPitchYaw:
         """Return the unit quaternion (4,) w x y z, Drake's order, with w >= 0."""
         return self.ToRotationMatrix().ToQuaternionAsVector()
 
+    def ToQuaternion(self) -> Quaternion:
+        """Return the unit quaternion with w >= 0."""
+        return self.ToRotationMatrix().ToQuaternion()
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RollPitchYaw):
             return NotImplemented
@@ -266,39 +279,6 @@ class RollPitchYaw:
     def __repr__(self) -> str:
         roll, pitch, yaw = self._rpy.tolist()
         return f'RollPitchYaw(roll={roll}, pitch={pitch}, yaw={yaw})'
-
-
-def as_vector(value: ArrayLike, what: str) -> Floats:
-    """Return ``value`` as finite floats (3,), a copy; RuntimeError, naming it, if it is not."""
-    try:
-        vector = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise RuntimeError(f'{what} = {value!r} is not three numbers') from None
-    if vector.shape in ((3, 1), (1, 3)):
-        vector = vector.reshape(3)
-    if vector.shape != (3,) or not np.isfinite(vector).all():
-        raise RuntimeError(f'{what} = {vector.tolist()} is not three finite numbers')
-    return vector
-
-
-def rotation_error(R: Floats) -> float:
-    """Return max |R R^T - I| [-] of R (3, 3), or infinity for a reflection or a NaN."""
-    if not np.isfinite(R).all() or np.linalg.det(R) <= 0.0:
-        return math.inf
-    return float(np.abs(R @ R.T - np.eye(3)).max())
-
-
-def orthogonal(R: Floats) -> Floats:
-    """Return the rotation nearest to R (3, 3), which is almost one; R itself where it is one.
-
-    One step of the iteration of Newton and Schulz towards the polar factor, whose error is 3/8 of
-    the square of the defect R^T R - I (Higham, Functions of Matrices, section 8.3).
-    """
-    defect = R.T @ R - _IDENTITY
-    if np.abs(defect).max() <= ORTHOGONAL:
-        return R
-    nearest: Floats = R - 0.5 * (R @ defect)
-    return nearest
 
 
 def _read_only(array: Floats) -> Floats:
@@ -313,6 +293,8 @@ def _matrix_of(rotation: Any) -> Floats:
         return rotation._R
     if isinstance(rotation, RollPitchYaw):
         return rotation.ToRotationMatrix()._R
+    if isinstance(rotation, AngleAxis):
+        return rotation.rotation()
     try:
         wxyz_or_R = np.array(
             rotation.wxyz() if hasattr(rotation, 'wxyz') else rotation, dtype=np.float64

@@ -28,3 +28,7 @@ ORTHOGONAL = 6.0 * 2.0**-52
 # Shortest vector [-] whose direction is trusted (Drake's choice for MakeFromOneVector and
 # HalfSpace.MakePose).
 DIRECTION_NORM = 1e-10
+
+# | |q| - 1 | and | |axis| - 1 | may reach this [-] in a Quaternion and an AngleAxis (Drake's
+# choice: it takes 1e-6 and refuses 1e-3); what is made of them is normalised.
+UNIT_NORM = 1e-5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry import FramePoseVector, GeometryId, SceneGraph
+from drake_geom_ros.geometry import GeometryId, SceneGraph
 from drake_geom_ros.replay.record import Answer, Name, Replay, answer_of
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, load_scene
 
@@ -18,8 +18,8 @@ def reproduce(replay: Replay, file: str = '<replay>') -> Answer:
         loaded = load_scene(f'{replay.scene}\n', scene_graph)
     except SceneFileError as error:
         raise SceneFileError(str(error), file, key='scene') from None
-    context = scene_graph.CreateDefaultContext()
-    context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
+    # Frames may have waited for a pose, elsewhere in the scene.
+    context = scene_graph.CreateSharedContext(partial=True)
     a = _geometry(loaded, question.geometry_a, file)
     b = _geometry(loaded, question.geometry_b, file)
     if a == b:

@@ -26,7 +26,8 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.outputs.replays import Replays
@@ -39,7 +40,7 @@ from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, t
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
-_LOG_PERIOD = 5.0  # [s] at most one line of a kind in this time
+_NOT_DUE = 'no {} since the last report'
 
 
 class CallbackGroups(NamedTuple):
@@ -81,20 +82,25 @@ class ConfiguredNode:
         }
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
-        self._cycle = Cycle(messages, publishers, self._costs, self._replays)
+        self._beside = self._told_beside()
+        self._cycle = Cycle(
+            *(messages, publishers, self._costs, self._replays, tuple(self._beside.values()))
+        )
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
             surface.publisher(messages.Scene, '~/scene', latched()),
             messages,
             lambda: node.get_clock().now().to_msg(),
+            self._beside['scene'].did,
         )
         self._diagnostics_publisher = surface.publisher(DiagnosticArray, '/diagnostics', results())
         self._markers = MarkerPublisher(
             live,
-            surface.publisher(MarkerArray, '~/markers', results()),
+            self._marker_publisher,
             SimpleNamespace(Marker=Marker, MarkerArray=MarkerArray, Point=Point),
             lambda: settings.values.max_distance,
+            self._beside['markers'].did,
         )
         self._open_inputs(settings.values)
         self._tf = self._opened_tf() if settings.values.use_tf else None
@@ -133,6 +139,25 @@ class ConfiguredNode:
 
     # What is opened.
 
+    def _told_beside(self) -> dict[str, Beside]:
+        """Open what is published beside the cycles, and return what is to be told of it."""
+        surface = self._surface
+        points = surface.publisher(messages.PointDistances, '~/point_distances', results())
+        markers = surface.publisher(MarkerArray, '~/markers', results())
+        self._point_publisher, self._marker_publisher = points, markers
+
+        def why_no_markers() -> str:
+            if not self._settings.values.publish_markers:
+                return 'publish_markers is false'
+            return unheard(markers, _NOT_DUE.format('drawing'))
+
+        reasons = {
+            'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
+            'scene': lambda: _NOT_DUE.format('change of the scene'),
+            'markers': why_no_markers,
+        }
+        return {topic: Beside(topic, why_not) for topic, why_not in reasons.items()}
+
     def _open_inputs(self, values: NodeParameters) -> None:
         """Listen to poses, points and robot descriptions."""
         groups = self._groups
@@ -140,9 +165,11 @@ class ConfiguredNode:
         self._listen(messages.FramePoses, '~/frame_poses', poses, sensor_data(), groups.stream)
         points = PointQueries(
             self.live,
-            self._surface.publisher(messages.PointDistances, '~/point_distances', results()),
+            self._point_publisher,
             messages.PointDistances,
             lambda: self._settings.values.point_threshold,
+            lambda: self._stream.active,
+            self._beside['point_distances'].did,
         )
         self._listen(PointCloud2, '~/query_points', points.take, sensor_data(), groups.beside)
         if values.robot_description_topic:
@@ -216,6 +243,7 @@ class ConfiguredNode:
         """Answer a service call that changes the scene."""
         with self.live.editing() as scene:
             self._guard.answer(change, scene, request, response)
+        self._log_what_is_told()
         if self._stream.active:
             self._guard.attempt(self._scene_topic.publish_soon)
         return response
@@ -244,23 +272,26 @@ class ConfiguredNode:
 
     def _keep_house(self) -> None:
         with self.live.editing() as scene:
-            expired = scene.expire_filters()
+            scene.expire_filters()
             if self._tf is not None:
                 self._guard.take('/tf', self._tf.follow, scene)
-        for filter_id in expired:
-            self._node.get_logger().info(
-                f'the lease of transient filter {filter_id.get_value()} ran out: removed',
-                throttle_duration_sec=_LOG_PERIOD,
-            )
+        self._log_what_is_told()
         self._publish_scene()
+
+    def _log_what_is_told(self) -> None:
+        """Log what became of transient filters, in one line."""
+        with self.live.editing() as scene:
+            told, scene.told = scene.told, []
+        if told:
+            self._node.get_logger().info('; '.join(told))
 
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
-            ages, version = scene.pose_ages(), scene.version
+            state = SceneState(
+                scene.version, scene.pose_ages(), scene.waiting(), scene.filter_owners()
+            )
         stale_after = self._settings.values.stale_after
-        message = self._diagnostics.message(
-            ages, version, stale_after, self._cycle, time.monotonic()
-        )
+        message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._diagnostics_publisher.publish(message)
 

@@ -26,7 +26,7 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
 from drake_geom_ros.scene_files.registration import LoadedScene, register, rehearse
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
-from drake_geom_ros.scene_files.saving import describe, describe_moment
+from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
@@ -39,6 +39,7 @@ __all__ = [
     'rehearse',
     'describe',
     'describe_moment',
+    'poses_in_parents',
     'to_yaml',
     'scene_schema',
     'LoadedScene',

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FrameId,
+    FramePoseVector,
     GeometryFrame,
     GeometryId,
     GeometryInstance,
@@ -41,7 +42,7 @@ class LoadedScene:
     role, by (source, frame, geometry), on the world frame with ``world`` as frame;
     ``geometry_ids`` of all geometries in the order of the description; ``robots`` by name, with
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
-    parent of each frame that the description gives one.
+    parent of each frame that the description gives one, which contexts made later begin with.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -61,7 +62,9 @@ def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedSc
     while transient ones are active, and so on.
     """
     rehearse(scene_graph, description, scene_graph.CreateDefaultContext())
-    return _Registration(scene_graph, description).run()
+    loaded = _Registration(scene_graph, description).run()
+    scene_graph.SetFirstPoses(FramePoseVector(loaded.X_PFs))
+    return loaded
 
 
 def rehearse(

@@ -10,7 +10,8 @@ from urllib.parse import unquote, urlsplit
 class ResourceResolver:
     """Finds files by URI.
 
-    ``package://NAME/path`` is looked for in these folders, the first that exists is taken:
+    ``package://NAME/path`` (urdfdom and Pinocchio read ``package:///NAME/path`` as the same, and
+    robots in use have it) is looked for in these folders, the first that exists is taken:
     ``ROOT/NAME`` (or ROOT itself where that is its name) for each of ``package_roots``,
     ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and
     ``cmeel.prefix/share/NAME`` beside the Python packages, where pip puts robot descriptions
@@ -57,7 +58,7 @@ class ResourceResolver:
             )
 
     def _in_package(self, uri: str, rest: str) -> Path:
-        name, _, inner = rest.partition('/')
+        name, _, inner = rest.lstrip('/').partition('/')
         inner = inner.lstrip('/')
         if not name or name in ('.', '..') or os.path.normpath(inner).split(os.sep)[0] == '..':
             raise ValueError(f'{uri!r} must stay inside its package')

@@ -52,14 +52,19 @@ def describe(
 
 
 def describe_moment(query: QueryObject) -> SceneDescription:
-    """Return the description of what a query object sees, every frame where it is.
+    """Return the description of what a query object sees, every frame that has a pose with it.
 
     Sources, frames and geometries, to the last digit; filters and robots are left out, for they
     change nothing of how far apart two geometries are. Raises SceneFileError as ``describe``.
     """
+    return _Describer(query.inspector()).describe(poses_in_parents(query))
+
+
+def poses_in_parents(query: QueryObject) -> dict[FrameId, RigidTransform]:
+    """Return X_PF of the frames that a query object sees, but of those that never had a pose."""
     inspector = query.inspector()
-    frames = [id for id in inspector.GetAllFrameIds() if id != inspector.world_frame_id()]
-    return _Describer(inspector).describe({frame: query.X_PF(frame) for frame in frames})
+    without = {inspector.world_frame_id(), *query.waiting_frames()}
+    return {id: query.X_PF(id) for id in inspector.GetAllFrameIds() if id not in without}
 
 
 class _Describer:

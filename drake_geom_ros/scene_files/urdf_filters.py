@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from drake_geom_ros.geometry import CollisionFilterManager
 from drake_geom_ros.scene_files.description import (
     CliqueDescription,
     DeclarationDescription,
@@ -31,7 +32,8 @@ def read_groups(root: Any, file: str, source: str) -> tuple[GroupDescription, ..
 
     The older one has ``<ignored_collision_filter_group collision_filter_group="...">``, the newer
     one the prefix ``drake:`` and ``name="..."``. Names are those of the robot: group ``g`` of
-    ``left`` is ``left::g``, so that two robots of one URDF do not share it.
+    ``left`` is ``left::g``, so that two robots of one URDF do not share it. Only ``universal`` is
+    no robot's own: all belong to it.
     Raises SceneFileError for a member link that the URDF does not have; to ignore a group that
     does not exist is no error.
     """
@@ -53,9 +55,15 @@ def _read_group(element: Any, links: Collection[str], file: str, source: str) ->
             members.append(Member(source, link))
         elif local_name(child) == 'ignored_collision_filter_group':
             older = child.get('collision_filter_group')
-            ignores.append(f'{source}::{older or attribute(child, "name", file)}')
-    name = f'{source}::{attribute(element, "name", file)}'
+            ignores.append(_group_name(older or attribute(child, 'name', file), source))
+    name = _group_name(attribute(element, 'name', file), source)
     return GroupDescription(name, tuple(members), tuple(ignores), place_of(element, file))
+
+
+def _group_name(name: str, source: str) -> str:
+    """Return what a group of a robot is called in the scene."""
+    universal = CollisionFilterManager.universal_group_name()
+    return universal if name == universal else f'{source}::{name}'
 
 
 def adjacent_cliques(

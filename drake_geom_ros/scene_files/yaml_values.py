@@ -139,7 +139,9 @@ def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:
 
 def _property_of(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return Rgba(*value['rgba']) if 'rgba' in value else np.array(value['array'], dtype=float)
+        if 'rgba' in value:
+            return Rgba(*value['rgba'])
+        return set(value['set']) if 'set' in value else np.array(value['array'], dtype=float)
     return value
 
 
@@ -160,7 +162,9 @@ def _plain_groups(properties: GeometryProperties) -> dict[str, dict[str, Any]]:
     for group in sorted(properties.GetGroupNames()):
         values = properties.GetPropertiesInGroup(group)
         if values:
-            groups[group] = {key: _plain_property(values[key], key) for key in sorted(values)}
+            groups[group] = {
+                key: _plain_property(values[key].get_value(), key) for key in sorted(values)
+            }
     return groups
 
 
@@ -169,13 +173,15 @@ def _plain_property(value: Any, key: str) -> Any:
         return {'rgba': [value.r(), value.g(), value.b(), value.a()]}
     if _is_scalar(value) or (isinstance(value, list) and all(map(_is_scalar, value))):
         return value
+    if isinstance(value, set) and all(isinstance(item, str) for item in value):
+        return {'set': sorted(value)}
     if isinstance(value, np.ndarray) and value.dtype == float and value.ndim in (1, 2):
         plain = value.tolist()
         if np.isfinite(value).all():
             return {'array': plain}
     raise TypeError(
         f'property {key!r} = {value!r}; a scene file holds bool, int of 64 bits, finite float, '
-        'str, lists of these, Rgba, and finite float arrays of one or two dimensions'
+        'str, lists of these, sets of str, Rgba, and finite float arrays of one or two dimensions'
     )
 
 

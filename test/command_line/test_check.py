@@ -64,3 +64,12 @@ def test_a_bad_scene_is_exit_code_1_with_the_line(capsys, tmp_path, text, place,
     assert f'bad.yaml{place}' in errors
     assert word in errors
     assert errors.count('\n') == 1
+
+
+def test_a_frame_without_a_pose_is_listed_as_one_that_waits(capsys, tmp_path):
+    path = tmp_path / 'waits.yaml'
+    path.write_text('frames: [{name: a, pose: {}}, {name: b, parent: a}]')
+    assert main(['check', str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert '  scene::a in world at 0 0 0' in lines
+    assert '  scene::b in scene::a waits for a pose' in lines

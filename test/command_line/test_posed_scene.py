@@ -38,16 +38,16 @@ def positions(scene):
     return {
         scene.frame_name(frame): scene.query.X_WF(frame).translation().tolist()
         for frame in inspector.GetAllFrameIds()
+        if scene.query.is_placed(frame)
     }
 
 
 def test_frames_stand_where_the_file_says(scene):
-    assert positions(scene) == {
-        'world': [0, 0, 0],
-        'a::f': [1, 0, 0],
-        'b::f': [0, 0, 0],
-        'b::g': [0, 0, 0],
-    }
+    assert positions(scene) == {'world': [0, 0, 0], 'a::f': [1, 0, 0]}
+    with pytest.raises(SceneFileError, match=r'two.yaml: these frames have no pose: b::f, b::g;'):
+        scene.check_whole()
+    scene.pose([pose('b::f', 0.0), pose('g', 0.0)])
+    scene.check_whole()
     assert sorted(scene.names.values()) == ['a::f/ball', 'b::g/ball']
 
 

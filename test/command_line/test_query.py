@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 from conventions.source_tree import ROOT
@@ -89,3 +90,12 @@ def test_bad_input_leaves_an_old_answer_alone(capsys, tmp_path):
     assert main(['query', SCENE, '--poses', str(poses), '--output', str(output)]) == 2
     assert '[1].bell' in capsys.readouterr().err
     assert output.read_text() == 'old'
+
+
+def test_nothing_is_answered_while_a_frame_has_no_pose(capsys, tmp_path):
+    scene, poses = tmp_path / 'waits.yaml', tmp_path / 'poses.json'
+    scene.write_text(Path(SCENE).read_text().replace(', pose: {position: [0.5, 0, 1]}', ''))
+    assert main(['query', str(scene)]) == 2
+    assert 'waits.yaml: these frames have no pose: scene::ball;' in capsys.readouterr().err
+    poses.write_text('{"ball": [0.5, 0, 0.3, 0, 0, 0, 1]}')
+    assert main(['query', str(scene), '--poses', str(poses), '--what=collisions']) == 0

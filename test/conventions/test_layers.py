@@ -8,7 +8,7 @@ from conventions.source_tree import PACKAGE, SOURCES, imports_of, name_of
 ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interfaces', 'std_srvs')
 
 # What the rooms of the node may import of ours beside one another, and of others beside NumPy.
-_CORE = ('math', 'geometry', 'scene_files')
+_CORE = ('math', 'common', 'geometry', 'scene_files')
 _HELD = (*_CORE, 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
@@ -30,8 +30,9 @@ ROS_ROOMS = {
 LAYERS = {
     '': (('command_line',), ()),
     'math': (('math',), ('numpy',)),
+    'common': (('math', 'common'), ('numpy',)),
     'geometry/_proximity': (('math', 'geometry/_proximity'), ('numpy', 'numba', 'llvmlite')),
-    'geometry': (('math', 'geometry', 'geometry/_proximity'), ('numpy',)),
+    'geometry': (('math', 'common', 'geometry', 'geometry/_proximity'), ('numpy',)),
     'scene_files': (
         ('math', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),

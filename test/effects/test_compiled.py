@@ -12,15 +12,18 @@ from numba import config
 CODE = """
 import json
 from numba.core import event
-from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.geometry import FramePoseVector, SceneGraph
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import load_scene
 with event.install_recorder('numba:compile') as recorder:
     scene = SceneGraph()
     ball = 'shape: {type: sphere, radius: 1}'
-    load_scene('frames: [{name: a}, {name: b}]\\ngeometries:\\n' + '\\n'.join(
+    loaded = load_scene('frames: [{name: a}, {name: b}]\\ngeometries:\\n' + '\\n'.join(
         '- {name: g, frame: %s, %s}' % (name, ball) for name in 'ab'), scene)
     context = scene.CreateDefaultContext()
     kernels = context.compile_kernels()
+    poses = dict.fromkeys(loaded.frames.values(), RigidTransform())
+    context.UpdateFramePoses(FramePoseVector(poses))
     query = scene.get_query_output_port().Eval(context)
     query.ComputeSignedDistancePairwiseClosestPoints()
 functions = [e.data['dispatcher'].py_func for _, e in recorder.buffer if e.is_end]

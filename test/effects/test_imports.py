@@ -10,11 +10,15 @@ from conventions.source_tree import ROOT
 # Uncompiled: what is imported does not hang on it.
 ASK = """
 import sys
-from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.geometry import FramePoseVector, SceneGraph
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import load_scene
 scene = SceneGraph()
-load_scene(sys.argv[1], scene)
-query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+loaded = load_scene(sys.argv[1], scene)
+context = scene.CreateDefaultContext()
+poses = dict.fromkeys(loaded.frames.values(), RigidTransform())
+context.UpdateFramePoses(FramePoseVector(poses))
+query = scene.get_query_output_port().Eval(context)
 query.ComputeSignedDistancePairwiseClosestPoints(0.1)
 query.ComputePointPairPenetration()
 query.ComputeSignedDistanceToPoint([0, 0, 0], 0.5)

@@ -66,7 +66,7 @@ def test_arrays_pose_as_records_do(scene):
 
 
 def test_what_if_has_poses_of_its_own(scene):
-    scene.context.UpdateFramePoses(poses((scene.upper, 1)))
+    scene.context.UpdateFramePoses(poses((scene.upper, 1), (scene.lower, 0)))
     other = scene.context.what_if()
     other.UpdateFramePoses(poses((scene.upper, 7)))
     assert x_of(scene, scene.upper, QueryObject(other)) == 7
@@ -74,7 +74,7 @@ def test_what_if_has_poses_of_its_own(scene):
 
 
 def test_a_snapshot_does_not_see_what_comes_after(scene):
-    scene.context.UpdateFramePoses(poses((scene.upper, 1)))
+    scene.context.UpdateFramePoses(poses((scene.upper, 1), (scene.lower, 0)))
     snapshot = QueryObject(scene.context.what_if())
     before = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     scene.context.UpdateFramePoses(poses((scene.upper, 7)))
@@ -91,6 +91,8 @@ def test_a_snapshot_does_not_see_what_comes_after(scene):
 
 def test_a_shared_context_follows_its_model(scene):
     shared = scene.scene_graph.CreateSharedContext()
+    for context in (scene.context, shared):
+        context.UpdateFramePoses(poses((scene.upper, 0), (scene.lower, 0)))
     query = QueryObject(shared)
     before = len(query.ComputeSignedDistancePairwiseClosestPoints())
     scene.scene_graph.RemoveGeometry(scene.arm, scene.box)
@@ -100,6 +102,7 @@ def test_a_shared_context_follows_its_model(scene):
 
 def test_compiling_is_done_once(scene):
     scene.context.compile_kernels()
+    scene.context.UpdateFramePoses(poses((scene.upper, 0), (scene.lower, 0)))
     assert scene.context.compile_kernels() == []
     scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert scene.query.effects().kernels_compiled == []

@@ -6,10 +6,11 @@ import pkgutil
 
 import pytest
 
+import drake_geom_ros.common
 import drake_geom_ros.geometry
 import drake_geom_ros.math
 
-PACKAGES = (drake_geom_ros.math, drake_geom_ros.geometry)
+PACKAGES = (drake_geom_ros.math, drake_geom_ros.common, drake_geom_ros.geometry)
 NAMES = {name: getattr(package, name) for package in PACKAGES for name in package.__all__}
 MODULES = [
     f'{package.__name__}.{module.name}'

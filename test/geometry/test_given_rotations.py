@@ -11,6 +11,7 @@ from drake_geom_ros.geometry import (
     Capsule,
     Cylinder,
     Ellipsoid,
+    FramePoseVector,
     GeometryFrame,
     SceneGraph,
     Sphere,
@@ -36,7 +37,9 @@ def pair(first, second):
         body.set_pose(RigidTransform(RotationMatrix(R), p))
         on = (scene.world_frame_id(), frame)[k]
         ids.append(scene.RegisterGeometry(source, on, body))
-    query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+    context = scene.CreateDefaultContext()
+    context.UpdateFramePoses(FramePoseVector({frame: RigidTransform()}))
+    query = scene.get_query_output_port().Eval(context)
     return query.ComputeSignedDistancePairClosestPoints(*ids)
 
 

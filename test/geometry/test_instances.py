@@ -102,7 +102,7 @@ def test_properties_of_each_role(role, kind):
     getattr(instance, f'set_{role}_properties')(properties)
     properties.AddProperty('g', 'late', 1)
     change().AddProperty('g', 'n', 1)
-    assert read().GetPropertiesInGroup('g') == {'n': 1}
+    assert list(read().GetPropertiesInGroup('g')) == ['n']
     wrong = IllustrationProperties() if kind is ProximityProperties else ProximityProperties()
     with pytest.raises(RuntimeError, match=f'must be of type {kind.__name__}'):
         getattr(instance, f'set_{role}_properties')(wrong)
@@ -119,3 +119,24 @@ def test_properties_of_each_role(role, kind):
 def test_wrong_kinds(arguments, words):
     with pytest.raises(RuntimeError, match=words):
         GeometryInstance(*arguments)
+
+
+@pytest.mark.parametrize('copied', [copy.copy, copy.deepcopy])
+@pytest.mark.parametrize(
+    ('role', 'kind'),
+    [
+        ('proximity', ProximityProperties),
+        ('illustration', IllustrationProperties),
+        ('perception', PerceptionProperties),
+    ],
+)
+def test_a_copy_has_properties_of_its_own(copied, role, kind):
+    instance = GeometryInstance(X, Sphere(1), 'ball')
+    getattr(instance, f'set_{role}_properties')(kind())
+    other = copied(instance)
+    getattr(other, f'mutable_{role}_properties')().AddProperty('a', 'b', 1)
+    assert not getattr(instance, f'{role}_properties')().HasGroup('a')
+    assert (other.id(), other.pose(), other.shape()) == (instance.id(), X, Sphere(1))
+    other.set_pose(RigidTransform())
+    other.set_name('other')
+    assert (instance.pose(), instance.name()) == (X, 'ball')

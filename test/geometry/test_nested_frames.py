@@ -219,7 +219,9 @@ def test_a_geometry_on_a_geometry_is_a_link_too():
         tip = GeometryInstance(RigidTransform.FromArray(second), Sphere(0.5), 'tip')
         tip.set_proximity_properties(ProximityProperties())
         tip = scene.RegisterGeometry(source, base, tip)
-        query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())
+        context = scene.CreateDefaultContext()
+        context.UpdateFramePoses(FramePoseVector({frame: RigidTransform()}))
+        query = scene.get_query_output_port().Eval(context)
         near = rng.normal(size=3)
         answer = query.ComputeSignedDistanceToPoint(near)[0]
         truth = length(composed([first, second])[1] - vector(near)) - 0.5

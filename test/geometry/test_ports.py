@@ -57,6 +57,8 @@ def test_poses_are_refused_as_a_whole(scene, kind):
         values[extra] = RigidTransform()
     with pytest.raises(PoseError, match='refused, nothing was changed'):
         scene_graph.get_source_pose_port(scene.arm).FixValue(context, FramePoseVector(values))
+    lift = FramePoseVector({foreign: RigidTransform()})
+    scene_graph.get_source_pose_port(scene.room).FixValue(context, lift)
     query = query_of(scene, context)
     assert query.GetPoseInWorld(scene.upper) == RigidTransform([0, 0, 1])
     assert query.GetPoseInWorld(scene.lower) == RigidTransform([3, 0, 1])

@@ -43,7 +43,7 @@ def test_adding_and_reading():
     assert properties.GetPropertyOrDefault('material', 'friction', None) == 0.5
     assert properties.GetPropertyOrDefault('material', 'mass', 3) == 3
     assert properties.GetPropertyOrDefault('no', 'mass', 'x') == 'x'
-    assert properties.GetPropertiesInGroup('material') == {'friction': 0.5}
+    assert properties.GetPropertiesInGroup('material')['friction'].get_value() == 0.5
     assert str(properties) == '[__default__]\n[material]\n  friction: 0.5'
 
 
@@ -89,7 +89,7 @@ def test_values_are_copied_in_and_out():
     properties.AddProperty('g', 'items', items)
     array[0] = items[0] = 99
     properties.GetProperty('g', 'array')[1] = 99
-    properties.GetPropertiesInGroup('g')['items'].append(99)
+    properties.GetPropertiesInGroup('g')['items'].get_mutable_value().append(99)
     properties.GetPropertiesInGroup('g')['new'] = 99
     assert properties.GetProperty('g', 'array').tolist() == [0, 1, 2]
     assert properties.GetPropertiesInGroup('g').keys() == {'array', 'items'}
@@ -123,9 +123,19 @@ def test_copies_are_apart_and_equal(kind):
 def test_kinds_do_not_mix():
     assert ProximityProperties() != IllustrationProperties()
     with pytest.raises(RuntimeError, match='cannot copy'):
-        ProximityProperties(IllustrationProperties())
+        ProximityProperties({'material': {}})
     with pytest.raises(RuntimeError, match='those of a role'):
         GeometryProperties()
+
+
+def test_those_of_a_role_are_made_of_those_of_another():
+    perception = PerceptionProperties()
+    perception.AddProperty('renderer', 'accepting', {'vtk', 'gl'})
+    illustration = IllustrationProperties(perception)
+    proximity = ProximityProperties(other=illustration)
+    perception.UpdateProperty('renderer', 'accepting', {'none'})
+    assert proximity.GetProperty('renderer', 'accepting') == {'vtk', 'gl'}
+    assert type(proximity) is ProximityProperties
 
 
 def test_frozen_ones_cannot_be_changed_but_their_copies_can():
@@ -156,7 +166,8 @@ def test_behaves_as_a_dictionary_of_dictionaries(steps):
             assert properties.RemoveProperty(group, name) == removed
     assert properties.GetGroupNames() == {'__default__', *reference}
     for group, values in reference.items():
-        assert properties.GetPropertiesInGroup(group) == values
+        read = properties.GetPropertiesInGroup(group)
+        assert {name: box.get_value() for name, box in read.items()} == values
 
 
 def test_phong():

@@ -201,7 +201,7 @@ def test_keywords_are_pydrakes(scene):
 
 def test_help_shows_what_callers_give():
     parameters = inspect.signature(SceneGraph.RemoveGeometry).parameters
-    assert list(parameters) == ['self', 'source_id', 'geometry_id']
+    assert list(parameters) == ['self', 'source_id', 'geometry_id', 'context']
     assert SceneGraph.RemoveGeometry.__name__ == 'RemoveGeometry'
 
 

@@ -94,7 +94,7 @@ def snapshot(inspector):
     }
     frames = {id: inspector.GetName(id) for id in inspector.GetAllFrameIds()}
     sources = {id: inspector.GetName(id) for id in inspector.GetAllSourceIds()}
-    return sources, frames, geometries, list(inspector.GetCollisionCandidates())
+    return sources, frames, geometries, sorted(inspector.GetCollisionCandidates())
 
 
 def test_changes_of_the_model_do_not_reach_contexts(scene):

@@ -109,6 +109,7 @@ def test_mesh_shapes(kind, tmp_path, monkeypatch):
 def test_shapes_are_values():
     for k, shape in enumerate(SHAPES):
         for other in (copy.copy(shape), copy.deepcopy(shape), shape.Clone()):
+            assert other is not shape
             assert other == shape
             assert hash(other) == hash(shape)
         assert pickle.loads(pickle.dumps(shape)) == shape

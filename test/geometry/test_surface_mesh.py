@@ -59,7 +59,7 @@ def test_arrays_are_copied():
         (lambda: SurfaceVertex([1, 2]), 'r_MV'),
         (lambda: SurfaceVertex([1, 2, math.nan]), 'finite'),
         (lambda: SurfaceFace(0, 1, -1), r'\(0, 1, -1\) must be >= 0'),
-        (lambda: SurfaceFace(0, 1, 2).vertex(3), 'i = 3 must be 0, 1 or 2'),
+        (lambda: SurfaceFace(0, 1, 2).vertex(3), 'i = 3 must be from 0 to 2'),
         (lambda: SurfaceMesh([SurfaceFace(0, 1, 4)], []), r'face 0 has vertices \[0, 1, 4\]'),
         (lambda: SurfaceMesh([(0, 1, 2)], []), 'SurfaceFace'),
         (lambda: SurfaceMesh([], [[0, 0, 0]]), 'SurfaceVertex'),

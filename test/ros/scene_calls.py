@@ -29,6 +29,15 @@ def refused(response, *words):
     return response.message
 
 
+def place_of(client, frame):
+    """Return where a frame is in the world, x y z; None while it waits for its first pose."""
+    answer = client.call(srv.GetPose, 'get_pose', frame=frame)
+    if not answer.success and 'never had a pose' in answer.message:
+        return None
+    p = accepted(answer).pose.pose.position
+    return p.x, p.y, p.z
+
+
 def add_sphere(client, source, frame, radius, name='ball', roles=(1,)):
     """Register a frame and a sphere on it; return the geometry's id."""
     accepted(client.call(srv.RegisterFrame, 'register_frame', source=source, name=frame))

@@ -6,7 +6,8 @@ from types import SimpleNamespace as Plain
 import pytest
 
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.scene.waiting import Waiting
 
 
 class Log:
@@ -37,7 +38,8 @@ def guard(log, diagnostics):
 
 def told(diagnostics):
     cycle = Plain(count=0, worst_error_bound=0.0)
-    message = diagnostics.message({}, 0, 1.0, cycle, 1.0)
+    state = SceneState(0, {}, Waiting([], 0), {})
+    message = diagnostics.message(state, 1.0, cycle, 1.0)
     return {v.key: v.value for v in message.status[0].values}
 
 

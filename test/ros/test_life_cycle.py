@@ -1,11 +1,14 @@
 """The managed life cycle: what each transition keeps, over and over."""
 
+import time
+
 import pytest
 from drake_geom_msgs import msg, srv
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from ros.harness import LATCHED, ROOT, start_node
 from ros.scene_calls import accepted, poses
+from sensor_msgs.msg import PointCloud2, PointField
 
 SCENE = ROOT / 'scenes' / 'minimal.yaml'
 
@@ -22,6 +25,15 @@ def node(tmp_path):
 def change(client, transition):
     request = Transition(id=transition)
     assert client.call(ChangeState, 'change_state', transition=request).success
+
+
+def one_point():
+    cloud = PointCloud2(height=1, width=1, point_step=12, row_step=12, data=bytes(12))
+    cloud.fields = [
+        PointField(name=axis, offset=4 * k, datatype=PointField.FLOAT32, count=1)
+        for k, axis in enumerate('xyz')
+    ]
+    return cloud
 
 
 def state(client):
@@ -49,10 +61,25 @@ def test_twice_through_the_life_of_a_node(client):
         client.wait_for(lambda: len(results) > 3, 'results')
         scenes = client.listen(msg.Scene, 'scene', LATCHED)
         client.wait_for(lambda scenes=scenes: scenes, 'the scene')
+        answers = client.listen(msg.PointDistances, 'point_distances')
+        cloud = one_point()
+        points = client.publisher(PointCloud2, 'query_points')
+
+        def answered(points=points, answers=answers, cloud=cloud):
+            points.publish(cloud)
+            return answers
+
+        client.wait_for(answered, 'an answer to points')
         accepted(client.call(srv.RegisterSource, 'register_source', name='mine'))
         change(client, Transition.TRANSITION_DEACTIVATE)
         pose = accepted(client.call(srv.GetPose, 'get_pose', frame='ball')).pose
         assert pose.pose.position.x == 0.25
+        client.spin_until(time.monotonic() + 0.5)  # what was under way has come
+        answers.clear()
+        for _ in range(20):
+            points.publish(cloud)
+            client.spin_until(time.monotonic() + 0.05)
+        assert answers == []
         change(client, Transition.TRANSITION_CLEANUP)
         assert state(client) == State.PRIMARY_STATE_UNCONFIGURED
         client.wait_for(

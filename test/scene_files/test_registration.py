@@ -4,15 +4,18 @@ import pytest
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
+    FramePoseVector,
     GeometrySet,
     Role,
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import register
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.scene_file import load_scene
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import read_yaml
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
@@ -26,7 +29,8 @@ geometries:
 - {name: rod, source: robot, frame: arm, shape: {type: sphere, radius: 0.1}}
 - {name: palm, source: robot, frame: hand, shape: {type: sphere, radius: 0.2}}
 - {name: palm, source: robot, frame: hand, shape: {type: sphere, radius: 0.3},
-   roles: {illustration: {phong: {diffuse: {rgba: [1, 0, 0, 1]}}}}}
+   roles: {illustration: {phong: {diffuse: {rgba: [1, 0, 0, 1]}},
+                          renderer: {accepting: {set: [vtk, gl]}}}}}
 - {name: floor, source: room, shape: {type: half_space}}
 """
 
@@ -63,7 +67,9 @@ def test_everything_is_registered_and_found_by_name():
     assert len(loaded.geometry_ids) == 4
     drawn = loaded.geometry_ids[2]
     assert inspector.GetProximityProperties(drawn) is None
-    assert inspector.GetIllustrationProperties(drawn).HasProperty('phong', 'diffuse')
+    properties = inspector.GetIllustrationProperties(drawn)
+    assert properties.HasProperty('phong', 'diffuse')
+    assert properties.GetProperty('renderer', 'accepting') == {'vtk', 'gl'}
     assert list(loaded.X_PFs) == [arm]
     assert loaded.X_PFs[arm].translation().tolist() == [0, 0, 1]
 
@@ -160,6 +166,19 @@ def test_persistent_filters_are_refused_during_a_transient_history_as_a_whole():
     load('frames:\n- {name: f}', scene_graph)
 
 
+def test_contexts_begin_with_the_poses_of_the_file():
+    scene_graph = SceneGraph()
+    loaded = load(SCENE, scene_graph)
+    arm, hand = loaded.frames['robot', 'arm'], loaded.frames['robot', 'hand']
+    for context in (scene_graph.CreateDefaultContext(), scene_graph.CreateSharedContext()):
+        query = scene_graph.get_query_output_port().Eval(context)
+        assert query.waiting_frames() == [hand]
+        context.UpdateFramePoses(FramePoseVector({hand: RigidTransform([1, 0, 0])}))
+        assert query.X_WF(hand).translation().tolist() == [1, 0, 1]
+        context.UpdateFramePoses(FramePoseVector({arm: RigidTransform()}))
+        assert query.X_WF(hand).translation().tolist() == [1, 0, 0]
+
+
 def test_a_context_that_exists_does_not_see_what_is_loaded_later():
     scene_graph = SceneGraph()
     context = scene_graph.CreateDefaultContext()
@@ -167,3 +186,24 @@ def test_a_context_that_exists_does_not_see_what_is_loaded_later():
     inspector = scene_graph.get_query_output_port().Eval(context).inspector()
     assert inspector.num_geometries() == 0
     assert scene_graph.model_inspector().NumGeometriesWithRole(Role.kProximity) == 3
+
+
+GHOST = """<robot name="ghost">
+<link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
+<collision_filter_group name="{name}"><member link="a"/>
+<ignored_collision_filter_group collision_filter_group="universal"/></collision_filter_group>
+</robot>"""
+
+
+def test_a_robot_that_ignores_the_universal_group_is_invisible_to_the_others():
+    scene_graph = SceneGraph()
+    room = load(SCENE, scene_graph)
+    ghost = load_scene(GHOST.format(name='ghosts'), scene_graph)
+    manager = scene_graph.collision_filter_manager()
+    ids = ghost.geometries['ghost', 'a', 'collision_0'], room.geometries[FLOOR]
+    assert manager.explain(*ids) == ['group ghost::ghosts']
+
+
+def test_nobody_defines_the_universal_group():
+    with pytest.raises(SceneFileError, match=r"<text>:3: .*'universal' is the group that all"):
+        load_scene(GHOST.format(name='universal'), SceneGraph())

@@ -23,6 +23,14 @@ def test_a_package_is_found_on_the_ament_prefix_path(package, monkeypatch):
     assert found == package / 'meshes' / 'a b.obj'
 
 
+@pytest.mark.parametrize('slashes', ['', '/', '//'])
+def test_a_third_slash_before_the_package_changes_nothing(package, slashes):
+    found = ResourceResolver([package]).resolve(
+        f'package://{slashes}parts/meshes/a b.obj', package
+    )
+    assert found == package / 'meshes' / 'a b.obj'
+
+
 @pytest.mark.parametrize('up', [0, 1])
 def test_a_package_is_found_in_the_roots(package, up):
     root = [package, package.parent][up]
@@ -54,7 +62,9 @@ def test_a_path_counts_from_the_folder(package):
         ('package://parts/../../secret.txt', 'must stay inside its package'),
         ('package://parts/meshes/../../../secret.txt', 'must stay inside its package'),
         ('package://../parts/x', 'must stay inside its package'),
-        ('package:///etc/passwd', 'must stay inside its package'),
+        ('package:///', 'must stay inside its package'),
+        ('package:///../parts/x', 'must stay inside its package'),
+        ('package:///etc/passwd', "there is no package 'etc'"),
         ('package://parts//etc/passwd', 'there is no file'),
         ('package://parts/none.obj', 'there is no file'),
         ('package://nowhere/x.obj', "there is no package 'nowhere'"),

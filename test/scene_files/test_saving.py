@@ -61,6 +61,7 @@ VALUES = st.one_of(
     st.floats(allow_nan=False, allow_infinity=False),
     st.text(),
     st.lists(NUMBERS, max_size=3),
+    st.sets(st.text(), max_size=3),
     st.builds(np.array, st.lists(NUMBERS, max_size=3)).map(np.atleast_1d),
     st.builds(Rgba, *[st.floats(0, 1)] * 4),
 )
@@ -103,6 +104,11 @@ def scene_graphs(draw):
     return scene_graph
 
 
+def shown(value):
+    """Return the type and the text of a property, which for a set has no order of its own."""
+    return type(value), str(sorted(value) if isinstance(value, set) else value)
+
+
 def trimmed(names):
     return list(dict.fromkeys(name for name in names if name.strip(' \t')))
 
@@ -142,7 +148,7 @@ def snapshot(scene_graph):
     def properties_of(geometry_id, role):
         found = inspector.GetProperties(geometry_id, role)
         return found and {
-            (group, name): (type(value), str(value))
+            (group, name): shown(value.get_value())
             for group in found.GetGroupNames()
             for name, value in found.GetPropertiesInGroup(group).items()
         }
@@ -169,7 +175,9 @@ def snapshot(scene_graph):
             )
             for id in geometry_ids
         ],
-        'candidates': [(place[a], place[b]) for a, b in inspector.GetCollisionCandidates()],
+        'candidates': [
+            (place[a], place[b]) for a, b in sorted(inspector.GetCollisionCandidates())
+        ],
         'groups': {
             name: ([place[id] for id in group.members], set(group.ignored))
             for name, group in manager.filter_groups().items()

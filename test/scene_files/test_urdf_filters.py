@@ -47,6 +47,17 @@ def test_groups_are_read_in_both_spellings_and_belong_to_their_robot(text):
 
 
 @pytest.mark.parametrize(
+    ('text', 'named'),
+    [(OLDER, 'collision_filter_group="group3"'), (NEWER, 'group name="group3"')],
+)
+def test_the_universal_group_is_the_same_for_all_robots(text, named):
+    assert named in text
+    text = text.replace(named, named.replace('group3', 'universal'))
+    (group,) = read_groups(etree.fromstring(text), 'r.urdf', 'left')
+    assert group.ignores == ('left::group2', 'universal')
+
+
+@pytest.mark.parametrize(
     ('old', 'new', 'message'),
     [
         ('<member link="body2"/>', '<member link="body9"/>',

@@ -128,7 +128,8 @@ def test_properties_keep_their_values_and_types():
     drawn.AddProperty('phong', 'diffuse', Rgba(0.1, 0.2, 0.3, 0.4))
     roles = {Role.kIllustration: drawn, Role.kProximity: proximity}
     back = roles_of(plain_roles(roles))
-    read = back[Role.kProximity].GetPropertiesInGroup('g')
+    boxes = back[Role.kProximity].GetPropertiesInGroup('g')
+    read = {name: box.get_value() for name, box in boxes.items()}
     assert read == values
     assert [type(value) for value in read.values()] == [type(value) for value in values.values()]
     array = back[Role.kProximity].GetProperty('h', 'array')

@@ -3,11 +3,14 @@
 Numba tells whether a cached function is out of date by the stamp of the one file that holds it; a
 change of a function that it calls, in another file, goes unseen. So the cache lives in a folder
 named after the content of all our sources, outside the package, which may be read-only.
-``NUMBA_CACHE_DIR`` moves it, ``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled.
+``NUMBA_CACHE_DIR`` moves it, ``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled. That folder may
+be others' too, so ours is one in it, and there only what bears our names is ever removed: folders
+of older sources, when something is compiled.
 """
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import shutil
@@ -17,7 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from numba import config, njit
+from numba.core import event
 
+_FOLDER = 'drake_geom_ros'
+_VERSION = 'kernels-'  # a digest follows
 _KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
 
 
@@ -34,11 +40,11 @@ def _digest() -> str:
 def _candidates() -> list[Path]:
     """Return the folders that may hold the caches, the best first."""
     if config.CACHE_DIR:
-        return [Path(config.CACHE_DIR)]
+        return [Path(config.CACHE_DIR) / _FOLDER]
     home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
     return [
-        Path(home) / 'drake_geom_ros',
-        Path(tempfile.gettempdir()) / f'drake_geom_ros-{os.getuid()}',
+        Path(home) / _FOLDER,
+        Path(tempfile.gettempdir()) / f'{_FOLDER}-{os.getuid()}',
     ]
 
 
@@ -53,17 +59,39 @@ def _own_folder(path: Path) -> bool:
 
 def _cache_folder() -> str:
     """Return the folder of this version's cache, or an empty text where none can be written."""
-    name = _digest()
+    name = _VERSION + _digest()
     for base in _candidates():
         if _own_folder(base) and _own_folder(base / name):
-            versions = sorted(base.glob('?' * len(name)), key=os.path.getmtime, reverse=True)
-            for old in [v for v in versions if v.name != name][_KEPT_VERSIONS:]:
-                shutil.rmtree(old, ignore_errors=True)
             return str(base / name)
     return ''
 
 
 CACHE_FOLDER = _cache_folder()
+
+
+@functools.cache
+def _remove_old_versions() -> None:
+    """Remove the caches of older sources but for the newest few, once a process."""
+    mine = Path(CACHE_FOLDER)
+    others = [path for path in mine.parent.glob(f'{_VERSION}*') if path.name != mine.name]
+    others.sort(key=os.path.getmtime, reverse=True)
+    for old in others[_KEPT_VERSIONS:]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+class _Compiling(event.Listener):  # type: ignore[misc]
+    """Hears of each function that is compiled, ours or not, but not of those from a cache."""
+
+    def on_start(self, event: event.Event) -> None:
+        if event.data['dispatcher'].py_func.__module__.startswith(f'{_FOLDER}.'):
+            _remove_old_versions()
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+if CACHE_FOLDER:
+    event.register('numba:compile', _Compiling())
 
 
 def compiled(function: Callable[..., Any]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from dataclasses import dataclass, field
@@ -51,7 +52,7 @@ METHODS = {
     'bound_only': calling.BOUND_ONLY,
 }
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
-STEPS = ('update', 'broadphase', 'compile', 'narrowphase')  # of a query, in order
+STEPS = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')  # of a query
 _AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
 _KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
 
@@ -76,6 +77,8 @@ class Effects:
     pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
     near_list_made: bool = False  # the broad phase ran
     kernels_compiled: list[str] = field(default_factory=list)
+    # By step. What takes a look at each pair that is known takes its time together with what
+    # computes the others, unless the context was asked for detailed effects.
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -86,6 +89,7 @@ class Engine:
     """
 
     def __init__(self) -> None:
+        self.detailed = False  # tell the cache's seconds from those of the kernels, for some more
         self._world: World | None = None
         self._lists: dict[bool, NearList] = {}
         self._hits: Indices = np.zeros(0, dtype=np.int64)
@@ -99,12 +103,16 @@ class Engine:
         self._list_made = False
         self._kernels: list[str] = []
         self._times = [0.0] * 5
+        self._filter_seconds = self._cache_seconds = 0.0
 
     @property
     def effects(self) -> Effects:
         """What the last query did and what it skipped."""
         counts, times = self._counts.tolist(), self._times
-        steps = zip(STEPS, times, times[1:], strict=False)
+        update, search, compiling, answering = (
+            end - start for start, end in itertools.pairwise(times)
+        )
+        filtering, known = self._filter_seconds, self._cache_seconds
         return Effects(
             *self._moved,
             *(self._considered, self._filtered, counts[FAR], counts[CACHED]),
@@ -118,7 +126,13 @@ class Engine:
             },
             near_list_made=self._list_made,
             kernels_compiled=list(self._kernels),
-            seconds={step: end - start for step, start, end in steps},
+            seconds=dict(
+                zip(
+                    STEPS,
+                    (update, search - filtering, filtering, compiling, known, answering - known),
+                    strict=True,
+                )
+            ),
         )
 
     def prepare(self, world: World) -> list[str]:
@@ -154,16 +168,19 @@ class Engine:
         """
         near = self._near(world, filters, cutoff)
         query = _GAPS[accuracy], cutoff, penetrating
-        moment = (world.revision, filters.version, query)
+        moment = (world.revision, world.placings, filters.version, query)
         if self._last is not None and self._last[0] == moment:
             self._counts[:] = 0
             self._counts[CACHED] = len(near.pairs)
             self._times[4] = time.perf_counter()
+            self._cache_seconds = self._times[4] - self._times[3]
             return self._last[1]
         self._compile_for(world, near, accuracy)
         limited = time_budget > 0.0 and accuracy != 'bound'
         if limited and not self._pace.fits(len(near.pairs), time_budget):
             hits = self._answer_within(world, near, query, time_budget)
+        elif self.detailed:
+            hits = self._answer_apart(world, near, query)
         else:
             hits = self._answer(world, near.pairs, near.slots, near.memory, query)
             if limited:
@@ -238,7 +255,10 @@ class Engine:
         self._considered, self._filtered = capacity, 0
         self._counts[FAR] = capacity - count
         self._times[4] = time.perf_counter()
-        return PointBatch(ids[:count], points[:count], rows[:count])
+        if world.is_whole:
+            return PointBatch(ids[:count], points[:count], rows[:count])
+        there = np.flatnonzero(~world.waiting[np.searchsorted(table.ids, ids[:count])])
+        return PointBatch(ids[there], points[there], rows[there])
 
     # Steps.
 
@@ -249,6 +269,7 @@ class Engine:
             self._world, self._lists, self._last = world, {}, None
         self._moved = world.update()
         self._list_made, self._kernels, self._unrefined = False, [], 0
+        self._filter_seconds = self._cache_seconds = 0.0
         self._times[1] = time.perf_counter()
 
     def _near(self, world: World, filters: FilterState, distance: float) -> NearList:
@@ -262,6 +283,7 @@ class Engine:
         self._list_made = near.bring_up_to_date(world, filters, distance)
         if self._list_made:
             self._make_room(len(near.pairs))
+            self._filter_seconds = near.filter_seconds
         self._considered = near.considered
         self._filtered = near.considered - len(near.pairs)
         self._times[2] = self._times[3] = time.perf_counter()
@@ -298,6 +320,22 @@ class Engine:
             *(query, first, queue, self._hits, self._counts),
         )
         return self._hits[:found]
+
+    def _answer_apart(
+        self, world: World, near: NearList, query: tuple[float, float, bool]
+    ) -> Indices:
+        """Return what ``_answer`` does: first what is known, then what kernels have to compute."""
+        queue = np.empty(len(near.pairs), dtype=np.int64), _AT_ONCE[1]
+        asked = near.pairs, near.slots, near.memory, query
+        known = self._answer(world, *asked, queue=queue).copy()
+        total = self._counts.copy()
+        if total[CACHED]:
+            self._cache_seconds = time.perf_counter() - self._times[3]
+        some = queue[0][: total[POSTPONED]]
+        total[POSTPONED] = 0
+        hits = some[self._answer(world, near.pairs[some], near.slots[some], *asked[2:])]
+        self._counts += total
+        return np.sort(np.concatenate((known, hits)))
 
     def _answer_within(
         self, world: World, near: NearList, query: tuple[float, float, bool], seconds: float

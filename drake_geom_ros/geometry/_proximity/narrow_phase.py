@@ -239,9 +239,10 @@ def _least(out, gap, size, rounding):  # type: ignore[no-untyped-def]
 
 @inlined
 def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-def]
-    """Put pair k into the queue, with its least distance."""
+    """Put pair k into the queue, with its least distance if that has room for it."""
     waiting[counts[POSTPONED]] = k
-    distances[counts[POSTPONED]] = least
+    if distances.size > 0:
+        distances[counts[POSTPONED]] = least
     counts[POSTPONED] += 1
 
 
@@ -276,36 +277,36 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 
     ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
     R_WGs, p_WGs, roundings, half extents, outer and inner radii, travels, stamps.
-    ``query``: gap [m] (infinite: bounds alone will do), cutoff [m], and whether only pairs count
-    that overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that
-    is not negative is where to begin, and then one hit is enough. ``queue``: with room for all
-    pairs, those for which a kernel would run are put there instead, with their certified least
-    distance; without any, kernels run.
+    ``query``: gap [m] (infinite: the bounds of now, for to use what is known from before would
+    make the answer depend on what was asked), cutoff [m], and whether only pairs count that
+    overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that is not
+    negative is where to begin, and then one hit is enough. ``queue``: with room for all pairs,
+    those for which a kernel would run are put there instead, with their certified least distance
+    if there is room for these too; without any, kernels run.
     """
     # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
     # does an array a pair.
     answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, roundings, half_extents, outer, inner, travels, stamps = (
-        scene
-    )
-    gap, cutoff, penetrating = query
-    waiting, distances = queue
+    types, starts, pool, R_WGs, p_WGs, roundings = scene[:6]
+    half_extents, outer, inner, travels, stamps = scene[6:]
+    (gap, cutoff, penetrating), (waiting, distances) = query, queue
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
     # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
     reach = max(cutoff, 0.0)
+    enough, sharpest = (math.inf, gap) if math.isinf(gap) else (reach, 0.0)
     counts[:] = 0
     found = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         travelled = travels[a] + travels[b]
-        if slacks[s] - travelled > reach:
+        if slacks[s] - travelled > enough:
             counts[FAR] += 1
             continue
         out = row(answers, s)
         size = size_of_pair(a, b, types, outer)
-        rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and gaps[s] <= gap
+        rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and sharpest <= gaps[s] <= gap
         # What stopped at a cutoff says enough about smaller ones only.
         if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(gaps[s])):
             counts[CACHED] += 1
@@ -315,8 +316,9 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
             near = least <= reach
             if near and waiting.size > 0:
-                _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
-                least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
+                if distances.size > 0:
+                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+                    least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
                 _postpone(k, least, waiting, distances, counts)
                 continue
             if near:
@@ -350,8 +352,8 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 
     No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
-    widened by what both bodies can have moved since. (Not in ``answer_pairs``, whose kernels of
-    spheres took 10 % longer beside this, measured.)
+    widened by what both bodies can have moved since, and its gap that of no question. (Not in
+    ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
     """
     answers, slacks, seen, gaps = memory
     types, starts, pool, R_WGs, p_WGs, roundings, _, outer, inner, travels, stamps = scene
@@ -375,7 +377,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             _take_narrower(out, bounds, moved)
             rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
             out[ERROR_BOUND] += rounding
-            seen[s], gaps[s] = revision, math.inf
+            seen[s], gaps[s] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
             least = _least(out, gaps[s], size, rounding)
             slacks[s] = _slack(least, travelled, types[a], types[b])

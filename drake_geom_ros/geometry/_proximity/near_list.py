@@ -15,6 +15,7 @@ exceeds a distance, the pair is farther apart than that, without any look at it.
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,8 @@ class NearList:
         self.pairs: Indices = np.zeros((0, 2), dtype=np.int64)  # (k, 2) rows of the world, i < j
         self.slots: Indices = np.zeros(0, dtype=np.int64)  # (k,)
         self._codes: Indices = np.zeros(0, dtype=np.int64)  # (k,) i n + j
-        self._version = -1  # of the filters
+        self._version = -1, -1  # of the filters, and of who waits for a first pose
+        self.filter_seconds = 0.0  # [s] that the filters took when the list was made
         self._lowers = np.zeros((n, 3))  # (n, 3) [m] the boxes for which the list stands
         self._uppers = np.zeros((n, 3))
         self._checked = 0  # the revision in which everybody was last seen in them
@@ -81,14 +83,15 @@ class NearList:
         """
         distance = max(distance, 0.0)
         self._wanted = max(self._wanted, distance)
-        stands = distance <= self.reach and filters.version == self._version
+        version = filters.version, world.placings
+        stands = distance <= self.reach and version == self._version
         if stands and (self.reach == math.inf or not self._somebody_left(world)):
             return False
         if math.isinf(self._wanted):
             candidates = _all_pairs(world)
         else:
             candidates = self._near_pairs(world, self._wanted)
-        self.reach, self._wanted, self._version = self._wanted, distance, filters.version
+        self.reach, self._wanted, self._version = self._wanted, distance, version
         self._take(world, filters, candidates)
         return True
 
@@ -169,9 +172,13 @@ class NearList:
 
     def _take(self, world: World, filters: FilterState, candidates: Indices) -> None:
         """Make the list of these pairs, less the filtered ones; who stays keeps the slot."""
+        if not world.is_whole:
+            candidates = candidates[~world.waiting[candidates].any(axis=1)]
         self.considered, self.has_kernels = len(candidates), False
+        start = time.perf_counter()
         of = filters.slots(world.geometries.ids)
         candidates = candidates[filters.mask(of[candidates[:, 0]], of[candidates[:, 1]])]
+        self.filter_seconds = time.perf_counter() - start
         n = world.geometry_count
         codes = candidates[:, 0] * n + candidates[:, 1]
         codes.sort()

@@ -39,11 +39,12 @@ class World:
     """The poses of a scene's frames and the posed, packed proximity geometry.
 
     Poses go in through ``set_poses``; ``update`` brings everything that hangs on a moved frame up
-    to date and leaves the rest alone.
+    to date and leaves the rest alone. A frame that never had a pose *waits* for it, and whatever
+    hangs on it: where that is nobody knows, so queries leave it out.
     """
 
     def __init__(self, frames: FrameTable, geometries: GeometryTable) -> None:
-        """Pose every frame at its parent's origin."""
+        """Make the world of frames that all wait for their first pose."""
         count = len(frames.ids)
         self.frames = frames
         self.geometries = geometries
@@ -59,6 +60,9 @@ class World:
         self._moved = np.ones(count, dtype=np.bool_)
         self._stale = True
         self._allocate_geometries()
+        self._posed = np.zeros(count, dtype=np.bool_)
+        self.placings = 0  # grows with each first pose
+        self._place(np.zeros(1, dtype=np.int64))
 
     def _allocate_geometries(self) -> None:
         """Make room for the posed geometry and compute what does not depend on poses."""
@@ -134,8 +138,9 @@ class World:
         other = World(frames, geometries)
         rows = {int(frame): row for row, frame in enumerate(self.frames.ids)}
         pairs = [(k, rows[int(f)]) for k, f in enumerate(frames.ids) if int(f) in rows]
-        new, old = (list(side) for side in zip(*pairs, strict=True))
+        new, old = (np.array(side) for side in zip(*pairs, strict=True))
         other.R_PFs[new], other.p_PFs[new] = self.R_PFs[old], self.p_PFs[old]
+        other._place(new[self._posed[old]])
         return other
 
     def has_frames(self, ids: Indices) -> NDArray[np.bool_]:
@@ -158,8 +163,33 @@ class World:
             self._last_named = text, self.frame_rows(ids)
         return self._last_named[1]
 
+    def _place(self, rows: Indices) -> None:
+        """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
+        self._posed[rows] = True
+        self.is_whole = bool(self._posed.all())  # nobody waits
+        self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
+        for row, parent in enumerate(self.frames.parents.tolist()):
+            self.placed[row] &= self.placed[parent]
+        self.waiting = ~self.placed[self.geometries.frames]  # (n,)
+        self.placings += 1
+
+    def unposed_frames(self) -> Indices:
+        """Return the FrameId values of the frames that never had a pose, parents first."""
+        return self.frames.ids[~self._posed]
+
+    def unposed_on_way(self, row: int) -> list[int]:
+        """Return those of ``unposed_frames`` among a frame and all that it hangs on."""
+        found = []
+        while not self.placed[row]:
+            if not self._posed[row]:
+                found.append(int(self.frames.ids[row]))
+            row = int(self.frames.parents[row])
+        return found
+
     def set_poses(self, rows: Indices, R_PFs: Floats, p_PFs: Floats) -> None:
         """Set X_PF of the frames in ``rows`` (n,); a pose that did not change is not a move."""
+        if not self.is_whole and not self._posed[rows].all():
+            self._place(rows)
         if set_poses(rows, R_PFs, p_PFs, self.R_PFs, self.p_PFs, self._moved):
             self._stale = True
 

@@ -53,11 +53,12 @@ class NameTable:
                 self._frames[alias].append(frame)
         for geometry in inspector.GetAllGeometryIds():
             name = inspector.GetName(geometry)
-            alias = f'{short[inspector.GetFrameId(geometry)]}/{name}'
-            full = f'{inspector.GetOwningSourceName(geometry)}::{alias}'
-            self.geometry_names[geometry] = full
-            for key in {alias, full}:
-                self._geometries[key].append(geometry)
+            source, frame = inspector.GetOwningSourceName(geometry), inspector.GetFrameId(geometry)
+            self.geometry_names[geometry] = f'{source}::{short[frame]}/{name}'
+            frames = self._world_names if frame == world else {short[frame]}
+            for alias in (f'{called}/{name}' for called in frames):
+                for key in (alias, f'{source}::{alias}'):
+                    self._geometries[key].append(geometry)
         self._known_frames = {f.get_value(): f for f in self.frame_names}
         self._known_geometries = {g.get_value(): g for g in self.geometry_names}
 

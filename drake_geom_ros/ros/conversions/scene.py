@@ -84,6 +84,8 @@ def _fill_value(message: Any, value: Any) -> None:
     """Fill a ParameterValue with a property of any type; a type it does not know as its text."""
     if isinstance(value, Rgba):
         value = [value.r(), value.g(), value.b(), value.a()]
+    if isinstance(value, (set, frozenset)) and all(isinstance(item, str) for item in value):
+        value = sorted(value)
     items = value if isinstance(value, (list, tuple, np.ndarray)) else [value]
     kinds = ((bool, 1, 6), (int, 2, 7), ((int, float), 3, 8), (str, 4, 9))
     items = [item.item() if isinstance(item, np.generic) else item for item in items]
@@ -111,7 +113,7 @@ def fill_roles(message: Any, inspector: SceneGraphInspector, id: GeometryId, typ
         for group in sorted(properties.GetGroupNames()):
             for name, value in sorted(properties.GetPropertiesInGroup(group).items()):
                 filled = types.Property(group=group, name=name)
-                _fill_value(filled.value, value)
+                _fill_value(filled.value, value.get_value())
                 entry.properties.append(filled)
         message.roles.append(entry)
 

@@ -7,6 +7,7 @@ depth cameras send them for what they did not see, are skipped; ``point_index`` 
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -32,18 +33,32 @@ class PointQueries:
         publisher: Any,
         message_class: Any,
         threshold: Callable[[], float],
+        is_active: Callable[[], bool],
+        did: Callable[[int, float], None],
     ) -> None:
-        """``threshold()`` [m] is that of now."""
+        """``threshold()`` [m] is that of now, and ``is_active()`` whether to publish.
+
+        ``did(count, seconds)`` is told of each answer: how many distances, how long it took.
+        """
+        self._is_active = is_active
+        self._did = did
         self._live = live
         self._publisher = publisher
         self._message_class = message_class
         self._threshold = threshold
 
     def take(self, cloud: Any) -> None:
-        """Answer a cloud, if somebody listens; raises RuntimeError for one that is wrong."""
-        if not self._publisher.get_subscription_count():
+        """Answer a cloud, if the node is active and somebody listens.
+
+        Raises RuntimeError for one that is wrong.
+        """
+        if not self._is_active() or not self._publisher.get_subscription_count():
             return
-        self._publisher.publish(self.answer(cloud))
+        start = time.perf_counter()
+        answer = self.answer(cloud)
+        if self._is_active():  # it may have taken a while
+            self._publisher.publish(answer)
+            self._did(len(answer.distance), time.perf_counter() - start)
 
     def answer(self, cloud: Any) -> Any:
         """Return the PointDistances of a cloud; raises RuntimeError for one that is wrong."""

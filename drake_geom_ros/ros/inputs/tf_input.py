@@ -23,6 +23,7 @@ from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.pose_ages import time_of
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
@@ -63,6 +64,7 @@ class TfInput:
         self._stamp: Any = None
         self._version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
+        self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
 
     def take(self, scene: EditableScene, message: Any, *, static: bool) -> int:
         """Take a TFMessage whole and pose what hangs on it; return how many frames were posed.
@@ -81,7 +83,12 @@ class TfInput:
                 changed.add(child)
         # What is static holds at any time: its own does not tell how new the poses are.
         if changed and (not static or self._stamp is None):
-            self._stamp = message.transforms[-1].header.stamp
+            fresh_stamps = [
+                entry.header.stamp
+                for entry in message.transforms
+                if _plain(entry.child_frame_id) in changed
+            ]
+            self._stamp = max(fresh_stamps, key=time_of)
         return self._pose(scene, changed)
 
     def follow(self, scene: EditableScene) -> int:
@@ -154,8 +161,17 @@ class TfInput:
                 if self._hangs_on(name, changed, moved):
                     affected.add(frame)
         inspector = scene.inspector
-        # Of a nested frame the pose in its parent changes when either moves.
+        # Of a nested frame the pose in its parent changes when either moves; while the parent
+        # waits for a pose from elsewhere it is not known.
+        affected |= self._unknown
         to_pose = [f for f in found if affected & {f, inspector.GetParentFrame(f)}]
+        query = scene.query
+        self._unknown = {
+            f
+            for f in to_pose
+            if not ((P := inspector.GetParentFrame(f)) in found or query.is_placed(P))
+        }
+        to_pose = [f for f in to_pose if f not in self._unknown]
         if to_pose:
             X_PFs = [
                 _in_parent(scene, inspector.GetParentFrame(f), found[f], found) for f in to_pose

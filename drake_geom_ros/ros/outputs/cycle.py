@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 from drake_geom_ros.geometry import METHODS, Effects
 from drake_geom_ros.ros.conversions.fields import floats
 from drake_geom_ros.ros.conversions.results import fill_penetrations, fill_signed_distances
+from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside, Effect
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import Moment
 
-NO_SUBSCRIBER = 'no subscriber'
 _NO_POSES = 'no pose message since the last cycle'
 _STILL_NEAR = 'nothing moved so far that other pairs could have come near'
 _ALL_COMPILED = 'every kernel of the scene is compiled'
 _NONE_KEPT = 'no pair whose bodies both rest'
 _NOTHING_LEFT = 'no pair left to compute'
-
-
-@dataclass
-class Effect:
-    """One thing that a cycle may do: how much, how long, or why not."""
-
-    name: str
-    count: int = 0
-    seconds: float = 0.0
-    reason: str = ''
+_OF_A_CYCLE = ('publish ~/penetrations', 'publish ~/signed_distances')
 
 
 class Cycle:
@@ -41,11 +32,14 @@ class Cycle:
         publishers: dict[str, Any],
         costs: LevelCosts,
         replays: Replays,
+        beside: Sequence[Beside] = (),
     ) -> None:
         """Publish on ``publishers``: penetrations, signed_distances and cycle_report.
 
-        ``costs`` are told what was computed, ``replays`` what was answered.
+        ``costs`` are told what was computed, ``replays`` what was answered. What was done
+        ``beside`` the cycles since the last report is told in the next one.
         """
+        self._beside = beside
         self._costs = costs
         self._replays = replays
         self._publishers = publishers
@@ -79,6 +73,7 @@ class Cycle:
         if not any(wanted.values()):
             return
         moment = scene.moment()
+        scene.tell_effects(detailed=wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
         if wanted['signed_distances'] or wanted['penetrations']:
@@ -87,7 +82,9 @@ class Cycle:
             published = [_unpublished('penetrations'), _unpublished('signed_distances')]
         if wanted['cycle_report']:
             effects += _computed(computed) + published
+            effects += [beside.take() for beside in self._beside]
             seconds = poses_seconds + time.perf_counter() - start
+            self._fill_waiting(scene)
             self._report(moment, effects, computed, seconds, time_budget)
 
     def _answer(
@@ -127,6 +124,11 @@ class Cycle:
         self._publishers[name].publish(message)
         return Effect(f'publish ~/{name}', len(message.id_a), time.perf_counter() - start)
 
+    def _fill_waiting(self, scene: HeldScene) -> None:
+        """Say in the report what is left out for want of poses."""
+        message, waiting = self._messages['cycle_report'], scene.waiting()
+        message.waiting_frames, message.waiting_pairs = waiting.frames, waiting.pairs
+
     def _report(
         self,
         moment: Moment,
@@ -150,7 +152,7 @@ class Cycle:
         message.methods = [METHODS[m] for m in methods]
         message.method_pairs = [computed.pairs_by_method[m] for m in methods]
         message.unpublished_messages = sum(
-            e.reason == NO_SUBSCRIBER and e.name.startswith('publish') for e in effects
+            e.reason == NO_SUBSCRIBER and e.name in _OF_A_CYCLE for e in effects
         )
         message.effects = [e.name for e in effects]
         message.effect_ran = [not e.reason for e in effects]
@@ -183,18 +185,28 @@ def _computed(computed: Effects | None) -> list[Effect]:
             seconds['broadphase'],
             '' if computed.near_list_made else _STILL_NEAR,
         ),
-        Effect('filter', computed.filtered_pairs),  # its time is part of the broad phase's
+        Effect(
+            'filter',
+            computed.filtered_pairs,
+            seconds['filter'],
+            '' if computed.near_list_made else _STILL_NEAR,
+        ),
         Effect(
             'compile',
             len(computed.kernels_compiled),
             seconds['compile'],
             '' if computed.kernels_compiled else _ALL_COMPILED,
         ),
-        Effect('cache', computed.cached_pairs, reason='' if computed.cached_pairs else _NONE_KEPT),
+        Effect(
+            'cache',
+            computed.cached_pairs,
+            seconds['cache'],
+            '' if computed.cached_pairs else _NONE_KEPT,
+        ),
         Effect(
             'narrowphase',
             computed.narrowphase_pairs,
-            seconds.get('narrowphase', 0.0),
+            seconds['narrowphase'],
             '' if computed.narrowphase_pairs else _NOTHING_LEFT,
         ),
     ]

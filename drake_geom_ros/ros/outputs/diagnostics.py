@@ -7,10 +7,12 @@ import resource
 import threading
 from collections import Counter
 from pathlib import Path
+from typing import NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.scene.waiting import Waiting
 
 _REASON_LENGTH = 120
 _KINDS_OF_REASONS = 50
@@ -18,6 +20,15 @@ _SHOWN_REASONS = 5
 _NAMES_IN_MESSAGE = 5
 _NAMES_IN_VALUE = 50
 _STATM = Path('/proc/self/statm')
+
+
+class SceneState(NamedTuple):
+    """What is said of the scene."""
+
+    version: int
+    ages: dict[str, float]  # [s] of all frames' poses by name
+    waiting: Waiting
+    filter_owners: dict[int, str]  # of the active transient filters, by id
 
 
 class Diagnostics:
@@ -53,12 +64,10 @@ class Diagnostics:
                 self._reasons[key] += 1
 
     def message(
-        self, ages: dict[str, float], version: int, stale_after: float, cycle: Cycle, now: float
+        self, scene: SceneState, stale_after: float, cycle: Cycle, now: float
     ) -> DiagnosticArray:
-        """Return what is to be said of now; ``now`` [s] is of any steady clock.
-
-        ``ages`` [s] are those of all frames' poses by name, ``version`` is the scene's.
-        """
+        """Return what is to be said of now; ``now`` [s] is of any steady clock."""
+        ages, waiting = scene.ages, scene.waiting
         with self._lock:
             taken, delays, self._delays = self._taken, sorted(self._delays), []
             refused = self._refused['frame_poses']
@@ -66,13 +75,14 @@ class Diagnostics:
             reasons, latest = self._reasons.most_common(_SHOWN_REASONS), self._latest
         stale = sorted(name for name, age in ages.items() if age > stale_after)
         status = DiagnosticStatus(name=self._name, hardware_id=self._name)
-        status.level = DiagnosticStatus.WARN if stale else DiagnosticStatus.OK
-        status.message = f'{cycle.count} cycles, {taken} pose messages'
+        troubles = [waiting.in_words()] if waiting.frames else []
         if stale:
-            status.message = (
+            troubles.append(
                 f'{len(stale)} of {len(ages)} frames are stale (older than {stale_after:g} s): '
                 f'{_some(stale, _NAMES_IN_MESSAGE)}'
             )
+        status.level = DiagnosticStatus.WARN if troubles else DiagnosticStatus.OK
+        status.message = '; '.join(troubles) or f'{cycle.count} cycles, {taken} pose messages'
         elapsed, done = now - self._last[0], cycle.count - self._last[1]
         self._last = (now, cycle.count)
         values = {
@@ -87,7 +97,11 @@ class Diagnostics:
             'stale frames': len(stale),
             'names of stale frames': _some(stale, _NAMES_IN_VALUE),
             'oldest pose': _oldest(ages),
-            'scene version': version,
+            'frames that never had a pose': len(waiting.frames),
+            'names of frames that never had a pose': _some(waiting.frames, _NAMES_IN_VALUE),
+            'pairs left out for them': waiting.pairs,
+            'transient filters': _owned(scene.filter_owners),
+            'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
             'memory [MB]': f'{_memory() / 2**20:.1f}',
         }
@@ -98,6 +112,12 @@ class Diagnostics:
 
 def _some(names: list[str], count: int) -> str:
     return ', '.join(names[:count]) + (' ...' if len(names) > count else '')
+
+
+def _owned(owners: dict[int, str]) -> str:
+    """Return the transient filters and who asked for them in words."""
+    told = [f'{number} ({owner or "nobody said whose"})' for number, owner in owners.items()]
+    return _some(told, _NAMES_IN_VALUE) or 'none'
 
 
 def _milliseconds(delays: list[float], part: float) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
@@ -36,8 +37,13 @@ class MarkerPublisher:
         publisher: Any,
         types: SimpleNamespace,
         max_distance: Callable[[], float],
+        did: Callable[[int, float], None],
     ) -> None:
-        """``types`` holds Marker, MarkerArray and Point; pairs within ``max_distance()`` [m]."""
+        """``types`` holds Marker, MarkerArray and Point; pairs within ``max_distance()`` [m].
+
+        ``did(count, seconds)`` is told of each message: how many markers, how long it took.
+        """
+        self._did = did
         self._live = live
         self._publisher = publisher
         self._types = types
@@ -55,12 +61,14 @@ class MarkerPublisher:
         self._listeners = listeners
         if not listeners:
             return
+        start = time.perf_counter()
         view = self._live.view()
         stamp = view.moment.newest_stamp or self._types.Marker().header.stamp
         writer = MarkerWriter(self._types, view.moment.world_frame, stamp)
         results = view.query.ComputeSignedDistancePairwiseClosestPoints(self._max_distance())
         markers = self._geometry(view, writer) + writer.pairs(results)
         self._publisher.publish(self._types.MarkerArray(markers=markers))
+        self._did(len(markers), time.perf_counter() - start)
 
     def clear(self) -> None:
         """Let everything vanish that is shown."""
@@ -78,6 +86,8 @@ class MarkerPublisher:
             count, _ = self._shown.pop(key)
             markers += writer.removed(*key, range(count))
         for key, (parts, colour) in self._looks.items():
+            if not view.query.is_placed(key[1]):
+                continue
             X_WG: RigidTransform = view.query.X_WG(key[1])
             state = len(parts), X_WG.ToArray().tobytes()
             before = self._shown.get(key, (0, b''))

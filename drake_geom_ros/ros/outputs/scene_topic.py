@@ -18,9 +18,18 @@ class SceneTopic:
     """Publishes each version of a live scene once, from a view: the cycle does not wait."""
 
     def __init__(
-        self, live: LiveScene, publisher: Any, types: Any, now: Callable[[], Any]
+        self,
+        live: LiveScene,
+        publisher: Any,
+        types: Any,
+        now: Callable[[], Any],
+        did: Callable[[int, float], None],
     ) -> None:
-        """``types`` holds the message classes, ``now()`` returns a builtin_interfaces/Time."""
+        """``types`` holds the message classes, ``now()`` returns a builtin_interfaces/Time.
+
+        ``did(count, seconds)`` is told of each message: how many geometries, how long it took.
+        """
+        self._did = did
         self._live = live
         self._publisher = publisher
         self._types = types
@@ -48,3 +57,4 @@ class SceneTopic:
         self._version = view.moment.version
         now = time.monotonic()
         self._next = now + _PAUSE * (now - start)
+        self._did(len(message.geometries), now - start)

@@ -72,17 +72,28 @@ class EditableScene(HeldScene):
     def pose(self, poses: FramePoseVector, posed_at: Mapping[int, float], stamp: Any) -> None:
         """Pose frames; ``posed_at`` [s] says since when, by the value of the frame's id."""
         self._context.UpdateFramePoses(poses)
-        self._ages.note(posed_at)
-        self.newest_stamp = stamp
+        self._ages.note(posed_at, stamp)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
         self._leases.grant(filter_id, seconds)
 
+    def own(self, filter_id: FilterId, owner: str) -> None:
+        """Keep in mind who asked for a transient filter."""
+        self._owners[filter_id.get_value()] = owner
+
     def expire_filters(self) -> list[FilterId]:
         """Remove the transient filters whose lease ran out; return them."""
-        expired = self._leases.take_expired()
         manager = self._scene_graph.collision_filter_manager()
+        expired = self._leases.take_expired()
         for filter_id in expired:
-            manager.RemoveDeclaration(filter_id)
+            number = filter_id.get_value()
+            owner = owned_by(self._owners.get(number, ''))
+            if manager.RemoveDeclaration(filter_id):
+                self.told.append(f'the lease of transient filter {number} ran out: removed{owner}')
         return expired
+
+
+def owned_by(owner: str) -> str:
+    """Return an owner in words, to go behind what is owned; empty for none."""
+    return f' (owner {owner!r})' if owner else ''

@@ -19,7 +19,13 @@ from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges
 from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
-from drake_geom_ros.scene_files import RobotDescription, SceneDescription, describe
+from drake_geom_ros.ros.scene.waiting import Waiting, waiting
+from drake_geom_ros.scene_files import (
+    RobotDescription,
+    SceneDescription,
+    describe,
+    poses_in_parents,
+)
 
 
 class HeldScene:
@@ -36,16 +42,17 @@ class HeldScene:
         self.world_frame = world_frame
         self._now = now
         self._adopt(scene_graph, version)
+        self.told: list[str] = []  # what is to be logged, by who has a logger
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
         self._scene_graph = scene_graph
-        self._context = scene_graph.CreateSharedContext()
+        self._context = scene_graph.CreateSharedContext(partial=True)
         self._version_base = version
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._now), Leases(self._now)
         self._robots: list[RobotDescription] = []
-        self.newest_stamp: Any = None
+        self._owners: dict[int, str] = {}
 
     @property
     def version(self) -> int:
@@ -96,24 +103,38 @@ class HeldScene:
     def moment(self) -> Moment:
         """Return which scene and poses an answer of now is for."""
         oldest = self._ages.oldest(self.names)
-        return Moment(self.version, self.newest_stamp, oldest, self.world_frame)
+        return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
+
+    def tell_effects(self, *, detailed: bool) -> None:
+        """Have queries tell the seconds of the cache apart, which costs them microseconds."""
+        self._context.set_detailed_effects(detailed)
+
+    def filter_owners(self) -> dict[int, str]:
+        """Return who asked for each active transient filter, by its id; empty: nobody said."""
+        manager = self._scene_graph.collision_filter_manager()
+        active = [filter_id.get_value() for filter_id in manager.active_filter_ids()]
+        # Those of filters that are gone are forgotten here.
+        self._owners = {number: self._owners.get(number, '') for number in active}
+        return dict(self._owners)
+
+    def waiting(self) -> Waiting:
+        """Return what waits for its first pose."""
+        return waiting(self.query, self.names)
 
     def view(self) -> SceneView:
         """Return a snapshot, which may be kept."""
         context = self._context.what_if()
         filters = self._scene_graph.collision_filter_manager(context)
-        return SceneView(context, filters, self.names, self.moment())
+        owners = self.filter_owners()
+        return SceneView(context, filters, self.names, self.moment(), owners)
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""
         return self._context.copy()
 
     def description(self) -> SceneDescription:
-        """Return the scene: persistent filters included, every frame where it is now."""
-        query, inspector = self.query, self.inspector
-        X_PFs = {
-            frame: query.X_PF(frame)
-            for frame in inspector.GetAllFrameIds()
-            if frame != inspector.world_frame_id()
-        }
-        return describe(self._scene_graph, X_PFs, self._robots)
+        """Return the scene: persistent filters included, every frame where it is now.
+
+        Frames that wait for their first pose go on waiting in it.
+        """
+        return describe(self._scene_graph, poses_in_parents(self.query), self._robots)

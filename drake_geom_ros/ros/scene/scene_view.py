@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import CollisionFilterManager, QueryObject, SceneGraphContext
 from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
 @dataclass(frozen=True)
@@ -36,8 +38,13 @@ class SceneView:
     filters: CollisionFilterManager
     names: NameTable
     moment: Moment
+    filter_owners: Mapping[int, str]  # of the active transient filters, by id
 
     @property
     def query(self) -> QueryObject:
         """The query object of this moment."""
         return QueryObject(self.context)
+
+    def waiting(self) -> Waiting:
+        """Return what waits for its first pose."""
+        return waiting(self.query, self.names)

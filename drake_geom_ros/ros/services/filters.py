@@ -10,7 +10,7 @@ from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError, FilterId
 from drake_geom_ros.ros.conversions.filters import declaration_from_message
-from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.editable_scene import EditableScene, owned_by
 
 
 def apply_filter(scene: EditableScene, request: Any, response: Any) -> None:
@@ -37,7 +37,10 @@ def apply_transient_filter(scene: EditableScene, request: Any, response: Any) ->
     declaration = declaration_from_message(request.declaration, scene.names)
     filter_id = scene.scene_graph.collision_filter_manager().ApplyTransient(declaration)
     scene.lease(filter_id, lease)
+    scene.own(filter_id, request.owner)
     response.filter_id = filter_id.get_value()
+    until = f'for {lease:g} s' if lease else 'until it is removed'
+    scene.told.append(f'transient filter {response.filter_id} {until}{owned_by(request.owner)}')
 
 
 def renew_filter(scene: EditableScene, request: Any, response: Any) -> None:
@@ -52,5 +55,8 @@ def remove_filter(scene: EditableScene, request: Any, response: Any) -> None:
     """Take a transient declaration back."""
     manager = scene.scene_graph.collision_filter_manager()
     filter_id = FilterId(request.filter_id)
+    owner = scene.filter_owners().get(request.filter_id, '')
     response.removed = manager.RemoveDeclaration(filter_id)
     scene.lease(filter_id, 0.0)
+    if response.removed:
+        scene.told.append(f'transient filter {request.filter_id} removed{owned_by(owner)}')

@@ -1,7 +1,8 @@
 """Services that only read the scene: the live scene, a request, a response.
 
 They run beside the cycle, in a thread of their own: each takes a view of the scene, which is held
-for a moment, and computes on that. RuntimeError refuses. No ROS import here.
+for a moment, and computes on that. RuntimeError refuses; the message of an answer says what it
+leaves out. No ROS import here.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from drake_geom_ros.ros.conversions.results import (
     fill_signed_distances,
 )
 from drake_geom_ros.ros.inputs.point_queries import distances_to
+from drake_geom_ros.ros.scene.editable_scene import owned_by
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 
@@ -39,6 +41,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
     fill_penetrations(response.result, results)
     view.moment.stamp(response.result)
+    response.message = view.waiting().in_words()
 
 
 def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
@@ -50,6 +53,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     )
     fill_signed_distances(response.result, results, limit)
     view.moment.stamp(response.result)
+    response.message = view.waiting().in_words()
 
 
 def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:
@@ -77,17 +81,22 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     )
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
+    response.message = view.waiting().in_words()
 
 
 def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> None:
     """Report the pairs that bounds alone do not keep apart."""
-    ids = live.view(request.poses).query.collision_candidates()
+    view = live.view(request.poses)
+    ids = view.query.collision_candidates()
     response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
+    response.message = view.waiting().in_words()
 
 
 def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether any pair overlaps."""
-    response.has_collisions = live.view(request.poses).query.HasCollisions()
+    view = live.view(request.poses)
+    response.has_collisions = view.query.HasCollisions()
+    response.message = view.waiting().in_words()
 
 
 def get_pose(live: LiveScene, request: Any, response: Any) -> None:
@@ -117,10 +126,12 @@ def get_pose(live: LiveScene, request: Any, response: Any) -> None:
 
 def get_filters(live: LiveScene, request: Any, response: Any) -> None:
     """Tell the state of the filters."""
-    manager = live.view().filters
+    view = live.view()
+    manager = view.filters
     response.has_transient_history = manager.has_transient_history()
     active = [f.get_value() for f in manager.active_filter_ids()]
     response.active_filter_ids = unsigned(np.array(active))
+    response.active_filter_owners = [view.filter_owners[number] for number in active]
     response.filtered_pairs = manager.num_filtered_pairs()
 
 
@@ -128,5 +139,9 @@ def explain_filter(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether a pair is filtered, and by what."""
     view = live.view()
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
-    response.reasons = view.filters.explain(a, b)
+    named = {
+        f'transient declaration {number}': owned_by(owner)
+        for number, owner in view.filter_owners.items()
+    }
+    response.reasons = [reason + named.get(reason, '') for reason in view.filters.explain(a, b)]
     response.filtered = bool(response.reasons)

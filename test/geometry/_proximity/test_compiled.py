@@ -5,6 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+from numba import config
+
 import drake_geom_ros
 
 ROOT = Path(drake_geom_ros.__file__).parents[1]
@@ -60,9 +63,30 @@ def test_another_source_is_another_cache(tmp_path):
     assert digest() != before
 
 
-def test_old_versions_are_removed(tmp_path):
+def version(base, k):
+    """Make the cache folder of the k-th of some older sources, and return it."""
+    folder = base / f'kernels-{k:016x}'
+    folder.mkdir(parents=True)
+    os.utime(folder, (k, k))
+    return folder
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_old_versions_are_removed_when_something_is_compiled(tmp_path):
     base = tmp_path / 'drake_geom_ros'
-    for k in range(8):
-        (base / f'{k:016x}').mkdir(parents=True)
-    run(XDG_CACHE_HOME=str(tmp_path))
-    assert len(list(base.iterdir())) == 5
+    old = [version(base, k) for k in range(8)]
+    mine = Path(run(XDG_CACHE_HOME=str(tmp_path))[0])
+    assert set(base.iterdir()) == {mine, *old[4:]}
+    more = [version(base, k) for k in range(10, 18)]
+    assert run(XDG_CACHE_HOME=str(tmp_path))[1:] == (1, 0)
+    assert set(base.iterdir()) == {mine, *old[4:], *more}
+
+
+def test_what_others_keep_in_the_folder_stays(tmp_path):
+    theirs = [tmp_path / f'{k:016x}' for k in range(8)]
+    theirs += [tmp_path / 'drake_geom_ros' / f'{k:016x}' for k in range(8)]
+    for folder in theirs:
+        folder.mkdir(parents=True)
+    mine = Path(run(NUMBA_CACHE_DIR=str(tmp_path))[0])
+    assert mine.parent == tmp_path / 'drake_geom_ros'
+    assert all(folder.is_dir() for folder in theirs)

@@ -179,7 +179,8 @@ def peg(monkeypatch):
     """A box in the hole of a ring, a millimetre from each wall, and an engine without time."""
     ring = solid('ring', np.eye(3), np.zeros(3)).parameters
     world = world_of([BOX, SOLID], [np.array([0.499, 0.499, 0.5]), ring])
-    world.set_poses(np.array([1]), np.eye(3)[None], np.array([[1.5, 1.5, 0.5]]))
+    places = np.array([[1.5, 1.5, 0.5], [0.0, 0.0, 0.0]])
+    world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), places)
     world.update()
     engine = Engine()
     monkeypatch.setattr(engine._pace, 'spend', lambda distances, *rest: np.arange(len(distances)))

@@ -124,7 +124,16 @@ def test_an_answer_for_a_wider_gap_is_not_one_for_a_narrower():
     assert loop.answer(0.5, gap=1e-3)[1] == {'far': 3, 'cached': 3}
     assert loop.answer(0.5, gap=1e-2)[1] == {'far': 3, 'cached': 3}
     assert loop.answer(0.5, gap=1e-6)[1] == {'far': 3, 'closed': 3}
-    assert loop.answer(0.5, gap=math.inf)[1] == {'far': 3, 'cached': 3}
+
+
+def test_bounds_alone_are_those_of_now_whatever_is_known_from_before():
+    loop = row_of_balls()
+    hits, done = loop.answer(0.5, gap=math.inf)
+    rows = [loop.row(k).copy() for k in hits]
+    for cutoff in (0.5, math.inf):
+        assert loop.answer(cutoff, gap=1e-6)[1]['closed'] >= 3
+        assert loop.answer(0.5, gap=math.inf) == (hits, done)
+        np.testing.assert_array_equal([loop.row(k) for k in hits], rows)
 
 
 def test_bounds_alone_call_no_kernel_and_keep_what_may_be():

@@ -76,6 +76,7 @@ def test_a_broken_promise_is_seen():
 def test_bounds_alone_promise_nothing():
     frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [4, 4], [[0.1, 0.2], [0.1, 0.2]]))
+    world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), np.zeros((2, 3)))
     batch = Engine().signed_distances(world, filters_of(world), 'bound', math.inf)
     assert batch.rows[0, PROMISED] == math.inf
     assert not batch.broken().any()

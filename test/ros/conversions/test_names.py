@@ -42,6 +42,18 @@ def test_the_name_of_the_world_is_the_world_whoever_else_bears_it(scene, names, 
     assert names.frame('right::world') != scene.world_frame_id()
 
 
+def test_what_is_anchored_is_found_under_either_name_of_the_world(names):
+    floor = names.geometry('left::world/left floor')
+    for name in ('map/left floor', 'left::map/left floor', 'world/left floor'):
+        assert names.geometry(name) == floor
+    with pytest.raises(UnknownNameError):
+        names.geometry('right::map/left floor')
+    # What is on a frame called `world` is not on the world.
+    assert names.geometry('right::world/ball') != floor
+    with pytest.raises(UnknownNameError):
+        names.geometry('map/ball')
+
+
 def test_ids(names):
     tool = names.frame('tool')
     assert names.frame(f'#{tool.get_value()}') == tool

@@ -17,8 +17,9 @@ from drake_geom_ros.ros.conversions.results import (
 def posed(scene, names, x):
     """Return a query object with the balls x apart."""
     context = scene.CreateDefaultContext()
-    frames = [names.frame('left::arm'), names.frame('right::arm')]
-    rows = np.array([[0, 0, 0, 0, 0, 0, 1], [x, 0, 0, 0, 0, 0, 1.0]])
+    frames = [names.frame(name) for name in ('left::arm', 'right::arm', 'hand')]
+    rows = np.zeros((3, 7))
+    rows[:, 6], rows[1, 0] = 1.0, x
     context.UpdateFramePoses(FramePoseVector.FromArrays(frames, rows))
     return scene.get_query_output_port().Eval(context)
 

@@ -8,7 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
 from rclpy.serialization import serialize_message
 from ros.harness import LATCHED, start_node
-from ros.scene_calls import accepted, add_pair, poses, refused
+from ros.scene_calls import accepted, add_pair, place_of, poses, refused
 from std_msgs.msg import String
 
 from bench.ros.hostile import MANY, pose_messages, ten_million
@@ -21,7 +21,8 @@ MOST_LOG_LINES = 3  # of one kind in 5 s, however many messages are refused
 
 
 def where(client, frame):
-    return accepted(client.call(srv.GetPose, 'get_pose', frame=frame)).pose.pose.position.x
+    place = place_of(client, frame)
+    return place and place[0]
 
 
 def refusals(diagnostics, node):
@@ -81,8 +82,9 @@ def test_ten_million_numbers_are_refused(client):
     refused(answer, f'poses holds {MANY} numbers for 2 frames')
     # Each point has a distance from each geometry: no answer could hold that.
     points = array.array('d', bytes(8 * 3 * (MANY // 3)))
+    request = {'points': points, 'poses': poses(FRAMES, [(0, 0, 0), (1, 0, 0)], 'many')}
     answer = client.call(
-        srv.ComputeSignedDistanceToPoint, 'compute_signed_distance_to_point', points=points
+        srv.ComputeSignedDistanceToPoint, 'compute_signed_distance_to_point', **request
     )
     refused(answer, f'{MANY // 3} points have more than', 'fewer points')
     accepted(client.call(srv.HasCollisions, 'has_collisions'))

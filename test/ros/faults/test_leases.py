@@ -65,13 +65,13 @@ def test_a_filter_outlives_its_owner_by_its_lease(node, owner, client):
     # Renewed, it outlives its lease three times over.
     for _ in range(30):
         assert owner.stdout.readline() == 'True\n'
-    assert reasons() == [f'transient declaration {number}']
+    assert reasons() == [f"transient declaration {number} (owner 'owner')"]
     # Meanwhile the persistent layer cannot change.
     apply = {'declaration': exclude(*PAIR.values())}
     refused(client.call(srv.ApplyFilter, 'apply_filter', **apply), 'transient')
     owner.send_signal(signal.SIGKILL)
     client.wait_for(lambda: not reasons(), 'the filter to vanish')
-    line = f'the lease of transient filter {number} ran out'
+    line = f"the lease of transient filter {number} ran out: removed (owner 'owner')"
     client.wait_for(lambda: line in node.output(), 'the reason in the log')
     renewal = client.call(srv.RenewFilter, 'renew_filter', filter_id=number, lease=LEASE)
     assert not accepted(renewal).active

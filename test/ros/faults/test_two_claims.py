@@ -1,11 +1,12 @@
 """Two sources claim a frame: each has its own, and neither poses the other's."""
 
 from drake_geom_msgs import msg, srv
-from ros.scene_calls import accepted, add_pair, poses, refused
+from ros.scene_calls import add_pair, place_of, poses, refused
 
 
 def where(client, frame):
-    return accepted(client.call(srv.GetPose, 'get_pose', frame=frame)).pose.pose.position.x
+    place = place_of(client, frame)
+    return place and place[0]
 
 
 def test_frames_of_one_name_belong_to_their_sources(client):

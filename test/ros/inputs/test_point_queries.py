@@ -43,8 +43,25 @@ def live():
 
 
 @pytest.fixture
-def queries(live):
-    return PointQueries(live, Listened(1), empty_result, lambda: 0.5)
+def done():
+    return []
+
+
+def queries_of(live, listeners, done, is_active=lambda: True):
+    """Return queries that answer to so many listeners, and put what they did into ``done``."""
+
+    def did(count, seconds):
+        assert seconds > 0.0
+        done.append(count)
+
+    return PointQueries(
+        live, Listened(listeners), empty_result, lambda: 0.5, is_active=is_active, did=did
+    )
+
+
+@pytest.fixture
+def queries(live, done):
+    return queries_of(live, 1, done)
 
 
 def distances(scene, message):
@@ -105,15 +122,38 @@ def test_a_wrong_cloud_is_refused(queries):
     assert queries._publisher.messages == []
 
 
-def test_nothing_is_computed_for_nobody(live):
-    deaf = PointQueries(live, Listened(0), empty_result, lambda: 0.5)
+def test_nothing_is_computed_for_nobody(live, done):
+    deaf = queries_of(live, 0, done)
     deaf.take(Plain())
     assert deaf._publisher.messages == []
+    assert done == []
 
 
-def test_an_answer_is_published(queries):
+@pytest.mark.parametrize('states', [(False,), (True, False)])
+def test_an_inactive_node_publishes_nothing_not_even_what_it_had_begun(live, done, states):
+    state = iter(states)
+    queries = queries_of(live, 1, done, is_active=lambda: next(state))
     queries.take(cloud(np.zeros((1, 3))))
-    assert len(queries._publisher.messages) == 1
+    assert queries._publisher.messages == []
+    assert done == []
+
+
+def test_an_answer_is_published_and_told_of(queries, done):
+    queries.take(cloud(np.zeros((1, 3))))
+    (message,) = queries._publisher.messages
+    assert done == [len(message.distance)] == [1]
+
+
+def test_what_waits_for_a_pose_is_left_out(done):
+    live = live_scene(TEXT.replace(', pose: {position: [1, 0, 0], quaternion: [0, 0, 1, 0]}', ''))
+    queries = queries_of(live, 1, done)
+    with live.reading() as scene:
+        found = distances(scene, queries.answer(cloud(np.array([[0, 0, 0.25]]))))
+    assert found == {(0, 'floor'): 0.25}
+    points = cloud(np.zeros((1, 3)))
+    points.header.frame_id = 'hand'
+    with pytest.raises(RuntimeError, match=r"'hand' .* never had a pose"):
+        queries.take(points)
 
 
 def test_more_distances_than_an_answer_holds_are_refused(queries, monkeypatch):

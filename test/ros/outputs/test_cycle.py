@@ -5,17 +5,28 @@ from types import SimpleNamespace as Plain
 import pytest
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.ros.outputs.cycle import NO_SUBSCRIBER, Cycle
+from drake_geom_ros.geometry import CollisionFilterDeclaration, FramePoseVector, GeometrySet
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
+from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
 frames:
-  - {name: a}
+  - {name: a, pose: {}}
   - {name: b, pose: {position: [0.25, 0, 0]}}
 geometries:
   - {name: ball, frame: a, shape: {type: sphere, radius: 0.1}}
   - {name: ball, frame: b, shape: {type: sphere, radius: 0.1}}
+"""
+MORE = """
+sources: [more]
+frames: [{name: c, source: more, pose: {}}, {name: d, source: more, pose: {}}]
+geometries:
+  - {name: ball, source: more, frame: c, shape: {type: sphere, radius: 0.2}}
+  - {name: ball, source: more, frame: d, shape: {type: sphere, radius: 0.2}}
 """
 COMPUTED = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')
 
@@ -50,6 +61,12 @@ class Asked:
 
     def moment(self):
         return self._scene.moment()
+
+    def waiting(self):
+        return self._scene.waiting()
+
+    def tell_effects(self, *, detailed):
+        self._scene.tell_effects(detailed=detailed)
 
     @property
     def query(self):
@@ -136,3 +153,79 @@ def test_what_rests_is_published_again_and_not_computed(asked, cycle, topics):
     assert 'narrowphase' not in effects(report)
     first, second = (list(m['distance']) for m in topics['signed_distances'].published)
     assert first == second == [pytest.approx(0.05)]
+
+
+def seconds_of(report):
+    return dict(zip(report['effects'], report['effect_seconds'], strict=True))
+
+
+def test_filters_and_the_cache_have_seconds_of_their_own(live, asked, cycle, topics):
+    with live.editing() as scene:
+        scene.add(read_scene(MORE))
+        names = scene.names
+        pair = GeometrySet([names.geometry('a/ball'), names.geometry('b/ball')])
+        filters = scene.scene_graph.collision_filter_manager()
+        filters.Apply(CollisionFilterDeclaration().ExcludeWithin(pair))
+    first = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    assert (first['broadphase_pairs'], first['filtered_pairs']) == (6, 1)
+    assert seconds_of(first)['filter'] > 0.0
+    assert seconds_of(first)['cache'] == 0.0
+    # One of the four moves: of its three pairs kernels answer, of the other two the memory.
+    with live.editing() as scene:
+        frame = scene.names.frame('c')
+        scene._context.UpdateFramePoses(FramePoseVector({frame: RigidTransform([0, 0.01, 0])}))
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    seconds = seconds_of(report)
+    assert (report['cached_pairs'], report['method_pairs']) == (2, [3])
+    assert seconds['cache'] > 0.0
+    assert seconds['narrowphase'] > 0.0
+    assert sum(seconds.values()) <= report['seconds']
+    # Nothing moves: all that is left is to look it up.
+    seconds = seconds_of(run(asked, cycle, topics, 'cycle_report', 'signed_distances'))
+    assert seconds['cache'] > 0.0
+    assert seconds['narrowphase'] == seconds['filter'] == 0.0
+
+
+def test_who_does_not_read_the_report_does_not_pay_for_its_seconds(live, asked, cycle, topics):
+    for names, detailed in ((('cycle_report',), True), (('penetrations',), False)):
+        run(asked, cycle, topics, *names)
+        with live.reading() as scene:
+            assert scene._context._engine.detailed == detailed
+
+
+def test_what_waits_for_a_pose_is_counted_and_named(live, asked, cycle, topics):
+    with live.editing() as scene:
+        scene.add(read_scene(MORE.replace(', pose: {}', '')))
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    assert report['waiting_frames'] == ['more::c', 'more::d']
+    assert report['waiting_pairs'] == 5
+    assert len(topics['signed_distances'].published[-1]['id_a']) == 1
+    with live.editing() as scene:
+        frames = map(scene.names.frame, 'cd')
+        scene._context.UpdateFramePoses(FramePoseVector(dict.fromkeys(frames, RigidTransform())))
+    report = run(asked, cycle, topics, 'cycle_report', 'signed_distances')
+    assert (report['waiting_frames'], report['waiting_pairs']) == ([], 0)
+    assert len(topics['signed_distances'].published[-1]['id_a']) == 6
+
+
+def test_what_is_done_beside_the_cycles_is_told_once(live, asked, topics):
+    beside = [Beside('point_distances', lambda: NO_SUBSCRIBER), Beside('scene', lambda: 'not yet')]
+    kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
+    costs = LevelCosts(live, topics['cycle_report'])
+    cycle = Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), beside)
+
+    def told():
+        report = run(asked, cycle, topics, 'cycle_report')
+        names = ('effects', 'effect_ran', 'effect_counts', 'effect_seconds', 'effect_reasons')
+        rows = list(zip(*(report[name] for name in names), strict=True))
+        assert report['unpublished_messages'] == 2  # of the cycle's own
+        return rows[-2:]
+
+    points, scene = 'publish ~/point_distances', 'publish ~/scene'
+    nothing = [(points, False, 0, 0.0, NO_SUBSCRIBER), (scene, False, 0, 0.0, 'not yet')]
+    assert told() == nothing
+    for count in (3, 4):
+        beside[0].did(count, 0.25)
+    assert told() == [(points, True, 7, 0.5, ''), nothing[1]]
+    beside[1].did(0, 0.125)
+    assert told() == [nothing[0], (scene, True, 0, 0.125, '')]

@@ -33,7 +33,7 @@ from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 TEXT = """
 sources: [s]
 frames:
-  - {name: a, source: s}
+  - {name: a, source: s, pose: {}}
   - {name: b, source: s, pose: {position: [1, 0, 0]}}
 geometries:
   - {name: capsule, source: s, frame: a, shape: {type: capsule, radius: 0.1, length: 0.4}}
@@ -100,7 +100,7 @@ def publisher():
 
 @pytest.fixture
 def drawing(live, publisher):
-    return MarkerPublisher(live, publisher, TYPES, lambda: 2.0)
+    return MarkerPublisher(live, publisher, TYPES, lambda: 2.0, lambda *_: None)
 
 
 def extent(parts):
@@ -263,3 +263,18 @@ def test_ids_of_any_geometry_fit_into_a_marker():
     drawn = writer.geometry('n', GeometryId(2**40), parts, (1, 1, 1, 1), RigidTransform())
     assert all(0 <= marker.id < 2**31 for marker in drawn)
     assert len({marker.id for marker in drawn}) == 3
+
+
+def test_what_never_had_a_pose_is_not_drawn_until_it_has(publisher):
+    live = live_scene(TEXT.replace('{name: a, source: s, pose: {}}', '{name: a, source: s}'))
+    drawing = MarkerPublisher(live, publisher, TYPES, lambda: 2.0, lambda *_: None)
+
+    drawing.publish()
+    before = publisher.names()
+    with live.editing() as scene:
+        poses = FramePoseVector({scene.names.frame('a'): RigidTransform()})
+        scene.pose(poses, {}, Plain(sec=0, nanosec=0))
+    drawing.publish()
+    capsule = len(markers.parts_of(Capsule(0.1, 0.4)))
+    assert publisher.names().count('proximity') == before.count('proximity') + capsule
+    assert before.count('proximity') > 0

@@ -16,7 +16,7 @@ from drake_geom_ros.ros.outputs.replays import Replays
 
 TEXT = """
 sources: [s]
-frames: [{name: a, source: s}, {name: b, source: s}]
+frames: [{name: a, source: s}, {name: b, source: s}, {name: nowhere, source: s}]
 geometries:
 - {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
 - {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}

@@ -41,17 +41,24 @@ def publisher():
 
 
 @pytest.fixture
-def topic(live, publisher):
+def did():
+    return []
+
+
+@pytest.fixture
+def topic(live, publisher, did):
     types = Plain(Scene=Message, SceneSource=Plain, SceneFrame=Plain, SceneGeometry=Plain)
-    return SceneTopic(live, publisher, types, lambda: 'now')
+    return SceneTopic(live, publisher, types, lambda: 'now', lambda *what: did.append(what))
 
 
-def test_each_version_is_published_once(scene, topic, publisher):
+def test_each_version_is_published_once(scene, topic, publisher, did):
     for _ in range(3):
         topic.publish()
     (message,) = publisher.published
     assert (message.header.frame_id, message.header.stamp) == ('map', 'now')
     assert message.scene_version == scene.version
+    ((count, seconds),) = did
+    assert (count, seconds > 0.0) == (0, True)
     assert 'a' in [frame.name for frame in message.frames]
     scene.scene_graph.RegisterSource('t')
     topic.publish()

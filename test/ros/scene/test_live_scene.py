@@ -19,7 +19,7 @@ from drake_geom_ros.scene_files import read_scene, to_yaml
 TEXT = """
 sources: [s]
 frames:
-  - {name: a, source: s}
+  - {name: a, source: s, pose: {}}
   - {name: b, source: s, pose: {position: [1, 0, 0]}}
 geometries:
   - {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
@@ -48,9 +48,13 @@ def live(clock):
 
 
 def message(**frames):
+    return message_of('s', **frames)
+
+
+def message_of(source, **frames):
     poses = [float(v) for x in frames.values() for v in (x, 0, 0, 0, 0, 0, 1)]
     header = Plain(stamp=Plain(sec=1, nanosec=0), frame_id='')
-    return Plain(header=header, source='s', frame_names=list(frames), frame_ids=[], poses=poses)
+    return Plain(header=header, source=source, frame_names=list(frames), frame_ids=[], poses=poses)
 
 
 def distance(scene):
@@ -88,7 +92,7 @@ def test_a_refused_message_leaves_everything(scene, clock):
         scene.take_poses(bad)
     assert distance(scene) == pytest.approx(0.8)
     assert scene.moment().oldest_pose_age == pytest.approx(1.0)
-    assert scene.newest_stamp.sec == 1
+    assert scene.moment().newest_stamp.sec == 1
 
 
 @pytest.mark.parametrize('door', [LiveScene.reading, LiveScene.editing, LiveScene.view])
@@ -157,6 +161,17 @@ def test_replacing_grows_the_version_and_keeps_the_text(scene):
     assert scene.version > version
     assert to_yaml(scene.description()) == text
     assert isinstance(scene.names.frame('world'), FrameId)
+
+
+def test_who_waits_for_a_pose_goes_on_waiting_in_a_scene_that_was_saved(scene):
+    scene.add(read_scene('sources: [t]\nframes: [{name: c, source: t}]'))
+    for _ in range(2):
+        assert scene.waiting().frames == ['t::c']
+        text = to_yaml(scene.description())
+        assert scene.replace(prepared(read_scene(text))) == (3, 2)
+    scene.take_poses(message_of('t', c=2))
+    assert scene.waiting() == ([], 0)
+    assert scene.waiting().in_words() == ''
 
 
 def test_an_empty_scene_has_the_world_alone_and_goes_on_counting(clock):

@@ -10,7 +10,13 @@ q carry: candidates that differ by less count as equal, and then the choice is
 - equally near faces: the face of the lowest axis, on it the positive side; a cylinder's
   barrel before its caps;
 - mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
+
+``at_box_edge`` and ``at_cylinder_rim`` return such a result with another gradient where q lies on
+an edge, a corner or a rim, within ``near`` [m]: the mean of the outward normals that adjoin there,
+at unit length. (Drake's documentation of ``QueryObject`` says so for boxes.)
 """
+
+import math
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit
@@ -79,6 +85,27 @@ def box_point(h, q, slack):
 
 
 @inlined
+def at_box_edge(h, q, near, result):
+    """Return the result of ``box_point`` with the gradient of an edge or a corner, if on one."""
+    distance, _, p_GN, _ = result
+    if not abs(distance) <= near:
+        return result
+    x, y, z = _side(q[0], h[0], near), _side(q[1], h[1], near), _side(q[2], h[2], near)
+    faces = abs(x) + abs(y) + abs(z)
+    if faces < 2.0:
+        return result
+    return distance, scale(1.0 / math.sqrt(faces), (x, y, z)), p_GN, False
+
+
+@inlined
+def _side(x, half, near):
+    """Return the side, 1 or -1, on whose face a coordinate lies; 0: on neither."""
+    if abs(x) < half - near:
+        return 0.0
+    return -1.0 if x < 0.0 else 1.0
+
+
+@inlined
 def capsule_point(radius, half_length, q, slack):
     """Signed distance to a capsule: a segment along z, grown by the radius."""
     z = clamp(q[2], half_length)
@@ -110,6 +137,19 @@ def cylinder_point(radius, half_length, q, slack):
         (q[0], q[1], side * half_length),
         abs(q[2]) > slack,
     )
+
+
+@inlined
+def at_cylinder_rim(radius, half_length, q, near, result):
+    """Return the result of ``cylinder_point`` with the gradient of a rim, if on one."""
+    distance, _, p_GN, _ = result
+    if not abs(distance) <= near:
+        return result
+    rho, radial = length_and_direction((q[0], q[1], 0.0))
+    if rho < radius - near or abs(q[2]) < half_length - near:
+        return result
+    side = -1.0 if q[2] < 0.0 else 1.0
+    return distance, scale(math.sqrt(0.5), (radial[0], radial[1], side)), p_GN, False
 
 
 @inlined

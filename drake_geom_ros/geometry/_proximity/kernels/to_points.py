@@ -23,6 +23,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 from drake_geom_ros.geometry._proximity.kernels.calling_points import put_point, seen, take
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 from drake_geom_ros.geometry._proximity.kernels.points import (
+    at_box_edge,
+    at_cylinder_rim,
     box_point,
     capsule_point,
     cylinder_point,
@@ -56,7 +58,8 @@ def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows,
         near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = norm(h) + norm(q)
-            result = box_point(h, q, TIE * extent)
+            slack = TIE * extent
+            result = at_box_edge(h, q, slack + rounding, box_point(h, q, slack))
             take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
 
 
@@ -86,7 +89,9 @@ def to_cylinder(
         near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
             extent = radius + half_length + norm(q)
-            result = cylinder_point(radius, half_length, q, TIE * extent)
+            slack = TIE * extent
+            result = cylinder_point(radius, half_length, q, slack)
+            result = at_cylinder_rim(radius, half_length, q, slack + rounding, result)
             take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
 
 

@@ -1,0 +1,115 @@
+"""Writes docs/python_api.md from the docstrings: python docs/generate_python_api.py."""
+
+from __future__ import annotations
+
+import enum
+import importlib
+import inspect
+import re
+import textwrap
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+TARGET = Path(__file__).resolve().parent / 'python_api.md'
+MODULES = ('geometry', 'math', 'common', 'common.value', 'common.eigen_geometry')
+_INTRODUCTION = """# The Python API
+
+Made from the docstrings by `python docs/generate_python_api.py`; a test holds it current. The core
+needs no ROS. Names are those of pydrake, whose documentation describes them at length;
+[differences_from_pydrake.md](differences_from_pydrake.md) says what is otherwise here. Lengths are
+in metres, angles in radians. A refused call raises a RuntimeError, and changes nothing.
+
+"""
+
+
+def api() -> str:
+    """Return the text of the page."""
+    modules = [importlib.import_module(f'drake_geom_ros.{name}') for name in MODULES]
+    contents = [f'- [{m.__name__}](#{_anchor(m.__name__)})' for m in modules]
+    return '\n'.join([_INTRODUCTION + '\n'.join(contents) + '\n', *map(_module, modules)])
+
+
+def public(module: ModuleType) -> dict[str, Any]:
+    """Return the public names of a module and what they are."""
+    names = getattr(module, '__all__', None) or [
+        name for name, thing in vars(module).items() if inspect.isclass(thing)
+    ]
+    return {name: getattr(module, name) for name in names}
+
+
+def members(kind: type) -> dict[str, Any]:
+    """Return the public methods and properties of a class, its bases' included."""
+    found = {}
+    for name, value in inspect.getmembers(kind):
+        given = inspect.getattr_static(kind, name)
+        function = isinstance(given, (staticmethod, classmethod, property)) or callable(value)
+        if not name.startswith('_') and function and not isinstance(value, enum.Enum):
+            found[name] = value
+    for base in (tuple, enum.Enum, Exception):
+        if issubclass(kind, base):
+            found = {name: v for name, v in found.items() if not hasattr(base, name)}
+    return found
+
+
+def _module(module: ModuleType) -> str:
+    parts = [f'## {module.__name__}\n\n{_text(module)}\n']
+    for name, thing in public(module).items():
+        parts.append(_class(name, thing) if inspect.isclass(thing) else _other(name, thing))
+    return '\n'.join(parts)
+
+
+def _class(name: str, kind: type) -> str:
+    """Return the section of a class: what it is, and a line for each of its members."""
+    lines = [f'### {name}{"" if issubclass(kind, enum.Enum) else _signature(kind)}\n', _text(kind)]
+    if issubclass(kind, enum.Enum):
+        lines.append('\n' + ', '.join(f'`{member.name}`' for member in kind))
+    listed = [f'- `{m}{_signature(v)}`: {_text(v, 1)}' for m, v in members(kind).items()]
+    return '\n'.join([*lines, *([''] if listed else []), *listed, ''])
+
+
+def _other(name: str, thing: Any) -> str:
+    """Return the section of a function or of a value."""
+    if inspect.isfunction(thing):
+        return f'### {name}{_signature(thing)}\n\n{_text(thing)}\n'
+    if name.endswith('_') and hasattr(thing, '__getitem__'):
+        return f'### {name}\n\n`{name}[float]` is `{name[:-1]}`.\n'
+    return f'### {name}\n\n`{thing!r}`\n'
+
+
+def _signature(thing: Any) -> str:
+    """Return the names and defaults of the arguments; a property has none."""
+    if not callable(thing) or (inspect.isclass(thing) and issubclass(thing, Exception)):
+        return ''
+    try:
+        signature = inspect.signature(thing)
+    except (TypeError, ValueError):
+        return '()'
+    parameters = [
+        p.replace(annotation=inspect.Parameter.empty)
+        for name, p in signature.parameters.items()
+        if name != 'self'
+    ]
+    shown = str(signature.replace(parameters=parameters, return_annotation=signature.empty))
+    shown = re.sub(r'<(\w+\.\w+): [^>]*>', r'\1', shown)
+    return re.sub(r'<factory>|<[^>]*>', '...', shown)
+
+
+def _text(thing: Any, paragraphs: int | None = None) -> str:
+    """Return the docstring, examples as code; or its first paragraphs in a line."""
+    text = (inspect.getdoc(thing) or '').replace('``', '`')
+    if paragraphs:
+        return ' '.join(text.split('\n\n')[0].split())
+    blocks = [re.sub(r'::$', ':', block) for block in text.split('\n\n')]
+    examples = '>>>', '    >>>'
+    return '\n\n'.join(
+        f'```python\n{textwrap.dedent(b)}\n```' if b.startswith(examples) else b for b in blocks
+    )
+
+
+def _anchor(title: str) -> str:
+    return re.sub(r'[^\w-]', '', title.lower())
+
+
+if __name__ == '__main__':
+    TARGET.write_text(api())

@@ -1,0 +1,66 @@
+"""The faces of a convex hull as polygons: its triangles, united where they lie in one plane."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SAME_VOLUME
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def united(vertices: Floats, triangles: Indices) -> list[list[int]]:
+    """Return the polygons, counter-clockwise from outside, that triangles (m, 3) of a hull make.
+
+    A face is what can be reached from a triangle without leaving its plane by more than rounding;
+    it stays in triangles where it is not a convex polygon, for its plane is not one to rounding.
+    """
+    noise = COPLANAR * EPS * float(np.abs(vertices).max())
+    edges = {
+        (int(row[i]), int(row[i - 2])): k for k, row in enumerate(triangles) for i in range(3)
+    }
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    areas = 0.5 * np.linalg.norm(normals, axis=1)
+    normals /= 2.0 * areas[:, None]
+    free = np.ones(len(triangles), dtype=np.bool_)
+    polygons = []
+    # From the largest triangle on, whose plane is known best.
+    for seed in np.argsort(-areas, kind='stable').tolist():
+        if not free[seed]:
+            continue
+        offset = a[seed] @ normals[seed]
+        face, free[seed] = [seed], False
+        for k in face:
+            for beyond in _neighbours(triangles[k].tolist(), edges):
+                rises = vertices[triangles[beyond]] @ normals[seed] - offset
+                if free[beyond] and np.abs(rises).max() <= noise:
+                    free[beyond] = False
+                    face.append(beyond)
+        polygons += _joined(vertices, triangles[face], normals[seed], float(areas[face].sum()))
+    return polygons
+
+
+def _neighbours(corners: list[int], edges: dict[tuple[int, int], int]) -> list[int]:
+    """Return the triangles beyond the edges of one: three, but for slivers that were left out."""
+    twins = [(corners[i - 2], corners[i]) for i in range(3)]
+    return [edges[twin] for twin in twins if twin in edges]
+
+
+def _joined(vertices: Floats, face: Indices, normal: Floats, area: float) -> list[list[int]]:
+    """Return triangles (k, 3) as the convex polygon of their area [m^2], or as they are.
+
+    The polygon has their vertices in the order of their angles around a unit normal (3,).
+    """
+    triangles: list[list[int]] = face.tolist()
+    if len(face) == 1:
+        return triangles
+    names = np.unique(face)
+    arms = vertices[names] - vertices[names].mean(axis=0)
+    side = np.cross(normal, arms[0])
+    order = np.argsort(np.arctan2(arms @ side, arms @ np.cross(side, normal)))
+    around = arms[order]
+    found = 0.5 * float(np.cross(around, np.roll(around, -1, axis=0)).sum(axis=0) @ normal)
+    return [names[order].tolist()] if abs(found - area) <= SAME_VOLUME * area else triangles

@@ -1,0 +1,33 @@
+"""What queries leave out because it waits for a first pose. No ROS import."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from drake_geom_ros.geometry import QueryObject
+from drake_geom_ros.ros.conversions.names import NameTable
+
+_SHOWN = 5  # names in a sentence
+
+
+class Waiting(NamedTuple):
+    """The full names of the frames that never had a pose, and how many pairs that leaves out."""
+
+    frames: list[str]
+    pairs: int
+
+    def in_words(self) -> str:
+        """Return a sentence about it; empty where nothing waits."""
+        if not self.frames:
+            return ''
+        more = ' ...' if len(self.frames) > _SHOWN else ''
+        return (
+            f'{self.pairs} pairs are left out, for {len(self.frames)} frames never had a pose: '
+            f'{", ".join(self.frames[:_SHOWN])}{more}'
+        )
+
+
+def waiting(query: QueryObject, names: NameTable) -> Waiting:
+    """Return what waits in the scene of a query object."""
+    frames = [names.frame_names[frame] for frame in query.waiting_frames()]
+    return Waiting(frames, query.num_waiting_pairs() if frames else 0)

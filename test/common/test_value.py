@@ -1,0 +1,25 @@
+"""Values in boxes."""
+
+import pytest
+
+from drake_geom_ros.common.value import AbstractValue
+
+
+def test_a_box_holds_a_copy():
+    given = [1]
+    box = AbstractValue.Make(given)
+    given.append(2)
+    other = box.Clone()
+    other.get_mutable_value().append(3)
+    assert (box.get_value(), other.get_value()) == ([1], [1, 3])
+    box.SetFrom(other)
+    other.set_value([])
+    assert box.get_value() == [1, 3]
+    assert repr(box) == 'AbstractValue.Make([1, 3])'
+
+
+def test_the_type_of_a_value_stays():
+    with pytest.raises(RuntimeError, match='is of type int, given float'):
+        AbstractValue.Make(3).set_value(3.0)
+    with pytest.raises(RuntimeError, match='make one with'):
+        AbstractValue()

@@ -1,0 +1,50 @@
+"""What /diagnostics says of frames without poses and of transient filters; without a node."""
+
+import math
+from types import SimpleNamespace as Plain
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.scene.waiting import Waiting
+
+CYCLE = Plain(count=3, worst_error_bound=0.0)
+NOBODY = Waiting([], 0)
+
+
+def status_of(ages, waiting=NOBODY, owners=None):
+    """Return the status of a scene, and its values by key."""
+    scene = SceneState(7, ages, waiting, owners or {})
+    (status,) = Diagnostics('/node').message(scene, 1.0, CYCLE, 1.0).status
+    return status, {v.key: v.value for v in status.values}
+
+
+def test_a_frame_that_never_had_a_pose_is_warned_of_and_named():
+    waiting = Waiting([f's::f{k}' for k in range(7)], 12)
+    ages = dict.fromkeys(waiting.frames, math.inf)
+    status, values = status_of({**ages, 's::old': 2.0}, waiting)
+    assert status.level == DiagnosticStatus.WARN
+    assert status.message.startswith(
+        '12 pairs are left out, for 7 frames never had a pose: s::f0, s::f1, s::f2, s::f3, s::f4 '
+    )
+    assert '8 of 8 frames are stale' in status.message
+    assert values['frames that never had a pose'] == '7'
+    assert values['names of frames that never had a pose'].split(', ') == waiting.frames
+    assert values['pairs left out for them'] == '12'
+
+
+def test_without_such_frames_nothing_is_said_of_them():
+    status, values = status_of({'s::a': 0.5})
+    assert status.level == DiagnosticStatus.OK
+    assert status.message == '3 cycles, 0 pose messages'
+    assert values['names of frames that never had a pose'] == ''
+    assert values['frames that never had a pose'] == values['pairs left out for them'] == '0'
+
+
+@pytest.mark.parametrize(
+    ('owners', 'said'),
+    [({}, 'none'), ({4: 'planner', 9: ''}, '4 (planner), 9 (nobody said whose)')],
+)
+def test_transient_filters_are_told_with_their_owners(owners, said):
+    assert status_of({}, owners=owners)[1]['transient filters'] == said

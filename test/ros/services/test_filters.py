@@ -1,0 +1,99 @@
+"""Who asked for a transient filter is told wherever the filter is; without ROS."""
+
+from types import SimpleNamespace as Plain
+
+import pytest
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.ros.services import filters, queries
+
+TEXT = """
+sources: [s]
+frames: [{name: a, source: s}, {name: b, source: s}]
+geometries:
+  - {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+  - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
+"""
+EXCLUDE_WITHIN = 1
+EMPTY = {'frame_ids': [], 'geometry_ids': []}
+BOTH = Plain(frames=['a', 'b'], geometries=[], **EMPTY)
+DECLARATION = Plain(
+    statements=[
+        Plain(operation=EXCLUDE_WITHIN, set_a=BOTH, set_b=Plain(frames=[], geometries=[], **EMPTY))
+    ]
+)
+
+
+@pytest.fixture
+def clock():
+    return [100.0]
+
+
+@pytest.fixture
+def live(clock):
+    return live_scene(TEXT, lambda: clock[0])
+
+
+def apply(live, owner, lease=0.0):
+    """Apply a transient filter, and return its id."""
+    request = Plain(declaration=DECLARATION, owner=owner, lease=lease)
+    response = Plain()
+    with live.editing() as scene:
+        filters.apply_transient_filter(scene, request, response)
+    return response.filter_id
+
+
+def state(live):
+    """Return the owners by the ids of the active filters, and the reasons of the pair."""
+    answer, explained = Plain(), Plain()
+    queries.get_filters(live, Plain(), answer)
+    pair = Plain(geometry_a='a/ball', geometry_b='b/ball')
+    queries.explain_filter(live, pair, explained)
+    ids = list(answer.active_filter_ids)
+    return dict(zip(ids, answer.active_filter_owners, strict=True)), explained.reasons
+
+
+def told(live):
+    with live.editing() as scene:
+        lines, scene.told = scene.told, []
+    return lines
+
+
+def test_owners_stand_beside_the_filters_that_they_asked_for(live):
+    planner, nobody = apply(live, 'planner'), apply(live, '')
+    owners, reasons = state(live)
+    assert owners == {planner: 'planner', nobody: ''}
+    # Of declarations about the same sets the newest is named first.
+    assert reasons[0] == f'transient declaration {nobody}'
+    assert reasons[-1] == f"transient declaration {planner} (owner 'planner')"
+    with live.editing() as scene:
+        filters.remove_filter(scene, Plain(filter_id=planner), Plain())
+        assert scene.filter_owners() == {nobody: ''}
+    assert state(live) == ({nobody: ''}, [f'transient declaration {nobody}'])
+
+
+def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
+    planner, nobody = apply(live, 'planner', 5.0), apply(live, '')
+    assert told(live) == [
+        f"transient filter {planner} for 5 s (owner 'planner')",
+        f'transient filter {nobody} until it is removed',
+    ]
+    clock[0] += 6.0
+    with live.editing() as scene:
+        scene.expire_filters()
+        filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
+        filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
+    assert told(live) == [
+        f"the lease of transient filter {planner} ran out: removed (owner 'planner')",
+        f'transient filter {nobody} removed',
+    ]
+
+
+def test_who_is_gone_is_forgotten(live):
+    for number in range(5):
+        apply(live, f'owner {number}')
+    with live.editing() as scene:
+        filters.flatten_filters(scene, Plain(), Plain())
+    assert state(live)[0] == {}
+    with live.editing() as scene:
+        assert scene._owners == {}
