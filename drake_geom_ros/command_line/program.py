@@ -17,8 +17,9 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
 
     ``prog`` is how it was started, as its help shows it.
 
-    0: done; 1: ``check`` found the scene bad, ``replay`` the promise still broken, ``accuracy`` a
-    certificate that is wrong; 2: what was asked cannot be, said in one line on standard error.
+    0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
+    still broken or the disagreement still there, ``accuracy`` a certificate that is wrong; 2: what
+    was asked cannot be, said in one line on standard error.
     """
     parser = argparse.ArgumentParser(
         prog=prog,
