@@ -21,7 +21,7 @@ CORE = [
 # and drake_geom_msgs is built by colcon. What PyPI has of it is in requirements/ros.txt.
 EXTRAS = {
     'robots': ['yourdfpy>=0.0.56'],  # forward kinematics: check and query of a URDF, the player
-    'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion
+    'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
     'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
     'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],
 }

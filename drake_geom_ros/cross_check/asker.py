@@ -80,6 +80,9 @@ class Asker:
             if self._connection.poll(_LOOKS):
                 verdicts: list[Verdict] = self._connection.recv()
                 return verdicts
+            # What it has started may have its end of the pipe, and be at work still.
+            if self._process is None or self._process.poll() is not None:
+                raise EOFError
             if time.monotonic() > end:
                 raise TimeoutError
         return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -28,6 +29,7 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 LIBRARY = 'python-fcl'
 LIMIT = 2.0  # [s] of processor time for a question, which takes a millisecond at most
+MOST_LOST = 3  # processes that a pair of geometries may cost; it is not asked about any more
 _PREPARED_PAIRS = 1024  # whose objects FCL keeps
 
 Bodies = dict[int, Body]
@@ -56,13 +58,14 @@ class SecondOpinion:
         self._version = -1
         self._bodies: Bodies = {}
         self._there: set[int] = set()  # whose bodies the process has
+        self._losses: Counter[tuple[int, int]] = Counter()  # processes, by pair
         self._process = LostProcess(lambda: made(dict(self._bodies)))
 
     def judge(self, batch: Batch) -> list[Verdict]:
         """Return the verdicts on the questions of a batch."""
         if batch.version != self._version:
             self.close()
-            self._version, self._bodies = batch.version, {}
+            self._version, self._bodies, self._losses = batch.version, {}, Counter()
         for value, asked in batch.shapes.items():
             with contextlib.suppress(MeshFileError):  # of a file that is not what it was
                 self._bodies[value] = body_of(asked)
@@ -75,6 +78,8 @@ class SecondOpinion:
     def _judged(self, ours: Question) -> Verdict:
         if not self._bodies.keys() >= set(ours.ids):
             return Verdict(SILENT, text='a mesh file cannot be read')
+        if self._losses[ours.ids] >= MOST_LOST:
+            return Verdict(SILENT, text=f'not asked: it was lost {MOST_LOST} times')
         a, b = (
             self._bodies[value].placed(*pose)
             for value, pose in zip(ours.ids, (ours.X_WA, ours.X_WB), strict=True)
@@ -88,6 +93,7 @@ class SecondOpinion:
         self._there |= new.keys()
         outcome = self._process.ask(self._limit, query, *ours.ids, ours.X_WA, ours.X_WB, new)
         if outcome.is_lost:
+            self._losses[ours.ids] += 1
             return Verdict(LOST, text=f'{outcome.end} ({outcome.value})')
         if outcome.end != ANSWER:
             return Verdict(SILENT, text=str(outcome.value))

@@ -203,6 +203,8 @@ class ConfiguredNode:
         cross_check, self._cycle.cross_check = self._cycle.cross_check, None
         if cross_check is not None:
             cross_check.close()
+            counts = ', '.join(f'{n} {key}' for key, n in cross_check.counts()._asdict().items())
+            self._node.get_logger().info(f'cross_check: {counts}')
         if rate > 0.0:
             # Only now: most nodes ask for none.
             from drake_geom_ros.ros.outputs.cross_check import CrossCheck
