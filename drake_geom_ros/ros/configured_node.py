@@ -102,7 +102,7 @@ class ConfiguredNode:
         self._start_timers(settings.values)
         self._cycle_timer: Timer | None = None
         self._set_rate(settings.values.rate)
-        self._set_cross_check(settings.values.cross_check)
+        self.set_cross_check(settings.values.cross_check)
 
     # The life cycle.
 
@@ -121,7 +121,7 @@ class ConfiguredNode:
             self._stream.stop()
             self._set_rate(0.0)
             self._surface.close()
-        self._set_cross_check(0.0)
+        self.set_cross_check(0.0)
 
     def follow(self, old: NodeParameters, new: NodeParameters) -> None:
         """Do as changed parameters say."""
@@ -133,7 +133,20 @@ class ConfiguredNode:
             if new.rate != old.rate:
                 self._set_rate(new.rate)
         if new.cross_check != old.cross_check:
-            self._set_cross_check(new.cross_check)
+            self.set_cross_check(new.cross_check)
+
+    def set_cross_check(self, rate: float) -> None:
+        """Ask for a second opinion ``rate`` [Hz] times a second; 0: not at all."""
+        cross_check, self._cycle.cross_check = self._cycle.cross_check, None
+        if cross_check is not None:
+            cross_check.close()
+            counts = ', '.join(f'{n} {key}' for key, n in cross_check.counts()._asdict().items())
+            self._node.get_logger().info(f'cross_check: {counts}')
+        if rate > 0.0:
+            # Only now: most nodes ask for none.
+            from drake_geom_ros.ros.outputs.cross_check import CrossCheck
+
+            self._cycle.cross_check = CrossCheck(rate, self._replay_settings)
 
     # What is opened.
 
@@ -197,19 +210,6 @@ class ConfiguredNode:
                 partial(self._guard.attempt, self._stream.cycle_is_due),
                 callback_group=self._groups.stream,
             )
-
-    def _set_cross_check(self, rate: float) -> None:
-        """Ask for a second opinion ``rate`` [Hz] times a second; 0: not at all."""
-        cross_check, self._cycle.cross_check = self._cycle.cross_check, None
-        if cross_check is not None:
-            cross_check.close()
-            counts = ', '.join(f'{n} {key}' for key, n in cross_check.counts()._asdict().items())
-            self._node.get_logger().info(f'cross_check: {counts}')
-        if rate > 0.0:
-            # Only now: most nodes ask for none.
-            from drake_geom_ros.ros.outputs.cross_check import CrossCheck
-
-            self._cycle.cross_check = CrossCheck(rate, self._replay_settings)
 
     def _start_timers(self, values: NodeParameters) -> None:
         """Start what is due again and again, but cycles."""

@@ -4,28 +4,19 @@ import time
 
 import numpy as np
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import TWO_BALLS, live_scene
 
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, LOST, REFUTED, SILENT, Verdict
 from drake_geom_ros.replay import Opinion, read
 from drake_geom_ros.ros.outputs import cross_check as module
 from drake_geom_ros.ros.outputs.cross_check import PAIRS, Counts, CrossCheck
 
-TEXT = """
-sources: [s]
-frames: [{name: a, source: s}, {name: b, source: s}]
-geometries:
-- {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
-- {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}
-- {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
-- {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
-"""
 PATIENCE = 20.0  # [s]
 
 
 @pytest.fixture
 def live():
-    return live_scene(TEXT, lambda: 0.0)
+    return live_scene(TWO_BALLS, lambda: 0.0)
 
 
 class FakeAsker:
@@ -95,7 +86,7 @@ def test_a_sample_is_small(checks):
         f'- {{name: b{k}, source: s, frame: a, shape: {{type: sphere, radius: 0.1}}}}'
         for k in range(PAIRS)
     )
-    with live_scene(f'{TEXT}{balls}\n', lambda: 0.0).editing() as scene:
+    with live_scene(f'{TWO_BALLS}{balls}\n', lambda: 0.0).editing() as scene:
         check = checks()
         assert len(cycle(scene, check)) > PAIRS
         waited(lambda: check.counts().pairs)

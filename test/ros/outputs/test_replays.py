@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import TWO_BALLS, live_scene
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
@@ -14,20 +14,10 @@ from drake_geom_ros.replay import read, recorded, reproduce
 from drake_geom_ros.ros.outputs import replays as replays_module
 from drake_geom_ros.ros.outputs.replays import Replays
 
-TEXT = """
-sources: [s]
-frames: [{name: a, source: s}, {name: b, source: s}]
-geometries:
-- {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
-- {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}
-- {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
-- {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
-"""
-
 
 @pytest.fixture
 def live():
-    return live_scene(TEXT, lambda: 0.0)
+    return live_scene(TWO_BALLS, lambda: 0.0)
 
 
 @pytest.fixture
