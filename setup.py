@@ -5,6 +5,27 @@ from setuptools import find_packages, setup
 NAME = 'drake_geom_ros'
 SHARE = f'share/{NAME}'
 
+# What the core and the command line import. The lower bounds are the oldest versions that the
+# tests of the core were seen to pass with; nothing is bound from above, for what a later version
+# breaks nobody knows yet. What is tested every day is pinned in requirements/.
+CORE = [
+    'jsonschema>=4.10',  # scene files against their schema
+    'lxml>=4.9',  # URDF and SRDF
+    'numba>=0.58',  # the kernels
+    'numpy>=1.26',
+    'pyyaml>=6.0',  # scene files
+    'scipy>=1.11',  # hulls, asked for by trimesh
+    'trimesh>=4.2',  # mesh files
+]
+# ROS is no extra: a distribution brings rclpy and messages of its own, compiled for its Python,
+# and drake_geom_msgs is built by colcon. What PyPI has of it is in requirements/ros.txt.
+EXTRAS = {
+    'robots': ['yourdfpy>=0.0.56'],  # forward kinematics: check and query of a URDF, the player
+    'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
+    'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
+    'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],
+}
+
 
 def shared(folder):
     """List the files of a folder for the share of the package, where launch looks for them."""
@@ -18,9 +39,9 @@ setup(
     license='Apache-2.0',
     maintainer='drake_geom_ros maintainers',
     maintainer_email='maintainers@drake-geom-ros.invalid',
-    python_requires='>=3.10,<3.14',
+    python_requires='>=3.10',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['*/*.schema.json', 'evidence/hard_cases/catalogue/*.json']},
+    package_data={NAME: ['py.typed', '*/*.schema.json', 'evidence/hard_cases/catalogue/*.json']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),
@@ -28,9 +49,11 @@ setup(
     ],
     # The package may be installed read-only: compiled kernels are kept elsewhere (compiled.py).
     zip_safe=False,
-    install_requires=['setuptools'],
+    install_requires=CORE,
+    extras_require=EXTRAS,
     entry_points={
         'console_scripts': [
+            'drake_geom_ros = drake_geom_ros.command_line.program:main',
             'scene_graph_node = drake_geom_ros.ros.scene_graph_node:main',
             'pose_player = drake_geom_ros.ros.pose_player:main',
         ]

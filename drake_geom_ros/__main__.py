@@ -5,4 +5,4 @@ import sys
 from drake_geom_ros.command_line.program import main
 
 if __name__ == '__main__':
-    sys.exit(main())
+    sys.exit(main(prog='python -m drake_geom_ros'))

@@ -8,6 +8,7 @@ from itertools import combinations
 from typing import Any
 
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.second_opinion import cross_checked
 from drake_geom_ros.geometry import GeometryId, Role
 from drake_geom_ros.scene_files import Member, SceneFileError, poses_in_parents
 from drake_geom_ros.scene_files.description import (
@@ -17,7 +18,7 @@ from drake_geom_ros.scene_files.description import (
     GroupDescription,
 )
 
-BAD_SCENE = 1  # the exit code
+BAD_SCENE = DISAGREED = 1  # the exit codes
 # Reasons that hold in every scene: such pairs are counted, not listed.
 _ALWAYS = {'anchored', 'same frame'}
 _ROLE_NAMES = {
@@ -40,6 +41,11 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--all-pairs', action='store_true', help='list anchored and same-frame pairs too'
     )
+    parser.add_argument(
+        '--cross-check',
+        action='store_true',
+        help='ask python-fcl about each pair too; exit code 1 where it disagrees',
+    )
     parser.set_defaults(run=run)
 
 
@@ -52,7 +58,11 @@ def run(options: argparse.Namespace) -> int:
         return BAD_SCENE
     for line in _report(scene, options.scene, options.all_pairs):
         print(line)
-    return 0
+    if not options.cross_check:
+        return 0
+    lines, agreed = cross_checked(scene)
+    print(*lines, sep='\n')
+    return 0 if agreed else DISAGREED
 
 
 def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The program behind ``python -m drake_geom_ros``: one subcommand a module."""
+"""The program ``drake_geom_ros``, or ``python -m drake_geom_ros``: one subcommand a module."""
 
 import argparse
 import os
@@ -12,16 +12,19 @@ BAD_INPUT = 2  # the exit code of what was asked wrongly, as argparse has it
 _READER_LEFT = 141  # as a shell reports a process that SIGPIPE ended
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -> int:
     """Run the subcommand that the arguments name and return the exit code.
 
-    0: done; 1: ``check`` found the scene bad, ``replay`` the promise still broken, ``accuracy`` a
-    certificate that is wrong; 2: what was asked cannot be, said in one line on standard error.
+    ``prog`` is how it was started, as its help shows it.
+
+    0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
+    still broken or the disagreement still there, ``accuracy`` a certificate that is wrong; 2: what
+    was asked cannot be, said in one line on standard error.
     """
     parser = argparse.ArgumentParser(
-        prog='python -m drake_geom_ros',
+        prog=prog,
         description='Answers about a scene file, without ROS.',
-        epilog='Each command explains itself: python -m drake_geom_ros query --help.',
+        epilog=f'Each command explains itself: {prog} query --help.',
     )
     commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
     for module in (query, check, convert, replay, accuracy):

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Iterator
 from typing import Any
 
-from drake_geom_ros.replay import Answer, Replay, read, reproduce
+from drake_geom_ros.replay import Answer, Opinion, Replay, read, reproduce
 
 STILL_BROKEN = 1  # the exit code
 
@@ -13,9 +13,10 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'replay',
-        help='reproduce an answer that broke a promise',
+        help='reproduce an answer that broke a promise, or that python-fcl disagreed about',
         description='Rebuilds the scene of a replay file (parameter replay_dir of the node), asks '
-        'for the pair again and compares. Exit code 1 where the promise is still broken.',
+        'for the pair again and compares. Exit code 1 where the promise is still broken, or the '
+        'answer still differs from the other opinion in the file.',
     )
     parser.add_argument('file', metavar='FILE', help='written by the node')
     parser.set_defaults(run=run)
@@ -27,7 +28,8 @@ def run(options: argparse.Namespace) -> int:
     now = reproduce(replay, options.file)
     for line in _report(replay, now):
         print(line)
-    return STILL_BROKEN if now.breaks_promise else 0
+    differs = replay.opinion is not None and replay.opinion.differs(now)
+    return STILL_BROKEN if now.breaks_promise or differs else 0
 
 
 def _report(replay: Replay, now: Answer) -> Iterator[str]:
@@ -42,6 +44,8 @@ def _report(replay: Replay, now: Answer) -> Iterator[str]:
     for title, then, new in _rows(replay.answer, now):
         yield f'{title:26}{then:>26}{new:>26}'
     yield _verdict(now)
+    if replay.opinion is not None:
+        yield _second(replay.opinion, now)
 
 
 def _rows(then: Answer, now: Answer) -> Iterator[tuple[str, str, str]]:
@@ -60,3 +64,10 @@ def _verdict(now: Answer) -> str:
     if now.breaks_promise:
         return f'the promise is still broken: {bounds}'
     return f'the promise is kept: {bounds}'
+
+
+def _second(opinion: Opinion, now: Answer) -> str:
+    """Return the other library's answer in one line, and whether ours is still another one."""
+    said = 'no contact' if opinion.distance is None else f'{opinion.distance!r} m'
+    verb = 'still differs from' if opinion.differs(now) else 'agrees with'
+    return f'it {verb} {opinion.library}: {said} within {opinion.tolerance:.3g} m'

@@ -82,8 +82,11 @@ class LostProcess:
 
     def _start(self) -> None:
         self._connection, theirs = self._context.Pipe()
+        # A forked process has a copy of our end, too, and would never see that we are gone.
+        forked = self._context.get_start_method() == 'fork'
+        copied = self._connection if forked else None
         self._process = self._context.Process(
-            target=_serve, args=(theirs, self._make), daemon=True
+            target=_serve, args=(theirs, copied, self._make), daemon=True
         )
         self._process.start()
         theirs.close()
@@ -105,8 +108,12 @@ def outcomes(
         process.close()
 
 
-def _serve(connection: Connection, make: Callable[[], Callable[..., Any]]) -> None:
+def _serve(
+    connection: Connection, copied: Connection | None, make: Callable[[], Callable[..., Any]]
+) -> None:
     """Answer questions until the other side is gone."""
+    if copied is not None:
+        copied.close()
     # What a library prints while it dies is no output of ours, and nobody reads its core.
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)

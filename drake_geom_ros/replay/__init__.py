@@ -5,7 +5,7 @@
 """
 
 from drake_geom_ros.replay.file import read, write
-from drake_geom_ros.replay.record import Answer, Question, Replay, recorded
+from drake_geom_ros.replay.record import Answer, Opinion, Question, Replay, recorded
 from drake_geom_ros.replay.reproduction import reproduce
 
-__all__ = ['Answer', 'Question', 'Replay', 'read', 'recorded', 'reproduce', 'write']
+__all__ = ['Answer', 'Opinion', 'Question', 'Replay', 'read', 'recorded', 'reproduce', 'write']

@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from drake_geom_ros.replay.record import Answer, Question, Replay
+from drake_geom_ros.replay.record import Answer, Opinion, Question, Replay
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.scene_files.schema import faults, read_schema
 from drake_geom_ros.scene_files.yaml_text import key_text
@@ -46,7 +46,10 @@ def read(path: str | Path) -> Replay:
     for where, reason in faults(data, read_schema('drake_geom_ros.replay', 'replay.schema.json')):
         raise SceneFileError(reason, file, key=key_text(where))
     question, answer = Question(**_record(data['question'])), Answer(**_record(data['answer']))
-    return Replay(**_record({**data, 'question': question, 'answer': answer}))
+    given = data.get('opinion')
+    opinion = None if given is None else Opinion(**_record(given))
+    records = {'question': question, 'answer': answer, 'opinion': opinion}
+    return Replay(**_record({**data, **records}))
 
 
 def _record(data: dict[str, Any]) -> dict[str, Any]:

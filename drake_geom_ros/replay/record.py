@@ -51,10 +51,33 @@ class Answer:
 
 
 @dataclass(frozen=True)
+class Opinion:
+    """What another library says to the same question, and what it may be off by.
+
+    ``distance`` None: it reports no contact. Normal and witness points where it gives any.
+    """
+
+    library: str
+    distance: float | None  # [m]
+    tolerance: float  # [m]
+    nhat_BA_W: tuple[float, ...] | None = None
+    p_WCa: tuple[float, ...] | None = None  # [m]
+    p_WCb: tuple[float, ...] | None = None  # [m]
+
+    def differs(self, answer: Answer) -> bool:
+        """Return whether an answer is farther from it than both may be off."""
+        allowed = answer.error_bound + self.tolerance
+        if self.distance is None:
+            return answer.distance < -allowed
+        return not abs(answer.distance - self.distance) <= allowed
+
+
+@dataclass(frozen=True)
 class Replay:
     """A question, the scene (YAML, every frame where it was), what was answered, and by what.
 
-    ``ids`` are those of the two geometries in the node's scene.
+    ``ids`` are those of the two geometries in the node's scene; ``opinion`` is another library's,
+    where that is why the answer was kept.
     """
 
     scene: str
@@ -62,6 +85,7 @@ class Replay:
     ids: tuple[int, int]
     answer: Answer
     versions: Mapping[str, str]
+    opinion: Opinion | None = None
 
 
 def answer_of(results: SignedDistanceResults, index: int) -> Answer:
@@ -86,6 +110,7 @@ def recorded(
     accuracy: str,
     max_distance: float,
     hint: tuple[float, ...] | None = None,
+    opinion: Opinion | None = None,
 ) -> Replay:
     """Return the replay of one of the ``results``, which ``query`` gave as it is posed now.
 
@@ -104,6 +129,7 @@ def recorded(
         (pair.id_A.get_value(), pair.id_B.get_value()),
         answer,
         _versions(),
+        opinion,
     )
 
 

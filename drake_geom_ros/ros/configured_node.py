@@ -26,7 +26,7 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
+from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState, add_counts
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
@@ -108,6 +108,7 @@ class ConfiguredNode:
         self._start_timers(settings.values)
         self._cycle_timer: Timer | None = None
         self._set_rate(settings.values.rate)
+        self.set_cross_check(settings.values.cross_check)
 
     # The life cycle.
 
@@ -126,6 +127,7 @@ class ConfiguredNode:
             self._stream.stop()
             self._set_rate(0.0)
             self._surface.close()
+        self.set_cross_check(0.0)
 
     def follow(self, old: NodeParameters, new: NodeParameters) -> None:
         """Do as changed parameters say."""
@@ -136,6 +138,21 @@ class ConfiguredNode:
                 self.live.files = FileAccess(new.mesh_roots, new.scene_file)
             if new.rate != old.rate:
                 self._set_rate(new.rate)
+        if new.cross_check != old.cross_check:
+            self.set_cross_check(new.cross_check)
+
+    def set_cross_check(self, rate: float) -> None:
+        """Ask for a second opinion ``rate`` [Hz] times a second; 0: not at all."""
+        cross_check, self._cycle.cross_check = self._cycle.cross_check, None
+        if cross_check is not None:
+            cross_check.close()
+            counts = ', '.join(f'{n} {key}' for key, n in cross_check.counts()._asdict().items())
+            self._node.get_logger().info(f'cross_check: {counts}')
+        if rate > 0.0:
+            # Only now: most nodes ask for none.
+            from drake_geom_ros.ros.outputs.cross_check import CrossCheck
+
+            self._cycle.cross_check = CrossCheck(rate, self._replay_settings)
 
     # What is opened.
 
@@ -267,7 +284,8 @@ class ConfiguredNode:
         return values.replay_dir, values.replay_limit
 
     def _write_replays(self) -> None:
-        for told in self._replays.write():
+        cross_check = self._cycle.cross_check
+        for told in self._replays.write() + (cross_check.tell() if cross_check else []):
             self._node.get_logger().warning(told)
 
     def _keep_house(self) -> None:
@@ -292,6 +310,8 @@ class ConfiguredNode:
             )
         stale_after = self._settings.values.stale_after
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
+        if self._cycle.cross_check is not None:
+            add_counts(message.status[0], self._cycle.cross_check.counts())
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._diagnostics_publisher.publish(message)
 

@@ -41,6 +41,7 @@ class NodeParameters:
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
     replay_dir: str = ''
     replay_limit: int = 20
+    cross_check: float = 0.0
     autostart: bool = True
 
 
@@ -76,6 +77,10 @@ _TEXTS = {
         '`python -m drake_geom_ros replay FILE`; empty: none.' + _LIVE
     ),
     'replay_limit': 'Replay files in that folder at which no more are written.' + _LIVE,
+    'cross_check': (
+        'Cycles per second [Hz] of which python-fcl, in a process of its own, is asked about a '
+        'sample of the pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
+    ),
     'autostart': 'Configure and activate by itself at start.',
 }
 _RANGES = {
@@ -86,6 +91,7 @@ _RANGES = {
     'point_threshold': (0.0, math.inf),
     'marker_rate': (0.1, 100.0),
     'replay_limit': (0, 10000),
+    'cross_check': (0.0, 1000.0),
 }
 
 
@@ -203,4 +209,16 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
-    return ''
+    return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
+
+
+def _refusal_of_cross_check() -> str:
+    """Return why nobody can be asked for a second opinion, or an empty text."""
+    from drake_geom_ros.cross_check.asker import missing
+
+    if not (names := missing()):
+        return ''
+    return (
+        f'cross_check needs {" and ".join(names)}, which cannot be imported here: '
+        f'pip install {" ".join(names)}'
+    )

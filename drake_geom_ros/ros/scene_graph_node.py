@@ -117,6 +117,12 @@ class SceneGraphNode(LifecycleNode):
         self._forget()
         return TransitionCallbackReturn.SUCCESS
 
+    def destroy_node(self) -> None:
+        """Tell what came of the second opinion, too, and end its process."""
+        if self._configured is not None:
+            self._configured.set_cross_check(0.0)
+        super().destroy_node()
+
     def _forget(self) -> None:
         if self._configured is not None:
             self._configured.close()

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import yourdfpy
 from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry import GeometryError
 
 _MOVING = ('revolute', 'continuous', 'prismatic')
 
@@ -21,10 +22,11 @@ class Kinematics:
     """
 
     def __init__(self, urdf_path: str):
-        """Read the URDF at a path; raises ValueError for what is not a tree of simple joints."""
-        robot = yourdfpy.URDF.load(
-            str(urdf_path), build_scene_graph=False, load_meshes=False
-        ).robot
+        """Read the URDF at a path; raises ValueError for what is not a tree of simple joints.
+
+        Raises GeometryError where yourdfpy is not installed.
+        """
+        robot = _parsed(urdf_path)
         joints = _parents_first(robot)
         leader = _mimicked(robot, urdf_path)
         independent = [j for j in robot.joints if leader[j.name][0] == j.name]
@@ -84,6 +86,18 @@ class Kinematics:
         for joint, parent in enumerate(self._parents):
             X_WL[..., joint + 1, :, :] = X_WL[..., parent, :, :] @ X_PC[..., joint, :, :]
         return X_WL
+
+
+def _parsed(urdf_path: str) -> Any:
+    """Return the robot of a URDF. Only now its parser is imported: it takes long, as trimesh."""
+    try:
+        import yourdfpy
+    except ImportError as error:
+        raise GeometryError(
+            f"{urdf_path}: to place a robot's links takes yourdfpy, which cannot be imported "
+            f"({error}): pip install yourdfpy, or this package with its extra 'robots'"
+        ) from None
+    return yourdfpy.URDF.load(str(urdf_path), build_scene_graph=False, load_meshes=False).robot
 
 
 def _root(robot: Any) -> str:

@@ -4,6 +4,7 @@ import pytest
 from conventions.source_tree import ROOT
 
 from drake_geom_ros.command_line.program import main
+from drake_geom_ros.geometry import SignedDistanceResults
 
 FILTERED = """
 sources: [s]
@@ -73,3 +74,28 @@ def test_a_frame_without_a_pose_is_listed_as_one_that_waits(capsys, tmp_path):
     lines = capsys.readouterr().out.splitlines()
     assert '  scene::a in world at 0 0 0' in lines
     assert '  scene::b in scene::a waits for a pose' in lines
+
+
+def test_python_fcl_agrees_about_a_scene(capsys):
+    assert main(['check', '--cross-check', str(ROOT / 'scenes/minimal.yaml')]) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last.startswith('cross-checked by python-fcl ')
+    assert last.endswith(': pairs 2: agreed 2, disagreed 0, refuted 0, silent 0, lost 0')
+
+
+def test_a_disagreement_is_listed_and_is_the_exit_code(capsys, monkeypatch):
+    right = SignedDistanceResults.distance.fget
+    wrong = property(lambda results: right(results) - 0.01)
+    monkeypatch.setattr(SignedDistanceResults, 'distance', wrong)
+    assert main(['check', '--cross-check', str(ROOT / 'scenes/minimal.yaml')]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    told = '  disagreed: scene::world/post and scene::ball/ball: 0.34 m within '
+    assert [line for line in lines if line.startswith(told)]
+
+
+def test_without_fcl_the_extra_is_named(capsys, monkeypatch):
+    monkeypatch.setattr('drake_geom_ros.cross_check.asker.find_spec', lambda name: None)
+    assert main(['check', '--cross-check', str(ROOT / 'scenes/minimal.yaml')]) == 2
+    told = capsys.readouterr().err
+    assert 'pip install python-fcl mpmath' in told
+    assert "extra 'cross_check'" in told

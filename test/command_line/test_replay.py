@@ -10,7 +10,7 @@ from conventions.source_tree import ROOT
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import SignedDistanceResults
-from drake_geom_ros.replay import read, recorded, write
+from drake_geom_ros.replay import Opinion, read, recorded, write
 
 
 @pytest.fixture
@@ -73,3 +73,14 @@ def test_a_bad_file_is_named_in_one_line(path, capsys, content):
 def test_no_file_at_all(tmp_path, capsys):
     assert main(['replay', str(tmp_path / 'nowhere.json')]) == 2
     assert 'nowhere.json' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('distance', 'code', 'told'),
+    [(0.35, 0, 'it agrees with FCL 1: 0.35 m'), (0.4, 1, 'it still differs from FCL 1: 0.4 m')],
+)
+def test_another_opinion_is_compared_with_the_answer_of_now(path, capsys, distance, code, told):
+    replay = dataclasses.replace(read(path), opinion=Opinion('FCL 1', distance, 1e-4))
+    write(replay, path)
+    assert main(['replay', str(path)]) == code
+    assert capsys.readouterr().out.splitlines()[-1] == f'{told} within 0.0001 m'

@@ -14,14 +14,17 @@ ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
     'ros/scene': (_HELD, ('numpy',)),
     'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
-    'ros/outputs': ((*_HELD, 'replay', 'ros/outputs'), ('numpy', 'ROS')),
+    'ros/outputs': ((*_HELD, 'replay', 'cross_check', 'ros/outputs'), ('numpy', 'ROS')),
     'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
     'ros/demo': (
         (*_CORE, 'trajectories', 'ros/conversions', 'ros', 'ros/demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
     ),
     'ros': (
-        (*_HELD, 'trajectories', 'ros/inputs', 'ros/outputs', 'ros/services', 'ros'),
+        (
+            *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),
+            *('ros/services', 'ros'),
+        ),
         ('numpy', 'ROS'),
     ),
 }
@@ -42,6 +45,10 @@ LAYERS = {
         ('numpy', 'yaml', 'yourdfpy'),
     ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
+    'cross_check': (
+        ('math', 'geometry', 'replay', 'cross_check', 'evidence', 'evidence/peers'),
+        ('numpy',),
+    ),
     'evidence/peers': (
         ('math', 'geometry', 'evidence/peers'),
         ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
@@ -57,7 +64,7 @@ LAYERS = {
     'command_line': (
         (
             *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
-            *('evidence', 'evidence/peers'),
+            *('evidence', 'evidence/peers', 'cross_check'),
         ),
         ('numpy',),
     ),
@@ -143,11 +150,14 @@ def test_a_forbidden_import_is_seen(path, source, culprit):
     assert culprit in found
 
 
-def test_only_the_command_line_asks_for_evidence():
+def test_only_the_command_line_and_the_second_opinion_ask_for_evidence():
     asking = {
         room for room, (ours, _) in LAYERS.items() if any('evidence' in each for each in ours)
     }
-    assert asking == {'evidence', 'evidence/hunt', 'evidence/peers', 'command_line'}
+    assert asking == {
+        *('evidence', 'evidence/hunt', 'evidence/peers'),
+        *('command_line', 'cross_check'),
+    }
 
 
 def test_the_exception_is_allowed():

@@ -2,7 +2,10 @@
 
 import os
 import signal
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 from drake_geom_ros.evidence.lost_process import outcomes
 
@@ -31,6 +34,29 @@ def test_every_question_gets_its_outcome_in_order():
     assert found[0][1].value == 'A'
     assert found[1][1].value == f'signal {int(signal.SIGKILL)}'
     assert isinstance(found[4][1].value, ValueError)
+
+
+def test_one_whose_parent_was_killed_ends():
+    script = (
+        'import os, signal\n'
+        'from drake_geom_ros.evidence.lost_process import LostProcess\n'
+        'process = LostProcess(lambda: os.getpid)\n'
+        'print(process.ask(5.0).value, flush=True)\n'
+        'os.kill(os.getpid(), signal.SIGKILL)\n'
+    )
+    done = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True)
+    pid, end = int(done.stdout), time.monotonic() + 10.0
+    while is_running(pid) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not is_running(pid)
+
+
+def is_running(pid):
+    """Return whether a process is there that nobody has to bury."""
+    try:
+        return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()[0] != 'Z'
+    except OSError:
+        return False
 
 
 def test_one_that_waits_hangs_too(monkeypatch):

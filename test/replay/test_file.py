@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drake_geom_ros.replay import Answer, Question, Replay, file, read, write
+from drake_geom_ros.replay import Answer, Opinion, Question, Replay, file, read, write
 from drake_geom_ros.scene_files import SceneFileError
 
 QUESTION = Question(('s', 'f', 'a'), ('s', 'f', 'b'), 'exact', math.inf, (0.0, 0.6, 0.8))
@@ -42,6 +42,16 @@ VECTOR = st.tuples(*[st.floats()] * 3)
             breaks_promise=st.booleans(),
         ),
         versions=st.dictionaries(st.text(), st.text()),
+        opinion=st.none()
+        | st.builds(
+            Opinion,
+            library=st.text(),
+            distance=st.none() | st.floats(),
+            tolerance=st.floats(),
+            nhat_BA_W=st.none() | VECTOR,
+            p_WCa=st.none() | VECTOR,
+            p_WCb=st.none() | VECTOR,
+        ),
     )
 )
 def test_what_is_written_comes_back(tmp_path_factory, replay):
@@ -111,3 +121,33 @@ def test_what_is_no_json_is_refused(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(SceneFileError, match=r'case\.json: no'):
         read(path)
+
+
+def test_a_file_from_before_there_were_opinions_is_read(tmp_path):
+    path = tmp_path / 'case.json'
+    write(REPLAY, path)
+    data = json.loads(path.read_text())
+    del data['opinion']
+    path.write_text(json.dumps(data))
+    assert read(path) == REPLAY
+
+
+@pytest.mark.parametrize(
+    ('distance', 'tolerance', 'differs'),
+    [
+        (0.1, 1e-4, False),
+        (0.1001, 1e-4, False),
+        (0.1002, 1e-4, True),
+        (0.0998, 1e-4, True),
+        (math.nan, 1e-4, True),
+        (None, 1e-4, False),
+    ],
+)
+def test_an_opinion_differs_beyond_what_both_may_be_off(distance, tolerance, differs):
+    assert Opinion('x', distance, tolerance).differs(ANSWER) == differs
+
+
+def test_no_contact_differs_from_an_overlap():
+    for distance, differs in ((-0.1, True), (-1e-5, False)):
+        answer = dataclasses.replace(ANSWER, distance=distance)
+        assert Opinion('x', None, 1e-4).differs(answer) == differs

@@ -5,6 +5,17 @@ import time
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene
 
+# Two balls that move over a floor, beside a post.
+TWO_BALLS = """
+sources: [s]
+frames: [{name: a, source: s}, {name: b, source: s}]
+geometries:
+- {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
+- {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}
+- {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+- {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
+"""
+
 
 def live_scene(text, now=time.monotonic, world_frame='world'):
     """Return a live scene of a file or a text."""

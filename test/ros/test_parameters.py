@@ -79,6 +79,7 @@ def test_no_roots_at_all(start):
         ('scene_file', 3, 'scene_file is 3; it must be a text'),
         ('accuracy', 'best', "accuracy is 'best'; it must be one of bound, fast"),
         ('world_frame', '/map', "world_frame is '/map'"),
+        ('cross_check', -1, 'cross_check is -1.0; it must lie in [0.0, 1000.0]'),
     ],
 )
 def test_what_cannot_be_is_refused_at_the_start(start, name, value, words):
@@ -109,3 +110,11 @@ def test_what_cannot_be_is_refused_while_it_runs(start, name, value, words):
     assert not result.successful
     assert words in result.reason
     assert (store.values, changes) == (NodeParameters(), [])
+
+
+def test_a_second_opinion_needs_somebody_to_give_it(start, monkeypatch):
+    monkeypatch.setattr('drake_geom_ros.cross_check.asker.find_spec', lambda name: None)
+    with pytest.raises(ParameterRefusedError, match='cross_check needs python-fcl and mpmath'):
+        start(cross_check=1.0)
+    node, _ = start()
+    assert 'pip install python-fcl mpmath' in put(node, 'cross_check', 1.0).reason

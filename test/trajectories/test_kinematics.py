@@ -1,8 +1,11 @@
+import sys
+
 import numpy as np
 import pytest
 import yourdfpy
 from oracles import panda
 
+from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
 
@@ -123,3 +126,9 @@ COMPLICATED = [
 def test_what_is_no_tree_of_simple_joints_is_refused(tmp_path, links, joints, reason):
     with pytest.raises(ValueError, match=reason):
         Kinematics(_urdf(tmp_path, *joints, links=links))
+
+
+def test_without_its_parser_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, 'yourdfpy', None)
+    with pytest.raises(GeometryError, match=r"yourdfpy.*pip install.* extra 'robots'"):
+        Kinematics(panda.URDF)

@@ -29,6 +29,13 @@ def _arguments() -> argparse.Namespace:
         '--motion', type=Path, help='motion file (default: <scene>_motion.yaml beside the scene)'
     )
     parser.add_argument('--rate', type=float, default=100.0, help='pose messages a second')
+    parser.add_argument(
+        '--cross-check',
+        type=float,
+        default=0.0,
+        metavar='HZ',
+        help='cycles a second that python-fcl is asked about; what came of it is in the log',
+    )
     parser.add_argument('--out', type=Path, default=Path('out/demo'), help='folder of the files')
     options = parser.parse_args()
     if options.seconds <= 0.0 or not 0.1 <= options.rate <= 1000.0:
@@ -67,7 +74,9 @@ def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
         processes.start(
             'scene_graph_node',
             f'{package}.scene_graph_node',
-            *_parameters(scene_file=scene, max_distance=_MAX_DISTANCE),
+            *_parameters(
+                scene_file=scene, max_distance=_MAX_DISTANCE, cross_check=options.cross_check
+            ),
             log=options.out / 'scene_graph_node.log',
         )
         processes.start(

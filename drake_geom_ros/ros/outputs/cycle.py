@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drake_geom_ros.geometry import METHODS, Effects
 from drake_geom_ros.ros.conversions.fields import floats
@@ -14,6 +14,10 @@ from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import Moment
+
+if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
+    from drake_geom_ros.ros.outputs.cross_check import CrossCheck
+
 
 _NO_POSES = 'no pose message since the last cycle'
 _STILL_NEAR = 'nothing moved so far that other pairs could have come near'
@@ -49,6 +53,7 @@ class Cycle:
             'signed_distances': messages.SignedDistancePairs(),
             'cycle_report': messages.CycleReport(),
         }
+        self.cross_check: CrossCheck | None = None
         self.count = 0
         self.worst_error_bound = 0.0  # [m] of the last cycle that computed anything
 
@@ -115,6 +120,8 @@ class Cycle:
         if wanted['signed_distances']:
             fill_signed_distances(self._messages['signed_distances'], distances, max_distance)
             published[1] = self._publish('signed_distances', moment)
+        if self.cross_check is not None:
+            self.cross_check.look_at(scene, distances, reach)
         return computed, published
 
     def _publish(self, name: str, moment: Moment) -> Effect:

@@ -7,12 +7,15 @@ import resource
 import threading
 from collections import Counter
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.scene.waiting import Waiting
+
+if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
+    from drake_geom_ros.ros.outputs.cross_check import Counts
 
 _REASON_LENGTH = 120
 _KINDS_OF_REASONS = 50
@@ -108,6 +111,15 @@ class Diagnostics:
         values |= inputs | {f'refused: {reason}': n for reason, n in reasons}
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
         return DiagnosticArray(status=[status])
+
+
+def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
+    """Add what was cross-checked to a status: one that warns where there is a disagreement."""
+    values = counts._asdict().items()
+    status.values += [KeyValue(key=f'cross_check {key}', value=str(n)) for key, n in values]
+    if counts.disagreements:
+        status.level = max(status.level, DiagnosticStatus.WARN)
+        status.message += f'; python-fcl disagrees with {counts.disagreements} answers'
 
 
 def _some(names: list[str], count: int) -> str:

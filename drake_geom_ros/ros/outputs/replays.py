@@ -12,8 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from drake_geom_ros.geometry import QueryObject, SignedDistanceResults
-from drake_geom_ros.replay import recorded, write
+from drake_geom_ros.geometry import GeometryId, QueryObject, SignedDistanceResults
+from drake_geom_ros.replay import Replay, recorded, write
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 
 PERIOD = 0.5  # [s] between two looks at what waits to be written
@@ -61,10 +61,7 @@ class Replays:
     def _keep(
         self, scene: HeldScene, results: SignedDistanceResults, index: int, max_distance: float
     ) -> None:
-        pair = results[index]
-        inspector = scene.inspector
-        shapes = [type(inspector.GetShape(id)).__name__ for id in (pair.id_A, pair.id_B)]
-        kinds = '_'.join(sorted(shapes)).lower()
+        kinds = kinds_of(scene.query, results, index)
         if kinds in self._seen:
             return
         self._seen.add(kinds)
@@ -87,18 +84,13 @@ class Replays:
         """Write what waits; return what happened, in words. Errors are told, not raised."""
         with self._lock:
             waiting, self._waiting = self._waiting, []
-        folder, limit = self._settings()
-        return [self._write(finding, Path(folder), limit) for finding in waiting if folder]
+        return [self._write(finding) for finding in waiting if self._settings()[0]]
 
-    def _write(self, finding: _Finding, folder: Path, limit: int) -> str:
+    def _write(self, finding: _Finding) -> str:
         told = f'a result of {finding.kinds} breaks the promise of {finding.accuracy}'
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            if sum(1 for _ in folder.glob(_NAME.format(kinds='*', stamp='*'))) >= limit:
-                return f'{told}; replay_limit ({limit} files) is reached in {folder}'
-            stamp = time.strftime('%Y%m%dT%H%M%S')
-            path = folder / _NAME.format(kinds=finding.kinds, stamp=stamp)
-            replay = recorded(
+
+        def replay() -> Replay:
+            return recorded(
                 finding.query,
                 finding.results,
                 finding.index,
@@ -106,7 +98,28 @@ class Replays:
                 finding.max_distance,
                 finding.hint,
             )
-            write(replay, path)
-        except (OSError, RuntimeError) as error:
-            return f'{told}, and no replay file could be written: {error}'
-        return f'{told}: python -m drake_geom_ros replay {path}'
+
+        return told + kept(replay, finding.kinds, *self._settings())
+
+
+def kinds_of(query: QueryObject, results: SignedDistanceResults, index: int) -> str:
+    """Return the shape types of a result's geometries, as one word that is the same for (B, A)."""
+    inspector = query.inspector()
+    ids = (GeometryId(int(each[index])) for each in (results.id_A, results.id_B))
+    return '_'.join(sorted(type(inspector.GetShape(id)).__name__ for id in ids)).lower()
+
+
+def kept(make: Callable[[], Replay], kinds: str, folder: str, limit: int) -> str:
+    """Write a replay into a folder (empty: none), and return what is to be said of that."""
+    if not folder:
+        return ''
+    try:
+        path = Path(folder)
+        path.mkdir(parents=True, exist_ok=True)
+        if sum(1 for _ in path.glob(_NAME.format(kinds='*', stamp='*'))) >= limit:
+            return f'; replay_limit ({limit} files) is reached in {path}'
+        path /= _NAME.format(kinds=kinds, stamp=time.strftime('%Y%m%dT%H%M%S'))
+        write(make(), path)
+    except (OSError, RuntimeError) as error:
+        return f', and no replay file could be written: {error}'
+    return f': python -m drake_geom_ros replay {path}'

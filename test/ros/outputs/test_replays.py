@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import TWO_BALLS, live_scene
 
 from drake_geom_ros.command_line.program import main
 from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
@@ -27,7 +27,7 @@ geometries:
 
 @pytest.fixture
 def live():
-    return live_scene(TEXT, lambda: 0.0)
+    return live_scene(TWO_BALLS, lambda: 0.0)
 
 
 @pytest.fixture

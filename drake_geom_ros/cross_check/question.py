@@ -1,0 +1,106 @@
+"""What a second opinion is asked about, and what comes back; imports nothing of ``evidence``."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    GeometryId,
+    Mesh,
+    QueryObject,
+    SceneGraphInspector,
+    Shape,
+    SignedDistanceResults,
+)
+from drake_geom_ros.replay import Opinion
+
+Floats = NDArray[np.float64]
+Pose = tuple[Floats, Floats]  # R_WG (3, 3), p_WG (3,) [m]
+
+AGREED = 'agreed'
+DISAGREED = 'disagreed'  # and nothing proves the other library wrong
+REFUTED = 'refuted'  # the other library is wrong, as planes or points that anybody can check prove
+SILENT = 'silent'  # it says nothing that could be compared
+LOST = 'lost'  # the question ended or hung its process
+VERDICTS = (AGREED, DISAGREED, REFUTED, SILENT, LOST)
+
+
+class Asked(NamedTuple):
+    """A shape of the scene, and whether it is a mesh that counts as a solid."""
+
+    shape: Shape
+    is_solid: bool
+
+
+@dataclass(frozen=True)
+class Question:
+    """Two geometries by the values of their ids, where they are, and what we answered."""
+
+    ids: tuple[int, int]
+    X_WA: Pose
+    X_WB: Pose
+    distance: float  # [m]
+    error_bound: float  # [m]
+    nhat_BA_W: Floats
+    p_WCa: Floats  # [m]
+    p_WCb: Floats  # [m]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Questions about one version of a scene, and those of its shapes that were not sent yet."""
+
+    version: int
+    questions: list[Question]
+    shapes: dict[int, Asked] = field(default_factory=dict)
+
+
+class Verdict(NamedTuple):
+    """What became of a question, one of VERDICTS; without an answer there is no opinion."""
+
+    verdict: str
+    opinion: Opinion | None = None
+    text: str = ''
+
+
+def questions_of(
+    query: QueryObject, results: SignedDistanceResults, indices: Sequence[int]
+) -> list[Question]:
+    """Return the questions about some of the ``results``, which ``query`` gave as it is posed."""
+    chosen = np.asarray(indices, dtype=np.int64)
+    ids_A, ids_B = results.id_A[chosen], results.id_B[chosen]
+    columns = (
+        zip(ids_A.tolist(), ids_B.tolist(), strict=True),
+        zip(*query.X_WGs(ids_A), strict=True),
+        zip(*query.X_WGs(ids_B), strict=True),
+        results.distance[chosen].tolist(),
+        results.error_bound[chosen].tolist(),
+        results.nhat_BA_W[chosen],
+        results.p_WCa[chosen],
+        results.p_WCb[chosen],
+    )
+    return [Question(*row) for row in zip(*columns, strict=True)]
+
+
+def shapes_of(query: QueryObject, ids: Iterable[int]) -> dict[int, Asked]:
+    """Return the shapes of geometries by the values of their ids."""
+    inspector = query.inspector()
+    return {value: _asked(inspector, GeometryId(value)) for value in ids}
+
+
+def _asked(inspector: SceneGraphInspector, id: GeometryId) -> Asked:
+    shape, properties = inspector.GetShape(id), inspector.GetProximityProperties(id)
+    if properties is None or not isinstance(shape, Mesh):
+        return Asked(shape, False)
+    return Asked(shape, bool(properties.GetPropertyOrDefault('mesh', 'solid', False)))
+
+
+def counted(verdicts: Iterable[Verdict]) -> Counter[str]:
+    """Return how often each verdict was given."""
+    return Counter(each.verdict for each in verdicts)
