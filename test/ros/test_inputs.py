@@ -47,8 +47,10 @@ def test_simulated_time_rules_ages_and_leases(tmp_path, lone_client):
 
         def answered_at(seconds, age):
             clock.publish(Clock(clock=Time(sec=seconds)))
-            if age == 0.0:
-                publisher.publish(poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)], stamp=seconds))
+            # Each time anew: the first may be lost while the node is not yet known, and no pose
+            # at all has the age 0, too.
+            stamp = seconds - int(age)
+            publisher.publish(poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)], stamp=stamp))
             answer = client.call(
                 srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise'
             )
