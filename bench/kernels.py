@@ -23,7 +23,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     call_kernel,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX, PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
 
 DISTANCES = (0.05, 0.002, 0.0, -0.001, -0.01, -0.05)
 PARAMETERS = dict(enumerate(COUNTS.values(), 1))

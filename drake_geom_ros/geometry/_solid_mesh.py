@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
 from drake_geom_ros.geometry._proximity.kernels.solid_points import find_astray
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import CORNERS, tree_of
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.solid_packing import solid_parameters
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,

@@ -13,6 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SOLID,
+    SPHERE,
+)
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.geometry.mesh_source import MeshData, hull_surface, surface
@@ -66,7 +76,7 @@ class Sphere(Shape):
     """A ball of ``radius`` [m]; 0 is allowed, and makes a point."""
 
     __slots__ = ()
-    _TYPE = 1
+    _TYPE = SPHERE
     _NAMES = ('radius',)
 
     def __init__(self, radius: float) -> None:
@@ -86,7 +96,7 @@ class Box(Shape):
     """
 
     __slots__ = ()
-    _TYPE = 2
+    _TYPE = BOX
     _NAMES = ('width', 'depth', 'height')
 
     def __init__(
@@ -150,21 +160,21 @@ class Capsule(_Swept):
     """All points within ``radius`` [m] of a segment of ``length`` [m] along z, both > 0."""
 
     __slots__ = ()
-    _TYPE = 3
+    _TYPE = CAPSULE
 
 
 class Cylinder(_Swept):
     """A cylinder of ``radius`` [m] and ``length`` [m] along z, both > 0."""
 
     __slots__ = ()
-    _TYPE = 4
+    _TYPE = CYLINDER
 
 
 class Ellipsoid(Shape):
     """An ellipsoid of semi-axes ``a``, ``b``, ``c`` [m] along x, y and z, all > 0."""
 
     __slots__ = ()
-    _TYPE = 5
+    _TYPE = ELLIPSOID
     _NAMES = ('a', 'b', 'c')
 
     def __init__(
@@ -194,7 +204,7 @@ class HalfSpace(Shape):
     """All points with z <= 0 in the geometry's frame: the plane's normal is +z."""
 
     __slots__ = ()
-    _TYPE = 6
+    _TYPE = HALF_SPACE
 
     @staticmethod
     def MakePose(Hz_dir_F: ArrayLike, p_FB: ArrayLike) -> RigidTransform:
@@ -297,7 +307,7 @@ class Convex(_FromMesh):
     """The convex hull of what a mesh file holds, scaled by ``scale``, a number or one an axis."""
 
     __slots__ = ()
-    _TYPE = 7
+    _TYPE = CONVEX
 
 
 class Mesh(_FromMesh):
@@ -308,7 +318,7 @@ class Mesh(_FromMesh):
     """
 
     __slots__ = ()
-    _TYPE = 8
+    _TYPE = SOLID
 
     def surface(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return vertices (n, 3) [m] and triangles (m, 3) of the mesh itself, scaled.

@@ -10,16 +10,15 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
-    MESH,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
 from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import World

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
 from drake_geom_ros.geometry._proximity.budget import Pace
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.kernels import calling
 from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.kinds import SPHERE, Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     ADDRESSES,
     BY_METHOD,
@@ -30,7 +30,6 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     table_rows,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
-from drake_geom_ros.geometry._proximity.pair_table import SPHERE
 from drake_geom_ros.geometry._proximity.point_phase import (
     POINT_ADDRESSES,
     compile_point_kernels,
@@ -44,12 +43,7 @@ Indices = NDArray[np.int64]
 
 ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
-METHODS = {
-    'closed_form': calling.CLOSED_FORM,
-    'iterative': calling.ITERATIVE,
-    'mesh': calling.MESH,
-    'bound_only': calling.BOUND_ONLY,
-}
+METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 STEPS = ('update', 'broadphase', 'compile', 'narrowphase')  # of a query, in order
 _AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits

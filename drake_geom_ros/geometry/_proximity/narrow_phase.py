@@ -17,10 +17,8 @@ from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
-    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -37,14 +35,14 @@ from drake_geom_ros.geometry._proximity.kernels.extremes import (
     is_extreme,
 )
 from drake_geom_ros.geometry._proximity.kernels.views import part, row
-from drake_geom_ros.geometry._proximity.pair_table import (
-    ALL_ROWS,
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
     CONVEX,
     HALF_SPACE,
-    ROW_OF_TYPES,
+    ITERATIVE,
     SOLID,
-    TYPE_COUNT,
 )
+from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import (
     rounding_of_pair,

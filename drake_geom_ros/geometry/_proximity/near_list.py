@@ -30,7 +30,7 @@ from drake_geom_ros.geometry._proximity.broadphase import (
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.world import World
 
 Indices = NDArray[np.int64]

@@ -13,11 +13,11 @@ from drake_geom_ros.geometry._proximity.kernels.calling_points import (
     call_points_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.narrow_phase import compile_rows, table_rows
 from drake_geom_ros.geometry._proximity.pair_table import (
     BY_PAIR_KERNEL,
     POINT_KERNELS,
-    SPHERE,
     TYPE_COUNT,
     load_kernel,
 )

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.bounds import HALF_SPACE, box_half_extents
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
+from drake_geom_ros.geometry._proximity.kernels.bounds import box_half_extents
 from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pose_rounding import (
     RADIUS,
     SHIFT,

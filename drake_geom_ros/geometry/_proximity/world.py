@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
 
 Floats = NDArray[np.float64]

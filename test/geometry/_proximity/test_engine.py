@@ -11,7 +11,6 @@ from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
     DISTANCE,
     METHOD,
     NORMAL,
@@ -19,7 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_DISTANCE
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 

@@ -8,17 +8,23 @@ from oracles.worlds import geometry_table
 
 from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
-    CLOSED_FORM,
     DISTANCE,
     ERROR_BOUND,
-    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    BOX,
+    CLOSED_FORM,
+    ELLIPSOID,
+    HALF_SPACE,
+    ITERATIVE,
+    SPHERE,
 )
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
@@ -30,7 +36,6 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
-SPHERE, BOX, ELLIPSOID, HALF_SPACE = 1, 2, 5, 6
 AT_ONCE = np.empty(0, dtype=np.int64), np.empty(0)
 
 

@@ -9,13 +9,12 @@ from oracles.worlds import random_world
 
 from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
     DISTANCE,
     ERROR_BOUND,
-    ITERATIVE,
     METHOD,
     PAIR_WIDTH,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, ITERATIVE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 

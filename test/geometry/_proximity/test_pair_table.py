@@ -30,9 +30,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
 from drake_geom_ros.geometry._proximity.pair_table import (
-    CLOSED_FORM,
-    CONVEX,
     PAIR_TABLE,
     SHAPE_NAMES,
 )

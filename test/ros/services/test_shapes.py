@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.geometry import mesh_source
+from drake_geom_ros.geometry import ShapeKind, mesh_source
 from drake_geom_ros.geometry._proximity import narrow_phase
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
@@ -24,7 +24,7 @@ geometries:
   - {name: seen, source: s, frame: b, shape: {type: cylinder, radius: 0.1, length: 0.2},
      roles: {illustration: {}}}
 """
-SPHERE, BOX, CONVEX = 1, 2, 7
+SPHERE, BOX, CONVEX = ShapeKind.SPHERE, ShapeKind.BOX, ShapeKind.CONVEX
 ROBOT = (
     '<robot name="r"><link name="l"><collision><geometry><box size="1 1 1"/></geometry>'
     '</collision></link></robot>'

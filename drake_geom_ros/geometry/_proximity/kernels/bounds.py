@@ -5,17 +5,9 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
+from drake_geom_ros.geometry._proximity.kernels.calling import write
 from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_defect
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    SPHERE,
-    bounding_radius,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -28,10 +20,18 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SOLID,
+    SPHERE,
+)
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-
-HALF_SPACE = 6
-SOLID = 8
 
 
 @inlined

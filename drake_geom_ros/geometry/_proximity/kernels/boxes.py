@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._proximity.kernels.box_contact import (
     to_first,
     to_second,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
+from drake_geom_ros.geometry._proximity.kernels.calling import write
 from drake_geom_ros.geometry._proximity.kernels.points import along, length_and_direction
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import (
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,

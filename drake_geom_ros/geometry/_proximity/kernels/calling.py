@@ -15,23 +15,17 @@ from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic
 
-# Columns of a result row.
 from drake_geom_ros.geometry._proximity.compiled import inlined
 
+# Columns of a result row.
 DISTANCE = 0
 NORMAL = 1  # 3: nhat_BA_W
 WITNESS_A = 4  # 3: p_ACa_W
 WITNESS_B = 7  # 3: p_ACb_W
 ERROR_BOUND = 10  # |distance - phi| <= error_bound
 UNIQUE = 11  # 1 where nhat_BA_W is unique, else 0
-METHOD = 12
+METHOD = 12  # a number of ``kinds.Method``
 PAIR_WIDTH = 13
-
-# Values of METHOD, as in the messages.
-CLOSED_FORM = 1
-ITERATIVE = 2
-MESH = 3
-BOUND_ONLY = 4
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]

@@ -23,8 +23,9 @@ import math
 from numba import types
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, caller
+from drake_geom_ros.geometry._proximity.kernels.calling import caller
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
 # Columns of a row of a point query.

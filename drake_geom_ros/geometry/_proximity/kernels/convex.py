@@ -19,13 +19,7 @@ an answer that is unique.
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
-    ITERATIVE,
-    NORMAL,
-    PAIR_WIDTH,
-    write,
-)
+from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH, write
 from drake_geom_ros.geometry._proximity.kernels.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.depths import depth_and_bounds
 from drake_geom_ros.geometry._proximity.kernels.gjk import (
@@ -51,13 +45,7 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
     vector,
     width,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    bounding_radius,
-    core_radius,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -67,6 +55,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    ITERATIVE,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,

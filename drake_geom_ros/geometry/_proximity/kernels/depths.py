@@ -41,19 +41,19 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
     vector,
     width,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
     norm,
     scale,
     sub,
     unit,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,

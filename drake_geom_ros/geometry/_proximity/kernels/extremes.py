@@ -19,8 +19,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     caller,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
 
 # That of ``at_one_metre``: a kernel's address and the size of its pair come first.

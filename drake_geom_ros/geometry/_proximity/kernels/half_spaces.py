@@ -9,8 +9,7 @@ midpoint of the lowest face or edge.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
-from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX
+from drake_geom_ros.geometry._proximity.kernels.calling import write
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
@@ -20,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
 
 

@@ -18,20 +18,20 @@ from drake_geom_ros.geometry._proximity.kernels.points import (
     clamp,
     cylinder_point,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
-    SPHERE,
-    core_radius,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
     norm,
     sub,
     unrotate,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
 )
 
 SHARES = (0.5, 0.0, 1.0)  # of the way from a to b

@@ -19,15 +19,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    bounding_radius,
-    core_radius,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -38,6 +30,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,

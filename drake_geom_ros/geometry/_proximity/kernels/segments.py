@@ -16,7 +16,7 @@ face each other, the witness points are in the middle of the stretch that they s
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
+from drake_geom_ros.geometry._proximity.kernels.calling import write
 from drake_geom_ros.geometry._proximity.kernels.points import (
     along,
     clamp,
@@ -34,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import (
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,

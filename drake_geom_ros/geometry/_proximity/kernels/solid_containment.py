@@ -14,7 +14,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import middle_of
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     NO_TREE,
-    SOLID,
     first_of_leaf,
     middle_of_triangle,
     next_leaves,
@@ -22,7 +21,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     vector_at,
     walk,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -31,6 +29,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import BENEATH, EPS, ROUNDING
 
 FLUSH = 16.0  # roundings that leaves which touch may be apart

@@ -17,14 +17,12 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     DEEPEST,
     LOWER,
     NODE_WIDTH,
-    SOLID,
     UPPER,
     first_of_leaf,
     is_leaf,
     tree_of,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import TRIANGLE
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     cross,
@@ -33,6 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
+from drake_geom_ros.geometry._proximity.kinds import SOLID, TRIANGLE
 from drake_geom_ros.geometry._proximity.tolerances import CROSSING, EPS, ROUNDING
 
 # How two triangles meet.

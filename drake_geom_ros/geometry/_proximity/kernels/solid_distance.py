@@ -25,7 +25,6 @@ from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_tria
 from drake_geom_ros.geometry._proximity.kernels.solid_hulls import width_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     CORNERS,
-    SOLID,
     edge_of,
     first_of_leaf,
     next_leaves,
@@ -33,7 +32,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     vector_at,
     walk,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE, TRIANGLE
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     column,
@@ -45,6 +43,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
+from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE, TRIANGLE
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     NEAR_TOUCH,

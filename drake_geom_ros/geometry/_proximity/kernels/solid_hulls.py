@@ -6,8 +6,8 @@ Bodies are given as in ``solid_distance``.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import PLANE, SOLID, vector_at
-from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX, local_support, support
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import PLANE, vector_at
+from drake_geom_ros.geometry._proximity.kernels.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 
 
 @compiled

@@ -38,20 +38,10 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
-    SOLID,
     middle_of_triangle,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    SPHERE,
-    local_support,
-    support,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -62,6 +52,15 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SOLID,
+    SPHERE,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS, RIGHT_ANGLE, ROUNDING
 

@@ -22,7 +22,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     MOMENT,
     NODE_WIDTH,
     RADIUS,
-    SOLID,
     box_of_node,
     first_of_leaf,
     is_leaf,
@@ -33,6 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, dot, norm, sub
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 
 # A node is a dipole when it is this many of its radii away.
 FIRST_RATIO = 6.0

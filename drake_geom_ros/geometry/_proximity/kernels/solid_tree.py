@@ -23,9 +23,9 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
-SOLID = 8
 MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
 
 HEADER = 4  # numbers: triangles, leaves, pieces, planes

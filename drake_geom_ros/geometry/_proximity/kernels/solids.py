@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, MESH, NORMAL, write
+from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, write
 from drake_geom_ros.geometry._proximity.kernels.gjk import BEYOND_CUTOFF, OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.solid_containment import is_contained
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import nearest
@@ -23,8 +23,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_overlap import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
 from drake_geom_ros.geometry._proximity.kernels.supports import (
-    CONVEX,
-    SPHERE,
     bounding_radius,
     core_radius,
     local_support,
@@ -40,6 +38,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 

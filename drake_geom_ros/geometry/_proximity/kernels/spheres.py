@@ -5,7 +5,7 @@ concentric spheres the normal is the x axis of B.
 """
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import CLOSED_FORM, write
+from drake_geom_ros.geometry._proximity.kernels.calling import write
 from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 from drake_geom_ros.geometry._proximity.kernels.points import (
     box_point,
@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.points import (
     sphere_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import add, norm, rotate, scale, unrotate
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 

@@ -21,14 +21,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.points import clamp
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    core_radius,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -39,6 +32,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
 )
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_LENGTH, RIGHT_ANGLE
 

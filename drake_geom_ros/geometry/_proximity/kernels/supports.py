@@ -18,16 +18,15 @@ import math
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
-
-# Type numbers, as in the messages.
-SPHERE = 1
-BOX = 2
-CAPSULE = 3
-CYLINDER = 4
-ELLIPSOID = 5
-CONVEX = 7
-# Not in messages: three corners, a leaf of a solid's tree.
-TRIANGLE = 9
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
+    TRIANGLE,
+)
 
 
 @inlined

@@ -29,8 +29,8 @@ from drake_geom_ros.geometry._proximity.kernels.points import (
     half_space_point,
     sphere_point,
 )
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, sub, unrotate
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.geometry._proximity.kernels import barrels, sums
-
-CYLINDER = 4
+from drake_geom_ros.geometry._proximity.kinds import CYLINDER
 
 
 def two_cylinders(sizes, tilt, p):

@@ -7,8 +7,7 @@ from oracles.pairs import random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval, shape_radii
 from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, ERROR_BOUND, PAIR_WIDTH
-
-CONVEX, SPHERE = 7, 1
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SPHERE
 
 
 def inner_radius(kind, shape):

@@ -6,8 +6,8 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import box_contact
+from drake_geom_ros.geometry._proximity.kinds import BOX
 
-BOX = 2
 ALONG_X, ALONG_Y = (1.0, 0.0), (0.0, 1.0)
 ALIGNED = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 CUBE = (1.0, 1.0, 1.0)

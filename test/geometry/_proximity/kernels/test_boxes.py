@@ -17,9 +17,9 @@ from oracles.pairs import (
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.boxes import box_box
+from drake_geom_ros.geometry._proximity.kinds import BOX
 
 SAMPLES = 2 if config.DISABLE_JIT else 18
-BOX = 2
 
 
 def _boxes(p_AB_W, size_A=(0.5, 0.5, 0.5), size_B=(0.5, 0.5, 0.5), R_WA=None, R_WB=None):

@@ -6,8 +6,8 @@ from numba import config
 from oracles.pairs import random_pairs
 
 from drake_geom_ros.geometry._proximity.kernels import circles, sums
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
-BOX, CAPSULE, CYLINDER = 2, 3, 4
 COUNT = 4 if config.DISABLE_JIT else 30
 ENOUGH, NOISE = 1e-10, 1e-15
 

@@ -6,7 +6,7 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels import convex
 from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CAPSULE, CONVEX, CYLINDER
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 CUBE = np.array([1.0, 1.0, 1.0])
 

@@ -7,8 +7,8 @@ from oracles.pairs import random_pairs
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import creases, sums
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
-BOX, CAPSULE, CYLINDER = 2, 3, 4
 COUNT = 6 if config.DISABLE_JIT else 24
 NOISE = 1e-15
 

@@ -6,14 +6,14 @@ from scipy.spatial import ConvexHull
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import epa
 from drake_geom_ros.geometry._proximity.kernels.sums import difference_of
-from drake_geom_ros.geometry._proximity.kernels.supports import (
+from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular
+from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CONVEX,
     CYLINDER,
     ELLIPSOID,
     SPHERE,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular
 
 ALIGNED = np.eye(3)
 X = (1.0, 0.0, 0.0)

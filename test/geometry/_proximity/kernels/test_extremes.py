@@ -5,7 +5,7 @@ import pytest
 
 from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from drake_geom_ros.geometry._proximity.kernels import calling, convex, extremes
-from drake_geom_ros.geometry._proximity.kernels.supports import CONVEX
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.math import RotationMatrix
 

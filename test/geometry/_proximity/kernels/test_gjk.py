@@ -4,7 +4,7 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import gjk
-from drake_geom_ros.geometry._proximity.kernels.supports import BOX, CAPSULE, CONVEX, CYLINDER
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 ALIGNED = np.eye(3)
 

@@ -19,7 +19,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels import inner_balls
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
-from drake_geom_ros.geometry._proximity.kernels.supports import (
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub
+from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
     CONVEX,
@@ -27,7 +28,6 @@ from drake_geom_ros.geometry._proximity.kernels.supports import (
     ELLIPSOID,
     SPHERE,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]

@@ -6,8 +6,8 @@ from numba import config
 from oracles.pairs import PARAMETERS, random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels import caps, normals, sums, supports
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
-BOX, CAPSULE, CYLINDER, ELLIPSOID = 2, 3, 4, 5
 PAIRS = [(BOX, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, ELLIPSOID), (CYLINDER, CYLINDER)]
 PAIRS += [(CAPSULE, CYLINDER), (CYLINDER, ELLIPSOID), (ELLIPSOID, ELLIPSOID)]
 COUNT = 4 if config.DISABLE_JIT else 40

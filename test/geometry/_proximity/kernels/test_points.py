@@ -15,9 +15,16 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     UNIQUE,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SPHERE,
+)
 
 SAMPLES = 10 if config.DISABLE_JIT else 120
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE = 1, 2, 3, 4, 5, 6
 S3 = np.sqrt(3.0)
 
 

@@ -4,13 +4,8 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import revolution
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
-    core_radius,
-)
+from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
 ALIGNED = np.eye(3)
 BODIES = [

@@ -10,9 +10,9 @@ from drake_geom_ros.geometry._proximity.kernels.segments import (
     capsule_capsule,
     nearest_parameter,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE
 
 SAMPLES = 2 if config.DISABLE_JIT else 18
-BOX, CAPSULE = 2, 3
 ALONG_X = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 ALONG_Y = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 

@@ -15,10 +15,10 @@ from oracles.voxels import KINDS, filled_cells
 from drake_geom_ros.evidence.grids import surface
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels import calling
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
-SOLID = 8
 SEEDS = 6 if config.DISABLE_JIT else 60
 
 

@@ -10,9 +10,9 @@ from oracles.solids import Body, row_of, solid, surface_of
 
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels import calling
+from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID, SPHERE
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
-SPHERE, BOX, SOLID = 1, 2, 8
 NAMES = ('L', 'U', 'ring')
 
 

@@ -7,8 +7,8 @@ from oracles.solids import solid
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import nearest
 from drake_geom_ros.geometry._proximity.kernels.solid_overlap import MOST_PUSHES, push_of
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
+from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
 
-SPHERE, SOLID = 1, 8
 L = solid('L', np.eye(3), np.zeros(3)).parameters
 
 

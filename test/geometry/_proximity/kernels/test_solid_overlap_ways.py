@@ -6,9 +6,9 @@ from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels import solid_overlap
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import nearest
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import SOLID, box_of_core, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
+from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
 
-SPHERE = 1
 TOLERANCE, SIZE = 1e-9, 8.0
 
 

@@ -9,11 +9,11 @@ from oracles.solids import solid
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside, winding
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
-    SOLID,
     rounding_of_angle,
     solid_angle,
     tree_of,
 )
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
 RING = solid('ring', np.eye(3), np.zeros(3), cuts=4).parameters

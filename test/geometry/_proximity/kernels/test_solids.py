@@ -10,10 +10,21 @@ from oracles.solids import Body, parts_gap, row_of, solid
 
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels import calling
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    MESH,
+    SOLID,
+    SPHERE,
+)
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry.mesh_source import hull_vertices
 
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID = range(1, 9)
 NAMES = ('L', 'U', 'ring')
 SIZE = 8.0  # of the pairs below [m], about
 ROUNDING = 200 * EPS * SIZE
@@ -76,7 +87,7 @@ def test_unions_of_boxes(kind):
             assert distance - bound <= gap + slack
             moved, off = parts_gap(A.moved(-distance * out[1:4]), B)
             assert moved >= -off - ROUNDING
-        assert out[calling.METHOD] == calling.MESH
+        assert out[calling.METHOD] == MESH
     assert apart
     assert overlapping
 
@@ -108,7 +119,7 @@ def test_beyond_a_cutoff_a_lower_bound_is_enough(kind, cutoff):
     for A, B in random_pairs(kind, 80 + kind, COUNT // 2):
         full, cut = row_of(A, B), row_of(A, B, cutoff=cutoff)
         check_laws(cut)
-        if cut[calling.METHOD] == calling.BOUND_ONLY:
+        if cut[calling.METHOD] == BOUND_ONLY:
             beyond += 1
             assert cut[calling.DISTANCE] >= cutoff - ROUNDING
             low, high = (s * full[calling.ERROR_BOUND] + full[0] for s in (-1, 1))

@@ -7,7 +7,8 @@ import pytest
 
 from drake_geom_ros.geometry._proximity import pair_table
 from drake_geom_ros.geometry._proximity.kernels import calling, calling_points
-from drake_geom_ros.geometry._proximity.pair_table import POINT_KERNELS, SPHERE, load_kernel
+from drake_geom_ros.geometry._proximity.kinds import ITERATIVE, SPHERE
+from drake_geom_ros.geometry._proximity.pair_table import POINT_KERNELS, load_kernel
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
 CLOSED_FORMS = {
@@ -128,7 +129,7 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     )
     np.testing.assert_array_equal(found, near)
     assert 0 < near.sum() < 6
-    assert counts.sum() == counts[calling.ITERATIVE] == near.sum()
+    assert counts.sum() == counts[ITERATIVE] == near.sum()
     np.testing.assert_allclose(rows[:, :7], expected[:, :7], atol=1e-13)
     assert (rows[found, calling_points.POINT_ERROR_BOUND] >= 1e-9).all()
 
