@@ -35,6 +35,7 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     compile_point_kernels,
     point_phase,
 )
+from drake_geom_ros.geometry._proximity.records import Plain, empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -100,8 +101,12 @@ class Engine:
         counts, times = self._counts.tolist(), self._times
         steps = zip(STEPS, times, times[1:], strict=False)
         return Effects(
-            *self._moved,
-            *(self._considered, self._filtered, counts[FAR], counts[CACHED]),
+            frames_moved=self._moved[0],
+            geometries_updated=self._moved[1],
+            broadphase_pairs=self._considered,
+            filtered_pairs=self._filtered,
+            far_pairs=counts[FAR],
+            cached_pairs=counts[CACHED],
             narrowphase_pairs=sum(counts[BY_METHOD:]),
             wide_pairs=counts[WIDE],
             unrefined_pairs=self._unrefined,
@@ -124,8 +129,7 @@ class Engine:
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
         near = self._near(world, filters, distance)
-        scene = world.geometries.types, world.R_WGs, world.p_WGs, world.roundings
-        count = near_pairs(near.pairs, *scene, world.half_extents, distance, self._hits)
+        count = near_pairs(near.pairs, world.scene, distance, self._hits)
         self._counts[:] = 0
         self._counts[FAR] = len(near.pairs) - count
         self._times[4] = time.perf_counter()
@@ -205,7 +209,7 @@ class Engine:
         self._considered, self._filtered = 1, 0
         self._times[2] = self._times[3] = time.perf_counter()
         self._make_room(1)
-        memory = answers, np.array([-math.inf]), np.array([-1]), np.zeros(1)
+        memory = empty_memory(answers)
         query = _GAPS[accuracy], math.inf, False
         hits = self._answer(world, pair, slots, memory, query)
         self._times[4] = time.perf_counter()
@@ -224,10 +228,18 @@ class Engine:
         points, ids = np.empty(capacity, np.uint32), np.empty(capacity, np.int64)
         self._counts[:] = 0
         count = point_phase(
-            *(POINT_ADDRESSES, ADDRESSES),
-            (pair_rows, table.types, table.ids, world.outer_radii),
-            (table.starts, table.pool, world.R_WGs, world.p_WGs, world.roundings),
-            *(p_WQs, threshold, rows, found, points, ids, self._counts[BY_METHOD:]),
+            POINT_ADDRESSES,
+            ADDRESSES,
+            pair_rows,
+            table.ids,
+            world.scene,
+            p_WQs,
+            threshold,
+            rows,
+            found,
+            points,
+            ids,
+            self._counts[BY_METHOD:],
         )
         self._considered, self._filtered = capacity, 0
         self._counts[FAR] = capacity - count
@@ -278,7 +290,7 @@ class Engine:
         world: World,
         pairs: Indices,
         slots: Indices,
-        memory: tuple[Floats, Floats, Indices, Floats],
+        memory: Plain,
         query: tuple[float, float, bool],
         first: int = -1,
         queue: tuple[Indices, Floats] = _AT_ONCE,
@@ -288,8 +300,17 @@ class Engine:
         With a ``queue`` for all pairs, those that need a kernel are put there instead.
         """
         found = answer_pairs(
-            *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
-            *(query, first, queue, self._hits, self._counts),
+            ADDRESSES,
+            pairs,
+            slots,
+            memory,
+            world.scene,
+            world.revision,
+            query,
+            first,
+            queue,
+            self._hits,
+            self._counts,
         )
         return self._hits[:found]
 
@@ -317,8 +338,14 @@ class Engine:
         if len(left):
             some = waiting[left]
             found = bound_pairs(
-                *(near.pairs[some], near.slots[some], near.memory, world.scene, world.revision),
-                *(query, self._hits, self._counts),
+                near.pairs[some],
+                near.slots[some],
+                near.memory,
+                world.scene,
+                world.revision,
+                query,
+                self._hits,
+                self._counts,
             )
             hits.append(some[self._hits[:found]])
             total += self._counts

@@ -31,9 +31,8 @@ class Method(IntEnum):
         return self.name.lower().replace('_', ' ')
 
 
-# The same as plain integers, for compiled code. To Numba a member of an IntEnum has a type of its
-# own: what is handed one is compiled once more, and a member and a number have no type in common,
-# as in ``TRIANGLE if kind == SOLID else kind``.
+# The same as plain integers, for compiled code: to Numba a member of an IntEnum has a type of its
+# own, and a function that is handed one, and a number elsewhere, is compiled twice.
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID, TRIANGLE = (
     kind.value for kind in ShapeKind
 )

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     table_rows,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
+from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -75,11 +76,20 @@ def _answer(
     """Answer pairs (n, 2) of which nothing is known; return the seconds and what was counted."""
     n = len(pairs)
     slots, hits = np.arange(n), np.empty(n, dtype=np.int64)
-    memory = np.zeros((n, PAIR_WIDTH)), np.full(n, -math.inf), np.full(n, -1), np.zeros(n)
+    memory = empty_memory(np.zeros((n, PAIR_WIDTH)))
     counts = np.zeros(COUNTS, dtype=np.int64)
     start = time.perf_counter()
     answer_pairs(
-        *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
-        *((gap, cutoff, False), -1, queue, hits, counts),
+        ADDRESSES,
+        pairs,
+        slots,
+        memory,
+        world.scene,
+        world.revision,
+        (gap, cutoff, False),
+        -1,
+        queue,
+        hits,
+        counts,
     )
     return time.perf_counter() - start, counts

@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     FAR,
     POSTPONED,
 )
+from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
@@ -50,7 +51,7 @@ class Loop:
         self.pairs = np.column_stack(np.triu_indices(n, k=1)).astype(np.int64)
         self.slots = np.arange(len(self.pairs))[::-1].copy()  # no number is taken for another
         m = len(self.pairs)
-        self.memory = np.zeros((m, PAIR_WIDTH)), np.full(m, -math.inf), np.full(m, -1), np.zeros(m)
+        self.memory = empty_memory(np.zeros((m, PAIR_WIDTH)))
         rows = narrow_phase.table_rows(*self.world.geometries.types[self.pairs].T)
         narrow_phase.compile_rows(rows)
 
@@ -252,10 +253,8 @@ def test_near_pairs_are_those_whose_boxes_are_and_planes_have_their_own_gap():
     types, parameters = [HALF_SPACE, BOX, SPHERE], [[], [0.1, 0.2, 0.3], [0.25]]
     loop = Loop(types, parameters, [[9, 9, 1.0], [0, 0, 2.0], [0, 0, 3.0]])
     world = loop.world
-    arguments = (world.geometries.types, world.R_WGs, world.p_WGs, world.roundings)
-    arguments += (world.half_extents,)
     for distance, expected in ((0.4, []), (0.5, [2]), (0.75, [0, 2]), (1.8, [0, 1, 2])):
         for pairs in (loop.pairs, loop.pairs[:, ::-1].copy()):
             hits = np.empty(3, dtype=np.int64)
-            count = narrow_phase.near_pairs(pairs, *arguments, distance, hits)
+            count = narrow_phase.near_pairs(pairs, world.scene, distance, hits)
             assert hits[:count].tolist() == expected

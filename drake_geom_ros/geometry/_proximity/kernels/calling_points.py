@@ -39,9 +39,18 @@ POINT_WIDTH = 10
 
 _vector, _matrix = types.float64[::1], types.float64[:, ::1]
 POINTS_SIGNATURE = types.void(
-    *(types.intp, types.int64, _vector, _matrix, _vector, _matrix),
-    *(types.float64, types.UniTuple(types.float64, 3), types.UniTuple(types.int64, 4)),
-    *(_matrix, types.boolean[::1], types.int64[::1]),
+    types.intp,
+    types.int64,
+    _vector,
+    _matrix,
+    _vector,
+    _matrix,
+    types.float64,
+    types.UniTuple(types.float64, 3),
+    types.UniTuple(types.int64, 4),
+    _matrix,
+    types.boolean[::1],
+    types.int64[::1],
 )
 call_points_kernel = caller(POINTS_SIGNATURE)
 

@@ -136,8 +136,17 @@ def by_pair_kernel(
             p_QG_W[c] = p_WG[c] - p_WQs[k, c]
             out[NORMAL + c] = 0.0
         call_kernel(
-            *(address, SPHERE, nothing, identity, kind, shape, R_WG),
-            *(p_QG_W, 0.0, math.inf, out),
+            address,
+            SPHERE,
+            nothing,
+            identity,
+            kind,
+            shape,
+            R_WG,
+            p_QG_W,
+            0.0,
+            math.inf,
+            out,
         )
         if out[DISTANCE] <= threshold:
             # The witness on G is measured from the point.
