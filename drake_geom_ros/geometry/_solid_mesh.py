@@ -198,7 +198,7 @@ def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: st
     parameters.
     """
     crossing = np.empty((2, 3, 3))
-    touching = np.zeros(tree_of(SOLID, parameters)[3], dtype=np.bool_)
+    touching = np.zeros(tree_of(SOLID, parameters).triangles, dtype=np.bool_)
     if first_crossing(parameters, crossing, touching):
         raise _crosses_itself(name, crossing)
     astray = _astray(parameters, pieces)
@@ -211,7 +211,7 @@ def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: st
     touching[crowded] = True
     astray = _astray(parameters, np.flatnonzero(touching))
     if len(astray):
-        at = tree_of(SOLID, parameters)[2] + CORNERS * int(astray[0])
+        at = tree_of(SOLID, parameters).corners + CORNERS * int(astray[0])
         raise _crosses_itself(name, parameters[at : at + CORNERS].reshape(1, 3, 3))
 
 

@@ -7,13 +7,16 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.gjk import BEYOND_CUTOFF
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import leaf_gap, nearest
 from drake_geom_ros.geometry._proximity.kernels.solid_hulls import middle_of
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+    NO_BOX,
     NO_TREE,
+    Body,
+    Solid,
     first_of_leaf,
     middle_of_triangle,
     next_leaves,
@@ -39,9 +42,15 @@ FIRST_NORMAL = (1.0, 0.0, 0.0)  # where GJK begins when nothing is known
 @compiled
 def depth_of_point(B, q, size):
     """Return how deep q lies in B [m], negative outside."""
-    point = (SPHERE, np.zeros(1), B[2], NO_TREE, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf)[1]
-    return distance if is_inside(B[0], B[1], q) else -distance
+    point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
+    distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
+    return distance if is_inside(B.shape, B.tree, q) else -distance
+
+
+@inlined
+def point_beneath(shape, tree, j, depth):
+    """Return the point so deep [m] beneath the middle of triangle j."""
+    return add_scaled(middle_of_triangle(shape, tree, j), -depth, normal_of(shape, tree, j))
 
 
 @compiled
@@ -51,22 +60,22 @@ def is_leaf_within(A, i, B, j, p, size, reach):
     Those touch that are not proven to be farther apart than ``reach``. Walls in line may hide that
     a triangle is in the other body: what lies just beneath its middle tells.
     """
-    beneath, touching = BENEATH * size, 0
-    first, last = first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)
-    for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
+    depth, touching = BENEATH * size, 0
+    first, last = first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)
+    for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
         mine = 0
         for m in range(first, last):
-            if leaf_gap(A, k, B, m, p, FIRST_NORMAL, size, 0.0, reach)[0] != BEYOND_CUTOFF:
+            if leaf_gap(A, k, B, m, p, FIRST_NORMAL, size, 0.0, reach).end != BEYOND_CUTOFF:
                 mine |= 1 << (m - first)
         touching |= mine
         if mine != 0:
-            x = add_scaled(middle_of_triangle(A[1], A[3], k), -beneath, normal_of(A[1], A[3], k))
-            if is_inside(B[0], B[1], add(p, rotate(A[2], x))):
+            x = point_beneath(A.shape, A.tree, k, depth)
+            if is_inside(B.shape, B.tree, add(p, rotate(A.R, x))):
                 return True
     for m in range(first, last):
         if touching & (1 << (m - first)) != 0:
-            y = add_scaled(middle_of_triangle(B[0], B[1], m), -beneath, normal_of(B[0], B[1], m))
-            if is_inside(A[1], A[3], unrotate(A[2], sub(y, p))):
+            y = point_beneath(B.shape, B.tree, m, depth)
+            if is_inside(A.shape, A.tree, unrotate(A.R, sub(y, p))):
                 return True
     return False
 
@@ -93,9 +102,9 @@ def is_piece_within(shape, tree, B, R, p, size, least):
 
     Its point is asked, which has to be deeper than ``least``.
     """
-    for k in range(tree[5]):
-        q = add(p, rotate(R, vector_at(shape, tree[4] + 3 * k)))
-        if is_inside(B[0], B[1], q) and depth_of_point(B, q, size) > least:
+    for k in range(tree.pieces):
+        q = add(p, rotate(R, vector_at(shape, tree.pieces_at + 3 * k)))
+        if is_inside(B.shape, B.tree, q) and depth_of_point(B, q, size) > least:
             return True
     return False
 
@@ -117,14 +126,13 @@ def is_contained(A, B, p, touches, size):
     the core is in B, and then its middle is. A core without is a point or a segment with a ball
     around it, which overlaps where the core touches, unless the ball is as small as rounding.
     """
-    kind, shape, R, tree, _ = A
-    if kind != SOLID:
-        on_surface = touches and kind == SPHERE
-        return not on_surface and is_inside(B[0], B[1], middle_of(A, p))
+    if A.kind != SOLID:
+        on_surface = touches and A.kind == SPHERE
+        return not on_surface and is_inside(B.shape, B.tree, middle_of(A, p))
     if touches and are_flush(A, B, p, size):
         return True
     least = ROUNDING * EPS * size if touches else 0.0
-    if is_piece_within(shape, tree, B, R, p, size, least):
+    if is_piece_within(A.shape, A.tree, B, A.R, p, size, least):
         return True
-    there, back = (shape, tree, B[2]), scale(-1.0, unrotate(R, p))
-    return is_piece_within(B[0], B[1], there, R.T.copy(), back, size, least)
+    there, back = Solid(A.shape, A.tree, B.identity), scale(-1.0, unrotate(A.R, p))
+    return is_piece_within(B.shape, B.tree, there, A.R.T.copy(), back, size, least)

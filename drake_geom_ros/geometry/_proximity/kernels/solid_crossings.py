@@ -6,11 +6,13 @@ triangle none goes through another, and what touches looks alike: that is told b
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.gjk import BEYOND_CUTOFF, distance_of_cores
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     CORNERS,
@@ -24,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
     add_scaled,
     cross,
     dot,
@@ -40,12 +43,25 @@ TOUCHING = 1
 CROSSED = 2
 
 
+class Plane(NamedTuple):
+    """The plane of a triangle through its corner p, with the unit normal n.
+
+    Heights over it count from ``near`` [m] on, for vertices may be in single precision, and
+    ``noise`` [m] is what rounding makes of them.
+    """
+
+    p: Vector
+    n: Vector
+    near: float
+    noise: float
+
+
 @compiled
 def rounding_of_corners(shape, tree):
     """Return how far apart [m] corners may be that rounding has parted: some of their spacings."""
     largest = 0.0
     for c in range(3):
-        at = tree[0] + c
+        at = tree.nodes + c
         largest = max(largest, abs(shape[at + LOWER]), abs(shape[at + UPPER]))
     return ROUNDING * EPS * largest
 
@@ -58,7 +74,7 @@ def boxes_meet(shape, tree, i, j, apart):
     boxes, whose ends are coordinates of corners, compared and not computed with; and faces that
     lie on each other to rounding are not farther apart than that.
     """
-    a, b = tree[0] + NODE_WIDTH * i, tree[0] + NODE_WIDTH * j
+    a, b = tree.nodes + NODE_WIDTH * i, tree.nodes + NODE_WIDTH * j
     for c in range(3):
         if shape[a + LOWER + c] - shape[b + UPPER + c] > apart:
             return False
@@ -99,12 +115,10 @@ def bluntest_corner(shape, at):
 
 @compiled
 def plane_of(shape, at, other, apart):
-    """Return (a, n, near, noise) of the plane of a triangle: a corner and the unit normal.
+    """Return the plane of a triangle, with the rounding of heights of the corners at ``other``.
 
-    Heights over it count from ``near`` on, for vertices may be in single precision. ``noise`` is
-    what rounding makes of those of the corners at ``other``: all corners are as much as ``apart``
-    off, and the edges u and v at a corner leave an error of EPS |u| |v| in their product. So from
-    its bluntest corner even a needle has a sharp normal.
+    All corners are as much as ``apart`` off, and the edges u and v at a corner leave an error of
+    EPS |u| |v| in their product. So from its bluntest corner even a needle has a sharp normal.
     """
     k = bluntest_corner(shape, at)
     a = vector_at(shape, at + 3 * k)
@@ -115,17 +129,16 @@ def plane_of(shape, at, other, apart):
         reach = max(reach, norm(sub(vector_at(shape, other + 3 * c), a)))
     if norm(product) > 0.0:
         noise += ROUNDING * EPS * reach * (norm(u) * (norm(v) / norm(product)))
-    return a, unit(product), CROSSING * (norm(u) + norm(v)), noise
+    return Plane(a, unit(product), CROSSING * (norm(u) + norm(v)), noise)
 
 
 @compiled
 def heights_over(shape, at, plane):
-    """Return the heights of a triangle's corners over a plane of ``plane_of``."""
-    a, n, _, _ = plane
+    """Return the heights of a triangle's corners over a plane."""
     return (
-        dot(sub(vector_at(shape, at), a), n),
-        dot(sub(vector_at(shape, at + 3), a), n),
-        dot(sub(vector_at(shape, at + 6), a), n),
+        dot(sub(vector_at(shape, at), plane.p), plane.n),
+        dot(sub(vector_at(shape, at + 3), plane.p), plane.n),
+        dot(sub(vector_at(shape, at + 6), plane.p), plane.n),
     )
 
 
@@ -167,14 +180,15 @@ def cross_in_line(shape, at, other, planes, heights):
     each has an edge, or a corner, too. Those of the second are over the plane of the first, and
     the reverse.
     """
-    (a, n, near_a, noise_a), (_, m, near_b, noise_b) = planes
-    over_a, over_b = heights
-    if not straddles(over_b, max(near_b, noise_b)) or not straddles(over_a, max(near_a, noise_a)):
+    (mine, its), (over_mine, over_its) = planes, heights
+    if not straddles(over_its, max(its.near, its.noise)):
         return False
-    along = unit(cross(n, m))
-    first, last = part_of_line(shape, at, over_b, a, along)
-    begin, end = part_of_line(shape, other, over_a, a, along)
-    return min(last, end) - max(first, begin) > min(near_a, near_b)
+    if not straddles(over_mine, max(mine.near, mine.noise)):
+        return False
+    along = unit(cross(mine.n, its.n))
+    first, last = part_of_line(shape, at, over_its, mine.p, along)
+    begin, end = part_of_line(shape, other, over_mine, mine.p, along)
+    return min(last, end) - max(first, begin) > min(mine.near, its.near)
 
 
 @compiled
@@ -239,7 +253,7 @@ def touch(shape, at, other, near):
         return False
     identity, origin = np.eye(3), (0.0, 0.0, 0.0)
     first, second = shape[at : at + CORNERS], shape[other : other + CORNERS]
-    pair = (TRIANGLE, first, identity, TRIANGLE, second, identity, origin)
+    pair = Pair(TRIANGLE, first, identity, TRIANGLE, second, identity, origin)
     n = sub(vector_at(shape, other), vector_at(shape, at))
     size = max(norm(vector_at(shape, at)), norm(vector_at(shape, other)))
     return distance_of_cores(pair, unit(n), size, near, near)[0] != BEYOND_CUTOFF
@@ -254,15 +268,15 @@ def meeting(shape, at, other, apart):
     planes = plane_of(shape, at, other, apart), plane_of(shape, other, at, apart)
     heights = heights_over(shape, other, planes[0]), heights_over(shape, at, planes[1])
     for k in range(2):
-        if is_beyond(heights[k], max(planes[k][2], planes[k][3])):
+        if is_beyond(heights[k], max(planes[k].near, planes[k].noise)):
             return APART
     if cross_in_line(shape, at, other, planes, heights):
         return CROSSED
-    _, n, near, noise = planes[0]
-    flat = max(heights[0]) <= noise and min(heights[0]) >= -noise
-    if flat and overlap_in_plane(shape, at, other, n, noise):
+    mine, its = planes
+    flat = max(heights[0]) <= mine.noise and min(heights[0]) >= -mine.noise
+    if flat and overlap_in_plane(shape, at, other, mine.n, mine.noise):
         return CROSSED
-    return TOUCHING if touch(shape, at, other, max(near, planes[1][2])) else APART
+    return TOUCHING if touch(shape, at, other, max(mine.near, its.near)) else APART
 
 
 @compiled
@@ -287,10 +301,10 @@ def first_crossing(shape, found, touching):
                     stack[top, 0], stack[top, 1] = 2 * i + 1 + k, 2 * j + 1 + m
                     top += 1
             continue
-        a, b = i - (tree[1] - 1), j - (tree[1] - 1)
+        a, b = i - (tree.leaves - 1), j - (tree.leaves - 1)
         for s in range(first_of_leaf(tree, a), first_of_leaf(tree, a + 1)):
             for t in range(first_of_leaf(tree, b), first_of_leaf(tree, b + 1)):
-                at, other = tree[2] + CORNERS * s, tree[2] + CORNERS * t
+                at, other = tree.corners + CORNERS * s, tree.corners + CORNERS * t
                 if (s >= t and a == b) or not triangles_may_meet(shape, at, other, apart):
                     continue
                 how = meeting(shape, at, other, apart)

@@ -1,8 +1,7 @@
 """How far a core or a solid is from a solid's surface: branch and bound over trees of boxes.
 
-``A = (kind, shape, R, tree, box)``: its tree and the box of its core as in ``solid_tree``, its
-orientation R in B. ``B = (shape, tree, identity)``. A's origin is at p in B. Points are measured
-from Bo and expressed in B's axes; n points from A towards B.
+A is a ``Body`` and B a ``Solid`` of ``solid_tree``, and A's origin is at p in B. Points are
+measured from Bo and expressed in B's axes; n points from A towards B.
 
 A pair of leaves is answered by GJK, with a certificate; a sphere's centre by the closed form. What
 touches to rounding is told from what crosses by the slabs between the leaves: a face that lies
@@ -10,6 +9,7 @@ flush on another crosses nothing.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import (
     distance_of_cores,
     support_points,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Gap, Pair
 from drake_geom_ros.geometry._proximity.kernels.simplices import closest_on_triangle, weighted
 from drake_geom_ros.geometry._proximity.kernels.solid_hulls import width_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     walk,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
     add,
     column,
     cross,
@@ -53,18 +55,33 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 
+class Nearest(NamedTuple):
+    """Where the surfaces of A's core and of B are nearest: a and b, with n from a to b.
+
+    ``lower <= distance <= upper = |b - a|``. End BEYOND_CUTOFF: farther apart than was asked, and
+    only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. ``unique`` is False
+    if other points are as near, along a clearly different n.
+    """
+
+    end: int
+    upper: float
+    lower: float
+    n: Vector
+    a: Vector
+    b: Vector
+    unique: bool
+
+
 @compiled
 def leaf_pair(A, i, B, j, p):
     """Return the pair, as GJK takes it, of A's core or triangle i and of B's triangle j."""
-    kind, shape, R, tree, _ = A
-    other, B_tree, identity = B
-    at = B_tree[2] + CORNERS * j
-    corners = other[at : at + CORNERS]
+    kind, shape = A.kind, A.shape
     if kind == SOLID:
-        kind = TRIANGLE
-        at = tree[2] + CORNERS * i
-        shape = shape[at : at + CORNERS]
-    return kind, shape, R, TRIANGLE, corners, identity, scale(-1.0, p)
+        at = A.tree.corners + CORNERS * i
+        kind, shape = TRIANGLE, shape[at : at + CORNERS]
+    at = B.tree.corners + CORNERS * j
+    corners = B.shape[at : at + CORNERS]
+    return Pair(kind, shape, A.R, TRIANGLE, corners, B.identity, scale(-1.0, p))
 
 
 @compiled
@@ -75,14 +92,14 @@ def slab_axis(A, i, B, j, turn):
     normal, its axes stand for edges. Of a box and of a triangle these are all there are.
     """
     if turn == 0:
-        return normal_of(B[0], B[1], j)
+        return normal_of(B.shape, B.tree, j)
     if turn == 1:
-        return rotate(A[2], normal_of(A[1], A[3], i)) if A[0] == SOLID else (0.0, 0.0, 0.0)
+        return rotate(A.R, normal_of(A.shape, A.tree, i)) if A.kind == SOLID else (0.0, 0.0, 0.0)
     k, m = (turn - 2) // 3, (turn - 2) % 3
-    other = column(A[2], m)
-    if A[0] == SOLID:
-        other = rotate(A[2], edge_of(A[1], A[3], i, m))
-    return unit(cross(edge_of(B[0], B[1], j, k), other))
+    other = column(A.R, m)
+    if A.kind == SOLID:
+        other = rotate(A.R, edge_of(A.shape, A.tree, i, m))
+    return unit(cross(edge_of(B.shape, B.tree, j, k), other))
 
 
 @compiled
@@ -103,14 +120,14 @@ def widest_slab(A, i, B, j, pair):
 @compiled
 def point_gap(q, B, j, noise):
     """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
-    at = B[1][2] + CORNERS * j
-    x = sub(vector_at(B[0], at), q)
-    y, z = sub(vector_at(B[0], at + 3), q), sub(vector_at(B[0], at + 6), q)
+    at = B.tree.corners + CORNERS * j
+    x = sub(vector_at(B.shape, at), q)
+    y, z = sub(vector_at(B.shape, at + 3), q), sub(vector_at(B.shape, at + 6), q)
     v = weighted(x, y, z, closest_on_triangle(x, y, z))
     d = norm(v)
     if d > noise:
         return d, unit(v), add(q, v)
-    n = scale(-1.0, normal_of(B[0], B[1], j))
+    n = scale(-1.0, normal_of(B.shape, B.tree, j))
     if dot(n, n) < 0.5:
         n = (-1.0, 0.0, 0.0)
     return d, n, add(q, v)
@@ -118,11 +135,11 @@ def point_gap(q, B, j, noise):
 
 @compiled
 def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
-    """Return (end, upper, lower, n, a, b) of two leaves, as GJK does; a and b from Bo."""
+    """Return the gap of two leaves, as GJK does, but a and b are from Bo."""
     noise = ROUNDING * EPS * size
-    if A[0] == SPHERE:
+    if A.kind == SPHERE:
         d, n, b = point_gap(p, B, j, noise)
-        return (CLOSED if d <= limit else BEYOND_CUTOFF), d, d, n, p, b
+        return Gap(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
     pair = leaf_pair(A, i, B, j, p)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
     if end == CLOSED and upper - lower > max(tolerance, noise):
@@ -137,7 +154,7 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
             n, lower = m, width
         if lower >= -noise:
             end = CLOSED
-    return end, upper, lower, n, add(p, a), add(p, b)
+    return Gap(end, upper, lower, n, add(p, a), add(p, b))
 
 
 @compiled
@@ -152,11 +169,7 @@ def is_wider(A, B, p, n, other):
 
 @compiled
 def nearest(A, B, p, n, size, tolerance, limit):
-    """Return (end, upper, lower, n, a, b, unique) of the surfaces of A's core and of B.
-
-    ``lower <= distance <= upper = |b - a|``. End BEYOND_CUTOFF: farther apart than ``limit``, and
-    only ``lower`` tells. End OVERLAP: they cross, and the rest tells nothing. ``unique`` is False
-    if other points are as near, along a clearly different n.
+    """Return where the surfaces of A's core and of B are nearest.
 
     Nothing nearer is missed: left out, by boxes or within a leaf by GJK, is what is beyond the
     limit, or farther than the best so far by more than ``noise``, which rounding keeps below. The
@@ -173,13 +186,13 @@ def nearest(A, B, p, n, size, tolerance, limit):
         least = min(least, skipped)
         if i < 0:
             break
-        for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
-            for m in range(first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)):
+        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
+            for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
                 end, upper, lower, n, x, y = leaf_gap(
                     A, k, B, m, p, n_best, size, tolerance, limit
                 )
                 if end == OVERLAP:
-                    return OVERLAP, upper, lower, n, x, y, True
+                    return Nearest(OVERLAP, upper, lower, n, x, y, True)
                 least = min(least, lower)
                 if end == BEYOND_CUTOFF:
                     continue
@@ -197,7 +210,7 @@ def nearest(A, B, p, n, size, tolerance, limit):
                     n_best, a, b = n, x, y
     # What was left out is farther than the reach; so may be what was answered all the same.
     end = CLOSED if best < math.inf and least <= reach else BEYOND_CUTOFF
-    return end, best, min(least, best), n_best, a, b, unique
+    return Nearest(end, best, min(least, best), n_best, a, b, unique)
 
 
 @compiled
@@ -208,10 +221,9 @@ def push_out(A, i, B, j, p, radius, found):
     triangle and all of A's core, or A's triangle, is lifted over its plane; else m is along the
     gap.
     """
-    end, upper, _, n, _, _ = found
-    if end != OVERLAP:
-        return scale(-1.0, n), radius - upper
-    m = normal_of(B[0], B[1], j)
+    if found.end != OVERLAP:
+        return scale(-1.0, found.n), radius - found.upper
+    m = normal_of(B.shape, B.tree, j)
     pair = leaf_pair(A, i, B, j, p)
     a, b = support_points(pair, scale(-1.0, m), 0.0)
     return m, dot(sub(b, a), m) + radius
@@ -231,10 +243,10 @@ def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
         top, i, j, _ = next_leaves(A, B, p, path, top, reach)
         if i < 0:
             return count
-        for k in range(first_of_leaf(A[3], i), first_of_leaf(A[3], i + 1)):
-            for t in range(first_of_leaf(B[1], j), first_of_leaf(B[1], j + 1)):
+        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
+            for t in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
                 found = leaf_gap(A, k, B, t, p, n, size, tolerance, reach + noise)
-                if found[0] == OVERLAP or (found[0] == CLOSED and found[1] <= reach):
+                if found.end == OVERLAP or (found.end == CLOSED and found.upper <= reach):
                     pairs[count, 0], pairs[count, 1] = k, t
                     count += 1
                     if count == pairs.shape[0]:

@@ -24,26 +24,26 @@ from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 @compiled
 def middle_of(A, p):
     """Return a point of A's core, inside where that has a volume, from Bo."""
-    if A[0] != CONVEX:
+    if A.kind != CONVEX:
         return p
-    middle, count = (0.0, 0.0, 0.0), int(A[1][0])
+    middle, count = (0.0, 0.0, 0.0), int(A.shape[0])
     for k in range(count):
-        middle = add_scaled(middle, 1.0 / count, vector_at(A[1], 1 + 3 * k))
-    return add(p, rotate(A[2], middle))
+        middle = add_scaled(middle, 1.0 / count, vector_at(A.shape, 1 + 3 * k))
+    return add(p, rotate(A.R, middle))
 
 
 @compiled
 def hull_support(A, n):
     """Return the point of A's core, or of its hull, that is extreme along n, from Ao in B."""
-    if A[0] == SOLID:
-        return rotate(A[2], local_support(CONVEX, A[1], unrotate(A[2], n), 0.0))
-    return support(A[0], A[1], A[2], n, 0.0)
+    if A.kind == SOLID:
+        return rotate(A.R, local_support(CONVEX, A.shape, unrotate(A.R, n), 0.0))
+    return support(A.kind, A.shape, A.R, n, 0.0)
 
 
 @compiled
 def width_of_hulls(A, B, p, m, radius):
     """Return how far A must move along m to be beyond B's hull [m]."""
-    b = local_support(CONVEX, B[0], m, 0.0)
+    b = local_support(CONVEX, B.shape, m, 0.0)
     return dot(sub(b, add(p, hull_support(A, scale(-1.0, m)))), m) + radius
 
 
@@ -55,16 +55,16 @@ def way_out_of_hull(A, B, p, radius):
     """
     best, best_m = math.inf, (1.0, 0.0, 0.0)
     for side in range(2):
-        body_shape, tree = (B[0], B[1]) if side == 0 else (A[1], A[3])
-        for k in range(tree[7]):
-            m = vector_at(body_shape, tree[6] + PLANE * k)
+        body_shape, tree = (B.shape, B.tree) if side == 0 else (A.shape, A.tree)
+        for k in range(tree.planes):
+            m = vector_at(body_shape, tree.planes_at + PLANE * k)
             if side == 1:
-                m = scale(-1.0, rotate(A[2], m))
+                m = scale(-1.0, rotate(A.R, m))
             s = width_of_hulls(A, B, p, m, radius)
             if s < best:
                 best, best_m = s, m
     for k in range(6):
-        m = scale(1.0 - 2.0 * (k % 2), column(A[2], k // 2))
+        m = scale(1.0 - 2.0 * (k % 2), column(A.R, k // 2))
         s = width_of_hulls(A, B, p, m, radius)
         if s < best:
             best, best_m = s, m

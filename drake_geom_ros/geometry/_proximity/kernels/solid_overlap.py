@@ -38,6 +38,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
 from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+    Solid,
     middle_of_triangle,
     vector_at,
 )
@@ -82,22 +83,20 @@ def look(A, B, p, n, size, tolerance, radius):
     """
     noise = ROUNDING * EPS * size
     found = nearest(A, B, p, n, size, tolerance, math.inf)
-    end, lower = found[0], found[2]
-    clear = end != OVERLAP and lower >= radius - 2.0 * noise
-    return clear and not is_contained(A, B, p, lower <= noise, size), found
+    clear = found.end != OVERLAP and found.lower >= radius - 2.0 * noise
+    return clear and not is_contained(A, B, p, found.lower <= noise, size), found
 
 
 @compiled
 def push_of(A, B, p, found, size, tolerance, radius, pushes):
     """Fill ``pushes`` (k, 4) with ways out, the shortest first; return how many."""
-    n, a, b = found[3], found[4], found[5]
-    count = contacts(A, B, p, n, size, tolerance, radius, pushes, MOST_CONTACTS)
-    if count == 0 and found[0] != OVERLAP and is_inside(B[0], B[1], a):
+    count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
+    if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
         # Wholly inside: out through the nearest surface.
-        m = unit(sub(b, a))
+        m = unit(sub(found.b, found.a))
         lowest = add(p, hull_support(A, scale(-1.0, m)))
         pushes[0, 0], pushes[0, 1], pushes[0, 2] = m
-        pushes[0, 3] = dot(sub(b, lowest), m) + radius
+        pushes[0, 3] = dot(sub(found.b, lowest), m) + radius
         count = 1
     pushes[:count] = pushes[np.argsort(pushes[:count, 3])]
     return count
@@ -132,15 +131,15 @@ def draw_back(A, B, p, t, found, size, tolerance, radius):
     back_off = BACK_OFF * ROUNDING * EPS * size
     u = unit(t)
     for _ in range(MOST_SLIDES):
-        gap, slope = found[2] - radius - back_off, -dot(found[3], u)
+        gap, slope = found.lower - radius - back_off, -dot(found.n, u)
         if gap <= max(0.25 * tolerance, back_off):
             break
         step = min(gap / max(slope, STEEPEST), 0.5 * norm(t))
         ahead = add_scaled(t, -step, u)
-        clear, there = look(A, B, add(p, ahead), found[3], size, tolerance, radius)
+        clear, there = look(A, B, add(p, ahead), found.n, size, tolerance, radius)
         if not clear:
             ahead = add_scaled(t, -min(gap, 0.5 * norm(t)), u)
-            there = look(A, B, add(p, ahead), found[3], size, tolerance, radius)[1]
+            there = look(A, B, add(p, ahead), found.n, size, tolerance, radius)[1]
         t, found = ahead, there
     return t, found
 
@@ -153,25 +152,25 @@ def slide(A, B, p, t, found, size, tolerance, radius):
     """
     back_off = BACK_OFF * ROUNDING * EPS * size
     for _ in range(MOST_SLIDES):
-        m, gap = scale(-1.0, found[3]), found[2] - radius
+        m, gap = scale(-1.0, found.n), found.lower - radius
         s = dot(t, m) - gap + back_off
         if s > 0.0 and norm(t) - s > max(0.25 * tolerance, back_off):
-            clear, ahead = look(A, B, add_scaled(p, s, m), found[3], size, tolerance, radius)
+            clear, ahead = look(A, B, add_scaled(p, s, m), found.n, size, tolerance, radius)
             if clear:
                 t, found = scale(s, m), ahead
                 continue
         t, found = draw_back(A, B, p, t, found, size, tolerance, radius)
         break
-    return t, scale(-1.0, found[3]), found[4], found[5]
+    return t, scale(-1.0, found.n), found.a, found.b
 
 
 @compiled
 def depth_in(A, B, p, x, size, radius):
     """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
-    q = unrotate(A[2], sub(x, p))
-    kind, shape = A[0], A[1]
+    q = unrotate(A.R, sub(x, p))
+    kind, shape = A.kind, A.shape
     if kind == SOLID:
-        return depth_of_point((shape, A[3], B[2]), q, size)
+        return depth_of_point(Solid(shape, A.tree, B.identity), q, size)
     if kind == CAPSULE:
         return radius - norm((q[0], q[1], max(abs(q[2]) - shape[1], 0.0)))
     if kind == SPHERE:
@@ -209,14 +208,14 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
     least = radius + depth_of_point(B, before, size)
     least = max(least, deepest_at(A, B, p, b, size, radius))
     least = max(least, deepest_at(A, B, p, add_scaled(b, -0.5, t), size, radius))
-    if A[0] != SOLID:
-        lowest = add(p, support(A[0], A[1], A[2], scale(-1.0, m), RIGHT_ANGLE))
+    if A.kind != SOLID:
+        lowest = add(p, support(A.kind, A.shape, A.R, scale(-1.0, m), RIGHT_ANGLE))
         return max(least, radius + depth_of_point(B, lowest, size))
     noise = FLUSH * ROUNDING * EPS * size
     pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
     for k in range(close_pairs(A, B, add(p, t), scale(-1.0, m), size, tolerance, noise, pairs)):
-        x = add(p, rotate(A[2], middle_of_triangle(A[1], A[3], pairs[k, 0])))
-        y = middle_of_triangle(B[0], B[1], pairs[k, 1])
+        x = add(p, rotate(A.R, middle_of_triangle(A.shape, A.tree, pairs[k, 0])))
+        y = middle_of_triangle(B.shape, B.tree, pairs[k, 1])
         least = max(least, depth_of_point(B, x, size), depth_in(A, B, p, y, size, radius))
     return least
 
@@ -233,10 +232,10 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
     back_off = BACK_OFF * ROUNDING * EPS * size
     enough = max(0.5 * tolerance, 4.0 * back_off)
     least = 0.0
-    if found[0] != OVERLAP and found[1] < radius:
-        least = radius - found[1]
-    if A[0] != SOLID:
-        ball = max(radius, inner_radius(A[0], A[1]))
+    if found.end != OVERLAP and found.upper < radius:
+        least = radius - found.upper
+    if A.kind != SOLID:
+        ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_of_point(B, middle_of(A, p), size))
     depth, t_best, b_best = math.inf, p, p
     count = push_of(A, B, p, found, size, tolerance, radius, pushes)
@@ -253,7 +252,7 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
             t = scale(s + back_off, m)
             clear, ahead = look(A, B, add(p, t), scale(-1.0, m), size, tolerance, radius)
             if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
-                depth, t_best, b_best = norm(t), t, local_support(CONVEX, B[0], m, 0.0)
+                depth, t_best, b_best = norm(t), t, local_support(CONVEX, B.shape, m, 0.0)
         if clear:
             t, m, a, b = slide(A, B, p, t, ahead, size, tolerance, radius)
             if norm(t) < depth:

@@ -84,16 +84,16 @@ def winding(shape, tree, q, ratio, without):
     while top > 0:
         top -= 1
         k = stack[top]
-        half, off, radii = dipole(shape, tree[0] + NODE_WIDTH * k, q)
+        half, off, radii = dipole(shape, tree.nodes + NODE_WIDTH * k, q)
         if radii > ratio:
             total += half
             error += off
         elif is_leaf(tree, k):
-            leaf = k - (tree[1] - 1)
+            leaf = k - (tree.leaves - 1)
             for j in range(first_of_leaf(tree, leaf), first_of_leaf(tree, leaf + 1)):
                 if j == without:
                     continue
-                at = tree[2] + CORNERS * j
+                at = tree.corners + CORNERS * j
                 a, b = sub(vector_at(shape, at), q), sub(vector_at(shape, at + 3), q)
                 c = sub(vector_at(shape, at + 6), q)
                 total += solid_angle(a, b, c)
@@ -114,9 +114,9 @@ def is_inside(shape, tree, q):
     square of its length over that of its distance, or of its least width where that is more
     (``rounding_of_angle``). As little as that, times the length, may a point be outside a box.
     """
-    middle, half = box_of_node(shape, tree, 0)
+    box = box_of_node(shape, tree, 0)
     for c in range(3):
-        if outside(q[c] - middle[c], half[c]) > 0.0:
+        if outside(q[c] - box.middle[c], box.half[c]) > 0.0:
             return False
     ratio = FIRST_RATIO
     while True:
@@ -148,7 +148,7 @@ def find_astray(shape, triangles, astray):
     """Write which of the triangles (k,) of a solid, by number, have a point that is astray."""
     tree = tree_of(SOLID, shape)
     for k in range(triangles.size):
-        at = tree[2] + CORNERS * triangles[k]
+        at = tree.corners + CORNERS * triangles[k]
         a, b = vector_at(shape, at), vector_at(shape, at + 3)
         c = vector_at(shape, at + 6)
         ab, ac = sub(b, a), sub(c, a)

@@ -9,12 +9,15 @@ is a tree of one leaf.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.supports import local_support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
     add,
     cross,
     norm,
@@ -25,6 +28,9 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
 
@@ -40,7 +46,57 @@ MOMENT = 14  # norm of the sum of normals times areas times middles, from the ce
 CORNERS = 9  # numbers a triangle
 PLANE = 4  # numbers a plane: outward normal, offset
 
-NO_TREE = (0, 0, 0, 0, 0, 0, 0, 0)  # of a core
+
+class Tree(NamedTuple):
+    """Where the parts of a solid begin in its parameters, and how many there are; 0 of a core."""
+
+    nodes: int
+    leaves: int
+    corners: int
+    triangles: int
+    pieces_at: int
+    pieces: int
+    planes_at: int
+    planes: int
+
+
+NO_TREE = Tree(0, 0, 0, 0, 0, 0, 0, 0)  # of a core
+
+
+class Box(NamedTuple):
+    """A box along the axes: its middle and half its size [m]."""
+
+    middle: Vector
+    half: Vector
+
+
+NO_BOX = Box((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
+
+
+class Body(NamedTuple):
+    """A, a core or a solid: its orientation R in B, its tree, and the box of its core, in A."""
+
+    kind: int
+    shape: Floats
+    R: Floats
+    tree: Tree
+    box: Box
+
+
+class Solid(NamedTuple):
+    """B, the solid in whose frame all is computed, and so its orientation is the identity."""
+
+    shape: Floats
+    tree: Tree
+    identity: Floats
+
+
+class Walk(NamedTuple):
+    """The stack of a walk over two trees: pairs of nodes (k, 2), and the gap [m] of each."""
+
+    stack: Indices
+    gaps: Floats
+
 
 # Of a walk: each step takes one pair of nodes away and puts two back, and trees of 2^40 leaves do
 # not fit into memory.
@@ -49,10 +105,7 @@ DEEPEST = 96
 
 @compiled
 def tree_of(kind, shape):
-    """Return (nodes, leaves, corners, triangles, pieces at, pieces, planes at, planes).
-
-    The first, third and so on are where these stand in the parameters; of a core all are 0.
-    """
+    """Return the tree of a solid, or the empty one of a core."""
     if kind != SOLID:
         return NO_TREE
     header = int(shape[shape.size - 1])
@@ -61,7 +114,8 @@ def tree_of(kind, shape):
     nodes = header + HEADER
     corners = nodes + NODE_WIDTH * (2 * leaves - 1)
     pieces_at = corners + CORNERS * triangles
-    return nodes, leaves, corners, triangles, pieces_at, pieces, pieces_at + 3 * pieces, planes
+    planes_at = pieces_at + 3 * pieces
+    return Tree(nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes)
 
 
 @inlined
@@ -73,15 +127,15 @@ def vector_at(shape, k):
 @inlined
 def first_of_leaf(tree, i):
     """Return the first triangle of leaf i; that of the next one ends it. A core is one leaf."""
-    if tree[1] == 0:
+    if tree.leaves == 0:
         return i
-    return i * tree[3] // tree[1]
+    return i * tree.triangles // tree.leaves
 
 
 @compiled
 def normal_of(shape, tree, j):
     """Return the outward unit normal of triangle j, or the zero vector if it has no area."""
-    at = tree[2] + CORNERS * j
+    at = tree.corners + CORNERS * j
     a = vector_at(shape, at)
     return unit(cross(sub(vector_at(shape, at + 3), a), sub(vector_at(shape, at + 6), a)))
 
@@ -89,23 +143,23 @@ def normal_of(shape, tree, j):
 @inlined
 def edge_of(shape, tree, j, k):
     """Return edge k, 0 to 2, of triangle j."""
-    at = tree[2] + CORNERS * j
+    at = tree.corners + CORNERS * j
     return sub(vector_at(shape, at + 3 * ((k + 1) % 3)), vector_at(shape, at + 3 * k))
 
 
 @inlined
 def middle_of_triangle(shape, tree, j):
     """Return the mean of the corners of triangle j."""
-    at = tree[2] + CORNERS * j
+    at = tree.corners + CORNERS * j
     ab = add(vector_at(shape, at), vector_at(shape, at + 3))
     return scale(1.0 / 3.0, add(ab, vector_at(shape, at + 6)))
 
 
 @compiled
 def box_of_core(kind, shape):
-    """Return (middle, half) of the box of a core, in its frame; of a solid nothing is asked."""
+    """Return the box of a core, in its frame; of a solid nothing is asked."""
     if kind == SOLID:
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        return NO_BOX
     above = (
         local_support(kind, shape, (1.0, 0.0, 0.0), 0.0)[0],
         local_support(kind, shape, (0.0, 1.0, 0.0), 0.0)[1],
@@ -116,13 +170,13 @@ def box_of_core(kind, shape):
         local_support(kind, shape, (0.0, -1.0, 0.0), 0.0)[1],
         local_support(kind, shape, (0.0, 0.0, -1.0), 0.0)[2],
     )
-    return middle_and_half(below, above)
+    return box_between(below, above)
 
 
 @inlined
-def middle_and_half(below, above):
-    """Return the middle and half the size of a box."""
-    return (
+def box_between(below, above):
+    """Return the box with these corners."""
+    return Box(
         (0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), 0.5 * (below[2] + above[2])),
         (0.5 * (above[0] - below[0]), 0.5 * (above[1] - below[1]), 0.5 * (above[2] - below[2])),
     )
@@ -130,9 +184,21 @@ def middle_and_half(below, above):
 
 @inlined
 def box_of_node(shape, tree, k):
-    """Return (middle, half) of the box of node k."""
-    at = tree[0] + NODE_WIDTH * k
-    return middle_and_half(vector_at(shape, at + LOWER), vector_at(shape, at + UPPER))
+    """Return the box of node k."""
+    at = tree.nodes + NODE_WIDTH * k
+    return box_between(vector_at(shape, at + LOWER), vector_at(shape, at + UPPER))
+
+
+@compiled
+def body_of(kind, shape, R):
+    """Return a core or a solid of orientation R in B as A."""
+    return Body(kind, shape, R, tree_of(kind, shape), box_of_core(kind, shape))
+
+
+@compiled
+def solid_of(shape):
+    """Return a solid as B."""
+    return Solid(shape, tree_of(SOLID, shape), np.eye(3))
 
 
 @inlined
@@ -149,8 +215,8 @@ def gap_of_boxes(box_A, R, p, box_B):
     is farther from Bo than the pair's size, so a dozen roundings of EPS each make it less than
     ROUNDING EPS size too large; whoever leaves out what is beyond a limit has added that.
     """
-    h, k = box_A[1], box_B[1]
-    d = sub(add(rotate(R, box_A[0]), p), box_B[0])
+    h, k = box_A.half, box_B.half
+    d = sub(add(rotate(R, box_A.middle), p), box_B.middle)
     in_B = (
         outside(d[0], k[0] + abs(R[0, 0]) * h[0] + abs(R[0, 1]) * h[1] + abs(R[0, 2]) * h[2]),
         outside(d[1], k[1] + abs(R[1, 0]) * h[0] + abs(R[1, 1]) * h[1] + abs(R[1, 2]) * h[2]),
@@ -169,50 +235,46 @@ def gap_of_boxes(box_A, R, p, box_B):
 
 @inlined
 def box_at(A, i):
-    """Return the box of node i of A = (kind, shape, R, tree, box of the core), in A's frame."""
-    return box_of_node(A[1], A[3], i) if A[0] == SOLID else A[4]
+    """Return the box of node i of A, in A's frame."""
+    return box_of_node(A.shape, A.tree, i) if A.kind == SOLID else A.box
 
 
 @inlined
 def is_leaf(tree, k):
     """Tell whether node k is a leaf; leaf number k - (leaves - 1)."""
-    return k >= tree[1] - 1
+    return k >= tree.leaves - 1
 
 
 @compiled
 def push_children(A, B, p, i, j, path, top):
     """Push the two pairs that a pair of nodes, not both leaves, is cut into, the nearer last."""
-    stack, gaps = path
-    cut_B = is_leaf(A[3], i)
-    if not cut_B and not is_leaf(B[1], j):
-        cut_B = norm(box_of_node(B[0], B[1], j)[1]) >= norm(box_at(A, i)[1])
+    cut_B = is_leaf(A.tree, i)
+    if not cut_B and not is_leaf(B.tree, j):
+        cut_B = norm(box_of_node(B.shape, B.tree, j).half) >= norm(box_at(A, i).half)
     if cut_B:
         box = box_at(A, i)
-        first = gap_of_boxes(box, A[2], p, box_of_node(B[0], B[1], 2 * j + 1))
-        second = gap_of_boxes(box, A[2], p, box_of_node(B[0], B[1], 2 * j + 2))
+        first = gap_of_boxes(box, A.R, p, box_of_node(B.shape, B.tree, 2 * j + 1))
+        second = gap_of_boxes(box, A.R, p, box_of_node(B.shape, B.tree, 2 * j + 2))
     else:
-        box = box_of_node(B[0], B[1], j)
-        first = gap_of_boxes(box_at(A, 2 * i + 1), A[2], p, box)
-        second = gap_of_boxes(box_at(A, 2 * i + 2), A[2], p, box)
+        box = box_of_node(B.shape, B.tree, j)
+        first = gap_of_boxes(box_at(A, 2 * i + 1), A.R, p, box)
+        second = gap_of_boxes(box_at(A, 2 * i + 2), A.R, p, box)
     for turn in range(2):
         # The second first, if it is the farther one.
         k = 1 - turn if second >= first else turn
-        stack[top, 0] = i if cut_B else 2 * i + 1 + k
-        stack[top, 1] = 2 * j + 1 + k if cut_B else j
-        gaps[top] = second if k == 1 else first
+        path.stack[top, 0] = i if cut_B else 2 * i + 1 + k
+        path.stack[top, 1] = 2 * j + 1 + k if cut_B else j
+        path.gaps[top] = second if k == 1 else first
         top += 1
     return top
 
 
 @compiled
 def walk(A, B, p):
-    """Return what a walk over two trees needs: a stack of pairs of nodes, and the gap of each.
-
-    The pair of roots is on it.
-    """
+    """Return the walk that begins at the pair of roots."""
     stack, gaps = np.zeros((DEEPEST, 2), dtype=np.int64), np.empty(DEEPEST)
-    gaps[0] = gap_of_boxes(box_at(A, 0), A[2], p, box_of_node(B[0], B[1], 0))
-    return stack, gaps
+    gaps[0] = gap_of_boxes(box_at(A, 0), A.R, p, box_of_node(B.shape, B.tree, 0))
+    return Walk(stack, gaps)
 
 
 @compiled
@@ -226,15 +288,14 @@ def next_leaves(A, B, p, path, top, limit):
     bound of that of all leaves below, is beyond it, and otherwise it is one of leaves, and handed
     out, or both its halves take its place. The limit may shrink from call to call.
     """
-    stack, gaps = path
     skipped = math.inf
     while top > 0:
         top -= 1
-        i, j = stack[top, 0], stack[top, 1]
-        if gaps[top] > limit:
-            skipped = min(skipped, gaps[top])
-        elif is_leaf(A[3], i) and is_leaf(B[1], j):
-            return top, i - (A[3][1] - 1), j - (B[1][1] - 1), skipped
+        i, j = path.stack[top, 0], path.stack[top, 1]
+        if path.gaps[top] > limit:
+            skipped = min(skipped, path.gaps[top])
+        elif is_leaf(A.tree, i) and is_leaf(B.tree, j):
+            return top, i - (A.tree.leaves - 1), j - (B.tree.leaves - 1), skipped
         else:
             top = push_children(A, B, p, i, j, path, top)
     return top, -1, -1, skipped

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_overlap import (
     BACK_OFF,
     bounds_of_depth,
 )
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kernels.supports import (
     bounding_radius,
     core_radius,
@@ -71,7 +71,7 @@ def write_row(out, R_WB, p, m, a, b, interval, unique, method):
 def write_beyond(out, A, B, R_WB, p, n, lower, radius, noise):
     """Fill the row of a pair that is farther apart than ``lower``, which is beyond the cutoff."""
     a = add_scaled(add(p, hull_support(A, n)), radius, n)
-    upper = norm(sub(local_support(CONVEX, B[0], scale(-1.0, n), 0.0), a))
+    upper = norm(sub(local_support(CONVEX, B.shape, scale(-1.0, n), 0.0), a))
     b = add_scaled(a, lower, n)
     error = max(upper - lower, 0.0) + noise
     write_row(out, R_WB, p, scale(-1.0, n), a, b, (lower, error), True, BOUND_ONLY)
@@ -82,7 +82,7 @@ def write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius):
     """Fill the row of a pair that overlaps."""
     depth, least, t, b = bounds_of_depth(A, B, p, found, size, tolerance, radius)
     noise = ROUNDING * EPS * size
-    m, unique = unit(t), found[6] and depth - least <= tolerance + 4.0 * BACK_OFF * noise
+    m, unique = unit(t), found.unique and depth - least <= tolerance + 4.0 * BACK_OFF * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
     error = max(depth - least, 0.0) + (1.0 + BACK_OFF) * noise
     a = add_scaled(b, -depth, m)
@@ -101,8 +101,7 @@ def signed_distance_to_solid(
     R = np.empty((3, 3))
     for j in range(3):
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
-    A = (kind_A, shape_A, R, tree_of(kind_A, shape_A), box_of_core(kind_A, shape_A))
-    B = (shape_B, tree_of(kind_B, shape_B), np.eye(3))
+    A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
     n = first_direction(out, R_WB, p)
     found = nearest(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
     end, upper, lower, n, a, b, unique = found

@@ -1,9 +1,12 @@
 """Three-vectors as tuples: small, allocation free, and the same compiled or not."""
 
 import math
+from typing import TypeAlias
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
+
+Vector: TypeAlias = tuple[float, float, float]
 
 
 @inlined

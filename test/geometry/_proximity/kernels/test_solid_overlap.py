@@ -6,8 +6,8 @@ from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import nearest
 from drake_geom_ros.geometry._proximity.kernels.solid_overlap import MOST_PUSHES, push_of
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
-from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 
 L = solid('L', np.eye(3), np.zeros(3)).parameters
 
@@ -16,8 +16,7 @@ L = solid('L', np.eye(3), np.zeros(3)).parameters
 def test_the_shortest_push_comes_first(x, y):
     """A ball in the inner corner of the L is in both walls."""
     ball = np.array([0.1])
-    A = (SPHERE, ball, np.eye(3), tree_of(SPHERE, ball), box_of_core(SPHERE, ball))
-    B = (L, tree_of(SOLID, L), np.eye(3))
+    A, B = body_of(SPHERE, ball, np.eye(3)), solid_of(L)
     p, n = (1.1 - x, 1.1 - y, 0.5), (1.0, 0.0, 0.0)
     found = nearest(A, B, p, n, 4.0, 1e-9, np.inf)
     pushes = np.full((MOST_PUSHES, 4), np.nan)

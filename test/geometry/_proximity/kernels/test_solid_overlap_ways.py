@@ -6,8 +6,8 @@ from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels import solid_overlap
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import nearest
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import box_of_core, tree_of
-from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 
 TOLERANCE, SIZE = 1e-9, 8.0
 
@@ -15,8 +15,7 @@ TOLERANCE, SIZE = 1e-9, 8.0
 def ways_out(radius, p):
     """Return the pushes (k, 4), direction and length [m], of a ball at p out of the L."""
     body, ball = solid('L', np.eye(3), np.zeros(3)), np.array([radius])
-    A = SPHERE, ball, np.eye(3), tree_of(SPHERE, ball), box_of_core(SPHERE, ball)
-    B = body.parameters, tree_of(SOLID, body.parameters), np.eye(3)
+    A, B = body_of(SPHERE, ball, np.eye(3)), solid_of(body.parameters)
     found = nearest(A, B, p, (1.0, 0.0, 0.0), SIZE, TOLERANCE, np.inf)
     pushes = np.full((solid_overlap.MOST_PUSHES, 4), np.nan)
     count = solid_overlap.push_of(A, B, p, found, SIZE, TOLERANCE, radius, pushes)
