@@ -128,51 +128,52 @@ class PairRow:
         return load_kernel(self.kernel)
 
 
+CLOSED, ITERATIVE, TRIANGLES, _ = Method
 _CORES = 'convex.signed_distance_of_cores'
 BY_PAIR_KERNEL = 'to_points.by_pair_kernel'
 _SOLIDS = 'solids.signed_distance_to_solid'
 
 PAIR_TABLE = (
-    PairRow(SPHERE, SPHERE, 'spheres.sphere_sphere', Method.CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, BOX, 'spheres.sphere_box', Method.CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, CAPSULE, 'spheres.sphere_capsule', Method.CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, CYLINDER, 'spheres.sphere_cylinder', Method.CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, ELLIPSOID, 'spheres.sphere_ellipsoid', Method.CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, HALF_SPACE, 'spheres.sphere_half_space', Method.CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, CONVEX, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(BOX, BOX, 'boxes.box_box', Method.CLOSED_FORM, 1e-14),
-    PairRow(BOX, CAPSULE, 'segments.box_capsule', Method.CLOSED_FORM, 1e-14),
-    PairRow(BOX, CYLINDER, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(BOX, ELLIPSOID, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(BOX, HALF_SPACE, 'half_spaces.box_half_space', Method.CLOSED_FORM, 1e-14),
-    PairRow(BOX, CONVEX, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(CAPSULE, CAPSULE, 'segments.capsule_capsule', Method.CLOSED_FORM, 1e-14),
-    PairRow(CAPSULE, CYLINDER, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(CAPSULE, ELLIPSOID, _CORES, Method.ITERATIVE, 1e-11),
-    PairRow(CAPSULE, HALF_SPACE, 'half_spaces.capsule_half_space', Method.CLOSED_FORM, 1e-14),
-    PairRow(CAPSULE, CONVEX, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(CYLINDER, CYLINDER, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(CYLINDER, ELLIPSOID, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(CYLINDER, HALF_SPACE, 'half_spaces.cylinder_half_space', Method.CLOSED_FORM, 1e-14),
-    PairRow(CYLINDER, CONVEX, _CORES, Method.ITERATIVE, 1e-11),
-    PairRow(ELLIPSOID, ELLIPSOID, _CORES, Method.ITERATIVE, 1e-12),
-    PairRow(ELLIPSOID, HALF_SPACE, 'half_spaces.ellipsoid_half_space', Method.CLOSED_FORM, 1e-14),
-    PairRow(ELLIPSOID, CONVEX, _CORES, Method.ITERATIVE, 1e-11),
-    PairRow(HALF_SPACE, CONVEX, 'half_spaces.half_space_convex', Method.CLOSED_FORM, 1e-12),
-    PairRow(CONVEX, CONVEX, _CORES, Method.ITERATIVE, 1e-12),
+    PairRow(SPHERE, SPHERE, 'spheres.sphere_sphere', CLOSED, 1e-14),
+    PairRow(SPHERE, BOX, 'spheres.sphere_box', CLOSED, 1e-14),
+    PairRow(SPHERE, CAPSULE, 'spheres.sphere_capsule', CLOSED, 1e-14),
+    PairRow(SPHERE, CYLINDER, 'spheres.sphere_cylinder', CLOSED, 1e-14),
+    PairRow(SPHERE, ELLIPSOID, 'spheres.sphere_ellipsoid', CLOSED, 1e-14),
+    PairRow(SPHERE, HALF_SPACE, 'spheres.sphere_half_space', CLOSED, 1e-14),
+    PairRow(SPHERE, CONVEX, _CORES, ITERATIVE, 1e-12),
+    PairRow(BOX, BOX, 'boxes.box_box', CLOSED, 1e-14),
+    PairRow(BOX, CAPSULE, 'segments.box_capsule', CLOSED, 1e-14),
+    PairRow(BOX, CYLINDER, _CORES, ITERATIVE, 1e-12),
+    PairRow(BOX, ELLIPSOID, _CORES, ITERATIVE, 1e-12),
+    PairRow(BOX, HALF_SPACE, 'half_spaces.box_half_space', CLOSED, 1e-14),
+    PairRow(BOX, CONVEX, _CORES, ITERATIVE, 1e-12),
+    PairRow(CAPSULE, CAPSULE, 'segments.capsule_capsule', CLOSED, 1e-14),
+    PairRow(CAPSULE, CYLINDER, _CORES, ITERATIVE, 1e-12),
+    PairRow(CAPSULE, ELLIPSOID, _CORES, ITERATIVE, 1e-11),
+    PairRow(CAPSULE, HALF_SPACE, 'half_spaces.capsule_half_space', CLOSED, 1e-14),
+    PairRow(CAPSULE, CONVEX, _CORES, ITERATIVE, 1e-12),
+    PairRow(CYLINDER, CYLINDER, _CORES, ITERATIVE, 1e-12),
+    PairRow(CYLINDER, ELLIPSOID, _CORES, ITERATIVE, 1e-12),
+    PairRow(CYLINDER, HALF_SPACE, 'half_spaces.cylinder_half_space', CLOSED, 1e-14),
+    PairRow(CYLINDER, CONVEX, _CORES, ITERATIVE, 1e-11),
+    PairRow(ELLIPSOID, ELLIPSOID, _CORES, ITERATIVE, 1e-12),
+    PairRow(ELLIPSOID, HALF_SPACE, 'half_spaces.ellipsoid_half_space', CLOSED, 1e-14),
+    PairRow(ELLIPSOID, CONVEX, _CORES, ITERATIVE, 1e-11),
+    PairRow(HALF_SPACE, CONVEX, 'half_spaces.half_space_convex', CLOSED, 1e-12),
+    PairRow(CONVEX, CONVEX, _CORES, ITERATIVE, 1e-12),
 )
 
 # The worst error is that of solids that are apart; overlapping ones have an interval, which
 # ``error_bound`` tells.
 SOLID_TABLE = (
-    PairRow(SPHERE, SOLID, _SOLIDS, Method.MESH, 1e-14),
-    PairRow(BOX, SOLID, _SOLIDS, Method.MESH, 1e-12),
-    PairRow(CAPSULE, SOLID, _SOLIDS, Method.MESH, 1e-12),
-    PairRow(CYLINDER, SOLID, _SOLIDS, Method.MESH, 1e-11),
-    PairRow(ELLIPSOID, SOLID, _SOLIDS, Method.MESH, 1e-11),
-    PairRow(HALF_SPACE, SOLID, 'half_spaces.half_space_convex', Method.CLOSED_FORM, 1e-12),
-    PairRow(CONVEX, SOLID, _SOLIDS, Method.MESH, 1e-12),
-    PairRow(SOLID, SOLID, _SOLIDS, Method.MESH, 1e-12),
+    PairRow(SPHERE, SOLID, _SOLIDS, TRIANGLES, 1e-14),
+    PairRow(BOX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+    PairRow(CAPSULE, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+    PairRow(CYLINDER, SOLID, _SOLIDS, TRIANGLES, 1e-11),
+    PairRow(ELLIPSOID, SOLID, _SOLIDS, TRIANGLES, 1e-11),
+    PairRow(HALF_SPACE, SOLID, 'half_spaces.half_space_convex', CLOSED, 1e-12),
+    PairRow(CONVEX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
+    PairRow(SOLID, SOLID, _SOLIDS, TRIANGLES, 1e-12),
 )
 ALL_ROWS = PAIR_TABLE + SOLID_TABLE
 

@@ -10,6 +10,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling import address_table, co
 from drake_geom_ros.geometry._proximity.kernels.calling_points import (
     POINT_WIDTH,
     POINTS_SIGNATURE,
+    Ball,
+    Span,
     call_points_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.views import part, row
@@ -82,8 +84,8 @@ def point_phase(  # type: ignore[no-untyped-def]
                 row(p_WGs, g),
                 p_WQs,
                 threshold,
-                (outer[g], roundings[g, RADIUS], roundings[g, TILT]),
-                (first, last, g, n),
+                Ball(outer[g], roundings[g, RADIUS], roundings[g, TILT]),
+                Span(first, last, g, n),
                 rows,
                 found,
                 counts,

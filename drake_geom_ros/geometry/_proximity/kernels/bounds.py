@@ -21,6 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
@@ -137,7 +138,7 @@ def bounding_interval(A, B, p_AB_W, out):
     distance of the balls inside, that of a hull being its vertex towards the other. The witness
     points lie on the two supporting planes, above Ao.
     """
-    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    p = vector_at(p_AB_W, 0)
     flat = A.kind == HALF_SPACE or B.kind == HALF_SPACE
     if A.kind == HALF_SPACE:
         n_AB_W = column(A.R_WG, 2)

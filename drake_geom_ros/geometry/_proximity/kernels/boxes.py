@@ -35,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     rotate,
     scale,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -124,7 +125,7 @@ def _signed_distance(h, g, b, c, slack):
 @compiled
 def box_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two boxes."""
-    h, g = (shape_A[0], shape_A[1], shape_A[2]), (shape_B[0], shape_B[1], shape_B[2])
+    h, g = vector_at(shape_A, 0), vector_at(shape_B, 0)
     c = unrotate(R_WA, p_AB_W)
     b = (
         unrotate(R_WA, column(R_WB, 0)),

@@ -9,16 +9,15 @@ address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
 kind       shape type number, shape: its parameters, R_WG, p_WG: its pose
 p_WQs      points (m, 3) [m]
 threshold  [m] what is farther away is left out
-ball       outer radius [m] about Go, radius [m] and tilt [-] of the rounding of the pose, see
-           ``pose_rounding``
-span       first, last, g, n: answer the points first to last - 1; the answer of point k
-           belongs into row k n + g
+ball       how far G reaches, see ``Ball``
+span       which points to answer, and where, see ``Span``
 rows       (m n, POINT_WIDTH) answers, found: (m n,) becomes True where there is one
 counts     by METHOD, how many answers there were
 ========== ========================================================================
 """
 
 import math
+from typing import NamedTuple
 
 from numba import types
 
@@ -37,6 +36,24 @@ POINT_UNIQUE = 8
 POINT_METHOD = 9
 POINT_WIDTH = 10
 
+
+class Ball(NamedTuple):
+    """How far a geometry reaches about Go [m], and how far off its pose is (``pose_rounding``)."""
+
+    outer: float
+    radius: float  # [m]
+    tilt: float  # [-] of a half space
+
+
+class Span(NamedTuple):
+    """The points first to last - 1; the answer of point k belongs into row k n + g."""
+
+    first: int
+    last: int
+    g: int
+    n: int
+
+
 _vector, _matrix = types.float64[::1], types.float64[:, ::1]
 POINTS_SIGNATURE = types.void(
     types.intp,
@@ -46,8 +63,8 @@ POINTS_SIGNATURE = types.void(
     _vector,
     _matrix,
     types.float64,
-    types.UniTuple(types.float64, 3),
-    types.UniTuple(types.int64, 4),
+    types.NamedUniTuple(types.float64, 3, Ball),
+    types.NamedUniTuple(types.int64, 4, Span),
     _matrix,
     types.boolean[::1],
     types.int64[::1],
@@ -62,9 +79,9 @@ def seen(R_WG, p_WG, p_WQs, k, threshold, ball):
     The rounding is that of the pose and of the difference.
     """
     p_GQ_W = p_WQs[k, 0] - p_WG[0], p_WQs[k, 1] - p_WG[1], p_WQs[k, 2] - p_WG[2]
-    reach = threshold + ball[0]
+    reach = threshold + ball.outer
     point = max(abs(p_WQs[k, 0]), abs(p_WQs[k, 1]), abs(p_WQs[k, 2]))
-    rounding = ball[1] + 8.0 * EPS * point
+    rounding = ball.radius + 8.0 * EPS * point
     near = reach == math.inf or norm(p_GQ_W) <= reach + rounding
     return near, unrotate(R_WG, p_GQ_W), rounding
 
@@ -82,11 +99,11 @@ def put_point(rows, k, distance, grad_W, p_GN, bound, unique, method):
 
 
 @inlined
-def take(rows, found, counts, k, R_WG, threshold, extent, rounding, result):
+def take(rows, found, counts, k, R_WG, threshold, size, rounding, nearest):
     """Fill a row from a closed form in G, where it is within the threshold."""
-    distance, grad, p_GN, unique = result
+    distance, grad, p_GN, unique = nearest
     if distance <= threshold:
-        bound = CLOSED_FORM_ROUNDING * extent + rounding
+        bound = CLOSED_FORM_ROUNDING * size + rounding
         put_point(rows, k, distance, rotate(R_WG, grad), p_GN, bound, unique, CLOSED_FORM)
         found[k] = True
         counts[CLOSED_FORM] += 1

@@ -20,9 +20,10 @@ mirror images (or a circle) are nearest: the medial set.
 """
 
 import math
+from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kernels.vectors import norm, unit
+from drake_geom_ros.geometry._proximity.kernels.vectors import Vector, norm, unit
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
     ELLIPSOID_HALVINGS,
@@ -30,6 +31,19 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     VANISHING,
 )
+
+
+class Nearest(NamedTuple):
+    """The point N of a shape's surface nearest to q: ``q - p_GN = distance * grad``.
+
+    ``distance`` [m] is signed, negative inside, ``grad`` its unit gradient, which is the outward
+    normal at N, and ``unique`` tells whether there is only one such point.
+    """
+
+    distance: float
+    grad: Vector
+    p_GN: Vector
+    unique: bool
 
 
 @inlined
@@ -86,9 +100,9 @@ def _largest_root(w, f, low):
 
 @inlined
 def ellipsoid_point(e, q, slack):
-    """Return (distance, grad, p_GN, unique) of q from the ellipsoid with semi-axes e.
+    """Return the point of the ellipsoid with semi-axes e that is nearest to q.
 
-    See ``points`` for the meaning of the four and of slack.
+    See ``points`` for the meaning of slack.
     """
     # All in units of the longest semi-axis, in the octant of q.
     longest, shortest = max(e), min(e)
@@ -144,4 +158,4 @@ def ellipsoid_point(e, q, slack):
     )
     grad = (s[0] * grad[0], s[1] * grad[1], s[2] * grad[2])
     p_GN = (s[0] * e[0] * y[0], s[1] * e[1] * y[1], s[2] * e[2] * y[2])
-    return distance, grad, p_GN, unique
+    return Nearest(distance, grad, p_GN, unique)

@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     caller,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
 
@@ -60,7 +60,7 @@ def at_one_metre(
     Itself called through its address: a copy of a shape may fail, and to Numba that made every
     other pair of the narrow phase take 100 ns more.
     """
-    largest = max(size, norm((p_AB_W[0], p_AB_W[1], p_AB_W[2])))
+    largest = max(size, norm(vector_at(p_AB_W, 0)))
     e = -math.frexp(largest)[1]
     p = p_AB_W.copy()
     for k in range(3):

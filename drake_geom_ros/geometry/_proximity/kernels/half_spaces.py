@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     rotate,
     scale,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
@@ -37,7 +38,7 @@ def _lowest(n, half):
 def _write(out, R_WA, R_WB, p_AB_W, size, depth, p_ACa):
     """Fill the row, A's lowest point Ca (in A) being ``depth`` [m] below Ao."""
     nhat_BA_W = column(R_WB, 2)
-    p_AB_W = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    p_AB_W = vector_at(p_AB_W, 0)
     distance = -dot(p_AB_W, nhat_BA_W) - depth
     p_ACa_W = rotate(R_WA, p_ACa)
     p_ACb_W = add_scaled(p_ACa_W, -distance, nhat_BA_W)
@@ -49,7 +50,7 @@ def _write(out, R_WA, R_WB, p_AB_W, size, depth, p_ACa):
 def box_half_space(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a box and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
-    h = (shape_A[0], shape_A[1], shape_A[2])
+    h = vector_at(shape_A, 0)
     depth = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     p_ACa = (_lowest(n[0], h[0]), _lowest(n[1], h[1]), _lowest(n[2], h[2]))
     _write(out, R_WA, R_WB, p_AB_W, norm(h), depth, p_ACa)
@@ -87,7 +88,7 @@ def ellipsoid_half_space(
 ):
     """Signed distance of an ellipsoid and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
-    e = (shape_A[0], shape_A[1], shape_A[2])
+    e = vector_at(shape_A, 0)
     v = (e[0] * n[0], e[1] * n[1], e[2] * n[2])
     depth = norm(v)
     p_ACa = (-e[0] * (v[0] / depth), -e[1] * (v[1] / depth), -e[2] * (v[2] / depth))
@@ -108,19 +109,19 @@ def half_space_convex(
     count = int(shape_B[0])
     lowest, size = math.inf, 0.0
     for k in range(1, 3 * count + 1, 3):
-        v = (shape_B[k], shape_B[k + 1], shape_B[k + 2])
+        v = vector_at(shape_B, k)
         lowest = min(lowest, dot(n, v))
         size = max(size, norm(v))
     mean, level = (0.0, 0.0, 0.0), 0
     for k in range(1, 3 * count + 1, 3):
-        v = (shape_B[k], shape_B[k + 1], shape_B[k + 2])
+        v = vector_at(shape_B, k)
         if dot(n, v) <= lowest + RIGHT_ANGLE * size:
             mean = add_scaled(mean, 1.0, v)
             level += 1
             if kind_B != CONVEX:
                 break
     mean = scale(1.0 / level, mean)
-    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    p = vector_at(p_AB_W, 0)
     distance = dot(p, z_W) + lowest
     p_ACb_W = add_scaled(p, 1.0, rotate(R_WB, mean))
     p_ACa_W = add_scaled(p_ACb_W, -distance, z_W)

@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     norm,
     sub,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -45,13 +46,13 @@ def depth_of_point(kind, shape, q, slack):
     ``unique`` tells that one direction out is shorter than all others, by more than ``slack``.
     """
     if kind == BOX:
-        distance, _, _, unique = box_point((shape[0], shape[1], shape[2]), q, slack)
+        distance, _, _, unique = box_point(vector_at(shape, 0), q, slack)
         return -distance, unique and distance < -slack
     if kind == CYLINDER:
         distance, _, _, unique = cylinder_point(shape[0], shape[1], q, slack)
         return -distance, unique and distance < -slack
     if kind == ELLIPSOID:
-        e = (shape[0], shape[1], shape[2])
+        e = vector_at(shape, 0)
         distance, _, _, unique = ellipsoid_point(e, q, slack)
         return -distance - core_radius(kind, shape), unique and distance < -slack
     if kind == CAPSULE:

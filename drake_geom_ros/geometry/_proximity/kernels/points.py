@@ -1,19 +1,22 @@
 """Signed distance from a point to a primitive shape, in the shape's own frame G.
 
-``<shape>_point(parameters, q, slack)`` returns the tuple ``(distance, grad, p_GN, unique)``:
-signed distance [m] (negative inside), its unit gradient (the outward normal at the nearest
-point), the nearest point N of the surface, and whether there is only one. It always holds that
-``q - p_GN = distance * grad``. ``slack`` [m] is the rounding that the coordinates of
-q carry: candidates that differ by less count as equal, and then the choice is
+``<shape>_point(lengths, q, slack)`` returns an ``ellipsoid_point.Nearest``. ``slack`` [m] is the
+rounding that the coordinates of q carry: candidates that differ by less count as equal, and then
+the choice is
 
 - centre of a sphere, axis of a capsule or cylinder: +x;
 - equally near faces: the face of the lowest axis, on it the positive side; a cylinder's
   barrel before its caps;
 - mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
+
+``point_and_<shape>(shape, q)`` takes the parameters of a kernel, and returns the size of the pair
+[m], sizes plus distance of the origins, and the same with the rounding of that.
 """
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit
+from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import Nearest, ellipsoid_point
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit, vector_at
+from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 
 @inlined
@@ -47,7 +50,7 @@ def along(k, s):
 def sphere_point(radius, q, slack):
     """Signed distance to a sphere."""
     rho, grad = length_and_direction(q)
-    return rho - radius, grad, scale(radius, grad), rho > slack
+    return Nearest(rho - radius, grad, scale(radius, grad), rho > slack)
 
 
 @inlined
@@ -61,7 +64,7 @@ def box_point(h, q, slack):
         for k in range(3):
             if beyond[k] >= -slack:
                 faces += 1
-        return distance, grad, sub(q, gap), distance > slack or faces == 1
+        return Nearest(distance, grad, sub(q, gap), distance > slack or faces == 1)
     k = 0
     for i in range(1, 3):
         if beyond[i] > beyond[k] + slack:
@@ -75,7 +78,7 @@ def box_point(h, q, slack):
     grad = along(k, side)
     face = side * h[k]
     p_GN = (face if k == 0 else q[0], face if k == 1 else q[1], face if k == 2 else q[2])
-    return distance, grad, p_GN, unique
+    return Nearest(distance, grad, p_GN, unique)
 
 
 @inlined
@@ -84,7 +87,7 @@ def capsule_point(radius, half_length, q, slack):
     z = clamp(q[2], half_length)
     rho, grad = length_and_direction((q[0], q[1], q[2] - z))
     p_GN = (radius * grad[0], radius * grad[1], radius * grad[2] + z)
-    return rho - radius, grad, p_GN, rho > slack
+    return Nearest(rho - radius, grad, p_GN, rho > slack)
 
 
 @inlined
@@ -99,20 +102,60 @@ def cylinder_point(radius, half_length, q, slack):
         grad = (dr * radial[0], dr * radial[1], side * dz)
         z = clamp(q[2], half_length)
         p_GN = (radius * radial[0], radius * radial[1], z) if barrel > 0.0 else (q[0], q[1], z)
-        return distance, grad, p_GN, distance > slack or barrel < -slack or cap < -slack
+        unique = distance > slack or barrel < -slack or cap < -slack
+        return Nearest(distance, grad, p_GN, unique)
     if barrel >= cap - slack:
         p_GN = (radius * radial[0], radius * radial[1], q[2])
-        return barrel, radial, p_GN, rho > slack and barrel > cap + slack
+        return Nearest(barrel, radial, p_GN, rho > slack and barrel > cap + slack)
     side = -1.0 if q[2] < -slack else 1.0
-    return (
-        side * q[2] - half_length,
-        (0.0, 0.0, side),
-        (q[0], q[1], side * half_length),
-        abs(q[2]) > slack,
-    )
+    p_GN = (q[0], q[1], side * half_length)
+    return Nearest(side * q[2] - half_length, (0.0, 0.0, side), p_GN, abs(q[2]) > slack)
 
 
 @inlined
 def half_space_point(q):
     """Signed distance to the half space z <= 0."""
-    return q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True
+    return Nearest(q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True)
+
+
+@inlined
+def point_and_sphere(shape, q):
+    """Return the size of the pair and the nearest point of a sphere."""
+    extent = shape[0] + norm(q)
+    return extent, sphere_point(shape[0], q, TIE * extent)
+
+
+@inlined
+def point_and_box(shape, q):
+    """Return the size of the pair and the nearest point of a box."""
+    h = vector_at(shape, 0)
+    extent = norm(h) + norm(q)
+    return extent, box_point(h, q, TIE * extent)
+
+
+@inlined
+def point_and_capsule(shape, q):
+    """Return the size of the pair and the nearest point of a capsule."""
+    extent = shape[0] + shape[1] + norm(q)
+    return extent, capsule_point(shape[0], shape[1], q, TIE * extent)
+
+
+@inlined
+def point_and_cylinder(shape, q):
+    """Return the size of the pair and the nearest point of a cylinder."""
+    extent = shape[0] + shape[1] + norm(q)
+    return extent, cylinder_point(shape[0], shape[1], q, TIE * extent)
+
+
+@inlined
+def point_and_ellipsoid(shape, q):
+    """Return the size of the pair and the nearest point of an ellipsoid."""
+    e = vector_at(shape, 0)
+    extent = max(e) + norm(q)
+    return extent, ellipsoid_point(e, q, TIE * extent)
+
+
+@inlined
+def point_and_half_space(shape, q):
+    """Return the size of the pair and the nearest point of a half space."""
+    return norm(q), half_space_point(q)

@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -231,5 +232,5 @@ def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolera
 @compiled
 def box_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a box and a capsule."""
-    h = (shape_A[0], shape_A[1], shape_A[2])
+    h = vector_at(shape_A, 0)
     _write(out, R_WA, 0.0, h, shape_B[0], R_WB, shape_B[1], p_AB_W)

@@ -21,7 +21,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     middle_of_triangle,
     next_leaves,
     normal_of,
-    vector_at,
     walk,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -31,6 +30,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import BENEATH, EPS, ROUNDING
@@ -40,7 +40,7 @@ FIRST_NORMAL = (1.0, 0.0, 0.0)  # where GJK begins when nothing is known
 
 
 @compiled
-def depth_of_point(B, q, size):
+def depth_in_solid(B, q, size):
     """Return how deep q lies in B [m], negative outside."""
     point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
     distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
@@ -104,7 +104,7 @@ def is_piece_within(shape, tree, B, R, p, size, least):
     """
     for k in range(tree.pieces):
         q = add(p, rotate(R, vector_at(shape, tree.pieces_at + 3 * k)))
-        if is_inside(B.shape, B.tree, q) and depth_of_point(B, q, size) > least:
+        if is_inside(B.shape, B.tree, q) and depth_in_solid(B, q, size) > least:
             return True
     return False
 

@@ -23,7 +23,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     first_of_leaf,
     is_leaf,
     tree_of,
-    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
@@ -33,6 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     norm,
     sub,
     unit,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, TRIANGLE
 from drake_geom_ros.geometry._proximity.tolerances import CROSSING, EPS, ROUNDING

@@ -30,7 +30,6 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     first_of_leaf,
     next_leaves,
     normal_of,
-    vector_at,
     walk,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -44,6 +43,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE, TRIANGLE
 from drake_geom_ros.geometry._proximity.tolerances import (

@@ -6,7 +6,7 @@ Bodies are given as in ``solid_distance``.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import PLANE, vector_at
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import PLANE
 from drake_geom_ros.geometry._proximity.kernels.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 

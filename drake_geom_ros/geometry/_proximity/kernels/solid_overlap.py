@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.gjk import OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.solid_containment import (
     FLUSH,
-    depth_of_point,
+    depth_in_solid,
     is_contained,
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_distance import (
@@ -37,11 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.solid_hulls import (
     way_out_of_hull,
 )
 from drake_geom_ros.geometry._proximity.kernels.solid_points import is_inside
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
-    Solid,
-    middle_of_triangle,
-    vector_at,
-)
+from drake_geom_ros.geometry._proximity.kernels.solid_tree import Solid, middle_of_triangle
 from drake_geom_ros.geometry._proximity.kernels.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -53,6 +49,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -75,7 +72,7 @@ BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 
 
 @compiled
-def look(A, B, p, n, size, tolerance, radius):
+def clearance(A, B, p, n, size, tolerance, radius):
     """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found.
 
     It is apart if no surfaces cross or are nearer than touching, and neither body is in the other:
@@ -109,7 +106,7 @@ def escape(A, B, p, t, size, tolerance, radius, most):
     back_off = BACK_OFF * ROUNDING * EPS * size
     n = scale(-1.0, unit(t))
     for turn in range(MOST_ROUNDS):
-        clear, found = look(A, B, add(p, t), n, size, tolerance, radius)
+        clear, found = clearance(A, B, add(p, t), n, size, tolerance, radius)
         if clear or turn == MOST_ROUNDS - 1:
             break
         count = push_of(A, B, add(p, t), found, size, tolerance, radius, pushes)
@@ -136,10 +133,10 @@ def draw_back(A, B, p, t, found, size, tolerance, radius):
             break
         step = min(gap / max(slope, STEEPEST), 0.5 * norm(t))
         ahead = add_scaled(t, -step, u)
-        clear, there = look(A, B, add(p, ahead), found.n, size, tolerance, radius)
+        clear, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         if not clear:
             ahead = add_scaled(t, -min(gap, 0.5 * norm(t)), u)
-            there = look(A, B, add(p, ahead), found.n, size, tolerance, radius)[1]
+            there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)[1]
         t, found = ahead, there
     return t, found
 
@@ -155,7 +152,7 @@ def slide(A, B, p, t, found, size, tolerance, radius):
         m, gap = scale(-1.0, found.n), found.lower - radius
         s = dot(t, m) - gap + back_off
         if s > 0.0 and norm(t) - s > max(0.25 * tolerance, back_off):
-            clear, ahead = look(A, B, add_scaled(p, s, m), found.n, size, tolerance, radius)
+            clear, ahead = clearance(A, B, add_scaled(p, s, m), found.n, size, tolerance, radius)
             if clear:
                 t, found = scale(s, m), ahead
                 continue
@@ -165,12 +162,12 @@ def slide(A, B, p, t, found, size, tolerance, radius):
 
 
 @compiled
-def depth_in(A, B, p, x, size, radius):
+def depth_in_body(A, B, p, x, size, radius):
     """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
     q = unrotate(A.R, sub(x, p))
     kind, shape = A.kind, A.shape
     if kind == SOLID:
-        return depth_of_point(Solid(shape, A.tree, B.identity), q, size)
+        return depth_in_solid(Solid(shape, A.tree, B.identity), q, size)
     if kind == CAPSULE:
         return radius - norm((q[0], q[1], max(abs(q[2]) - shape[1], 0.0)))
     if kind == SPHERE:
@@ -193,7 +190,7 @@ def deepest_at(A, B, p, x, size, radius):
     Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
     at a distance d out of A, a is -d: a ball of radius b - d in B is about A's nearest point then.
     """
-    return depth_in(A, B, p, x, size, radius) + depth_of_point(B, x, size)
+    return depth_in_body(A, B, p, x, size, radius) + depth_in_solid(B, x, size)
 
 
 @compiled
@@ -205,18 +202,18 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
     triangles. A corner that touches may be no deeper than a wall beside it.
     """
     before = sub(a, t)
-    least = radius + depth_of_point(B, before, size)
+    least = radius + depth_in_solid(B, before, size)
     least = max(least, deepest_at(A, B, p, b, size, radius))
     least = max(least, deepest_at(A, B, p, add_scaled(b, -0.5, t), size, radius))
     if A.kind != SOLID:
         lowest = add(p, support(A.kind, A.shape, A.R, scale(-1.0, m), RIGHT_ANGLE))
-        return max(least, radius + depth_of_point(B, lowest, size))
+        return max(least, radius + depth_in_solid(B, lowest, size))
     noise = FLUSH * ROUNDING * EPS * size
     pairs = np.empty((MOST_MIDDLES, 2), dtype=np.int64)
     for k in range(close_pairs(A, B, add(p, t), scale(-1.0, m), size, tolerance, noise, pairs)):
         x = add(p, rotate(A.R, middle_of_triangle(A.shape, A.tree, pairs[k, 0])))
         y = middle_of_triangle(B.shape, B.tree, pairs[k, 1])
-        least = max(least, depth_of_point(B, x, size), depth_in(A, B, p, y, size, radius))
+        least = max(least, depth_in_solid(B, x, size), depth_in_body(A, B, p, y, size, radius))
     return least
 
 
@@ -236,7 +233,7 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
         least = radius - found.upper
     if A.kind != SOLID:
         ball = max(radius, inner_radius(A.kind, A.shape))
-        least = max(least, ball + depth_of_point(B, middle_of(A, p), size))
+        least = max(least, ball + depth_in_solid(B, middle_of(A, p), size))
     depth, t_best, b_best = math.inf, p, p
     count = push_of(A, B, p, found, size, tolerance, radius, pushes)
     for k in range(count + 1):
@@ -250,7 +247,7 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
         else:
             m, s = way_out_of_hull(A, B, p, radius)
             t = scale(s + back_off, m)
-            clear, ahead = look(A, B, add(p, t), scale(-1.0, m), size, tolerance, radius)
+            clear, ahead = clearance(A, B, add(p, t), scale(-1.0, m), size, tolerance, radius)
             if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
                 depth, t_best, b_best = norm(t), t, local_support(CONVEX, B.shape, m, 0.0)
         if clear:

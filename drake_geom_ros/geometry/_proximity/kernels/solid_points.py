@@ -29,9 +29,14 @@ from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
     rounding_of_angle,
     solid_angle,
     tree_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    dot,
+    norm,
+    sub,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, dot, norm, sub
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 
 # A node is a dipole when it is this many of its radii away.

@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
@@ -116,12 +117,6 @@ def tree_of(kind, shape):
     pieces_at = corners + CORNERS * triangles
     planes_at = pieces_at + 3 * pieces
     return Tree(nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes)
-
-
-@inlined
-def vector_at(shape, k):
-    """Return three numbers of the parameters."""
-    return shape[k], shape[k + 1], shape[k + 2]
 
 
 @inlined

@@ -37,6 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, SPHERE
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
@@ -95,7 +96,7 @@ def signed_distance_to_solid(
 ):
     """Write the result row of any bounded shape and a solid."""
     radius = core_radius(kind_A, shape_A)
-    p = scale(-1.0, unrotate(R_WB, (p_AB_W[0], p_AB_W[1], p_AB_W[2])))
+    p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
     noise = ROUNDING * EPS * size
     R = np.empty((3, 3))

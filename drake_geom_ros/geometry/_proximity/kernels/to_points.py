@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
@@ -21,43 +21,41 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling_points import put_point, seen, take
-from drake_geom_ros.geometry._proximity.kernels.ellipsoid_point import ellipsoid_point
 from drake_geom_ros.geometry._proximity.kernels.points import (
-    box_point,
-    capsule_point,
-    cylinder_point,
-    half_space_point,
-    sphere_point,
+    point_and_box,
+    point_and_capsule,
+    point_and_cylinder,
+    point_and_ellipsoid,
+    point_and_half_space,
+    point_and_sphere,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import norm, sub, unrotate
+from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_at
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
-from drake_geom_ros.geometry._proximity.tolerances import TIE
+
+
+@inlined
+def _each(point_and_shape, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
+    """Answer for the points by one of the closed forms ``points.point_and_<shape>``."""
+    for k in range(span.first, span.last):
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
+        if near:
+            size, nearest = point_and_shape(shape, q)
+            if ball.tilt > 0.0:
+                rounding += ball.tilt * size
+            at = k * span.n + span.g
+            take(rows, found, counts, at, R_WG, threshold, size, rounding, nearest)
 
 
 @compiled
 def to_sphere(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a sphere."""
-    first, last, g, n = span
-    radius = shape[0]
-    for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
-        if near:
-            extent = radius + norm(q)
-            result = sphere_point(radius, q, TIE * extent)
-            take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
+    _each(point_and_sphere, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
 def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a box."""
-    first, last, g, n = span
-    h = shape[0], shape[1], shape[2]
-    for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
-        if near:
-            extent = norm(h) + norm(q)
-            result = box_point(h, q, TIE * extent)
-            take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
+    _each(point_and_box, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
@@ -65,14 +63,7 @@ def to_capsule(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a capsule."""
-    first, last, g, n = span
-    radius, half_length = shape[0], shape[1]
-    for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
-        if near:
-            extent = radius + half_length + norm(q)
-            result = capsule_point(radius, half_length, q, TIE * extent)
-            take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
+    _each(point_and_capsule, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
@@ -80,14 +71,7 @@ def to_cylinder(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a cylinder."""
-    first, last, g, n = span
-    radius, half_length = shape[0], shape[1]
-    for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
-        if near:
-            extent = radius + half_length + norm(q)
-            result = cylinder_point(radius, half_length, q, TIE * extent)
-            take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
+    _each(point_and_cylinder, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
@@ -95,14 +79,9 @@ def to_ellipsoid(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to an ellipsoid."""
-    first, last, g, n = span
-    e = shape[0], shape[1], shape[2]
-    for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
-        if near:
-            extent = max(e) + norm(q)
-            result = ellipsoid_point(e, q, TIE * extent)
-            take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
+    _each(
+        point_and_ellipsoid, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+    )
 
 
 @compiled
@@ -110,14 +89,9 @@ def to_half_space(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a half space."""
-    first, last, g, n = span
-    for k in range(first, last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
-        if near:
-            extent = norm(q)
-            rounding += ball[2] * extent
-            result = half_space_point(q)
-            take(rows, found, counts, k * n + g, R_WG, threshold, extent, rounding, result)
+    _each(
+        point_and_half_space, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+    )
 
 
 @compiled
@@ -125,10 +99,9 @@ def by_pair_kernel(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a shape without a closed form: spheres without radius."""
-    first, last, g, n = span
     nothing, identity = np.zeros(1), np.eye(3)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
-    for k in range(first, last):
+    for k in range(span.first, span.last):
         near, _, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if not near:
             continue
@@ -150,10 +123,11 @@ def by_pair_kernel(
         )
         if out[DISTANCE] <= threshold:
             # The witness on G is measured from the point.
-            p_QN_W = out[WITNESS_B], out[WITNESS_B + 1], out[WITNESS_B + 2]
-            p_GN = unrotate(R_WG, sub(p_QN_W, (p_QG_W[0], p_QG_W[1], p_QG_W[2])))
-            grad_W = out[NORMAL], out[NORMAL + 1], out[NORMAL + 2]
+            p_QN_W = vector_at(out, WITNESS_B)
+            p_GN = unrotate(R_WG, sub(p_QN_W, vector_at(p_QG_W, 0)))
+            grad_W = vector_at(out, NORMAL)
             bound, unique = out[ERROR_BOUND] + rounding, out[UNIQUE] > 0.0
-            put_point(rows, k * n + g, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
-            found[k * n + g] = True
+            at = k * span.n + span.g
+            put_point(rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
+            found[at] = True
             counts[int(out[METHOD])] += 1

@@ -10,6 +10,12 @@ Vector: TypeAlias = tuple[float, float, float]
 
 
 @inlined
+def vector_at(numbers, k):
+    """Return three numbers of an array (n,) from place k on."""
+    return numbers[k], numbers[k + 1], numbers[k + 2]
+
+
+@inlined
 def add(a, b):
     """Return a + b."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]

@@ -28,7 +28,8 @@ def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0, roun
     found, counts = np.zeros(m * geometries, dtype=np.bool_), np.zeros(5, dtype=np.int64)
     outer = math.inf if kind == pair_table.HALF_SPACE else 0.4
     load_kernel(POINT_KERNELS[kind])(
-        *(0, kind, shape, R_WG, p_WG, p_WQs, threshold, (outer, *rounding), (0, m, g, geometries)),
+        *(0, kind, shape, R_WG, p_WG, p_WQs, threshold, calling_points.Ball(outer, *rounding)),
+        calling_points.Span(0, m, g, geometries),
         *(rows, found, counts),
     )
     return rows, found, counts
