@@ -153,37 +153,13 @@ def _call_in_order(  # type: ignore[no-untyped-def]
     address = addresses[_ROWS[_code(types[a], types[b])]]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
+    pair = types[a], shape_a, R_WA, types[b], shape_b, R_WB, p_AB_W
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
     if types[b] <= CONVEX and is_extreme(size, p_AB_W):
-        call_at_one_metre(
-            addresses[_AT_ONE_METRE],
-            address,
-            size,
-            types[a],
-            shape_a,
-            R_WA,
-            types[b],
-            shape_b,
-            R_WB,
-            p_AB_W,
-            tolerance,
-            cutoff,
-            out,
-        )
+        resizer = addresses[_AT_ONE_METRE]
+        call_at_one_metre(resizer, address, size, *pair, tolerance, cutoff, out)
     else:
-        call_kernel(
-            address,
-            types[a],
-            shape_a,
-            R_WA,
-            types[b],
-            shape_b,
-            R_WB,
-            p_AB_W,
-            tolerance,
-            cutoff,
-            out,
-        )
+        call_kernel(address, *pair, tolerance, cutoff, out)
     if swapped:
         for c in range(3):
             # Measured from the other body's origin from now on.
@@ -299,13 +275,12 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     scene, memory, query, queue = Scene(*scene), Memory(*memory), Query(*query), Queue(*queue)
     # Taken apart here: to hand the record of a scene on made a pair of spheres take 6 ns longer,
     # 5 % of the loop, and an array a pair costs more than their kernel.
-    answers, slacks, seen, gaps = memory.answers, memory.slacks, memory.seen, memory.gaps
-    types, starts, pool = scene.types, scene.starts, scene.pool
-    R_WGs, p_WGs, roundings = scene.R_WGs, scene.p_WGs, scene.roundings
+    slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
+    types, R_WGs, p_WGs, roundings = scene.types, scene.R_WGs, scene.p_WGs, scene.roundings
     half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
-    travels, stamps = scene.travels, scene.stamps
+    travels, stamps, waiting, distances = scene.travels, scene.stamps, *queue
+    posed = types, scene.starts, scene.pool, R_WGs, p_WGs
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
-    waiting, distances = queue.waiting, queue.distances
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
     # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
@@ -319,8 +294,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         if slacks[s] - travelled > reach:
             counts[FAR] += 1
             continue
-        out = row(answers, s)
-        size = size_of_pair(a, b, types, outer)
+        out, size = row(memory.answers, s), size_of_pair(a, b, types, outer)
         rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and gaps[s] <= gap
         # What stopped at a cutoff says enough about smaller ones only.
         if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(gaps[s])):
@@ -331,29 +305,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
             near = least <= reach
             if near and waiting.size > 0:
-                _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+                _bound(a, b, *posed, inner, scratch, bounds)
                 least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
                 _postpone(k, least, waiting, distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
-                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
+                    _bound(a, b, *posed, inner, scratch, out)
                 else:
-                    _call_in_order(
-                        a,
-                        b,
-                        addresses,
-                        types,
-                        starts,
-                        pool,
-                        R_WGs,
-                        p_WGs,
-                        scratch,
-                        size,
-                        tolerance_of_pair(gap, a, b, outer),
-                        cutoff,
-                        out,
-                    )
+                    tolerance = tolerance_of_pair(gap, a, b, outer)
+                    _call_in_order(a, b, addresses, *posed, scratch, size, tolerance, cutoff, out)
                 rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
@@ -382,13 +343,8 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     """
     scene, memory, query = Scene(*scene), Memory(*memory), Query(*query)
     answers, slacks, seen, gaps = memory.answers, memory.slacks, memory.seen, memory.gaps
-    types, starts, pool, R_WGs, p_WGs = (
-        scene.types,
-        scene.starts,
-        scene.pool,
-        scene.R_WGs,
-        scene.p_WGs,
-    )
+    types, p_WGs = scene.types, scene.p_WGs
+    posed = types, scene.starts, scene.pool, scene.R_WGs, p_WGs
     outer, inner, travels, stamps = scene.outer, scene.inner, scene.travels, scene.stamps
     cutoff, penetrating = query.cutoff, query.penetrating
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
@@ -401,7 +357,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
         if stamps[a] <= seen[s] and stamps[b] <= seen[s] and math.isinf(gaps[s]):
             counts[CACHED] += 1
         else:
-            _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+            _bound(a, b, *posed, inner, scratch, bounds)
             moved = math.inf
             if seen[s] >= 0:
                 moved = travelled - (slacks[s] - _least(out, gaps[s], size, 0.0))

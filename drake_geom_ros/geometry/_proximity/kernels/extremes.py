@@ -65,19 +65,8 @@ def at_one_metre(
     p = p_AB_W.copy()
     for k in range(3):
         p[k] = math.ldexp(p[k], e)
-    call_kernel(
-        address,
-        kind_A,
-        resized(kind_A, shape_A, e),
-        R_WA,
-        kind_B,
-        resized(kind_B, shape_B, e),
-        R_WB,
-        p,
-        math.ldexp(tolerance, e),
-        math.ldexp(cutoff, e),
-        out,
-    )
+    pair = kind_A, resized(kind_A, shape_A, e), R_WA, kind_B, resized(kind_B, shape_B, e), R_WB, p
+    call_kernel(address, *pair, math.ldexp(tolerance, e), math.ldexp(cutoff, e), out)
     for k in (DISTANCE, ERROR_BOUND):
         out[k] = math.ldexp(out[k], -e)
     for k in range(3):

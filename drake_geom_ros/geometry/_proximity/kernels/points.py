@@ -9,7 +9,7 @@ the choice is
   barrel before its caps;
 - mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
 
-``point_and_<shape>(shape, q)`` takes the parameters of a kernel, and returns the size of the pair
+``near_<shape>(shape, q)`` takes the parameters of a kernel, and returns the size of the pair
 [m], sizes plus distance of the origins, and the same with the rounding of that.
 """
 
@@ -119,14 +119,14 @@ def half_space_point(q):
 
 
 @inlined
-def point_and_sphere(shape, q):
+def near_sphere(shape, q):
     """Return the size of the pair and the nearest point of a sphere."""
     extent = shape[0] + norm(q)
     return extent, sphere_point(shape[0], q, TIE * extent)
 
 
 @inlined
-def point_and_box(shape, q):
+def near_box(shape, q):
     """Return the size of the pair and the nearest point of a box."""
     h = vector_at(shape, 0)
     extent = norm(h) + norm(q)
@@ -134,21 +134,21 @@ def point_and_box(shape, q):
 
 
 @inlined
-def point_and_capsule(shape, q):
+def near_capsule(shape, q):
     """Return the size of the pair and the nearest point of a capsule."""
     extent = shape[0] + shape[1] + norm(q)
     return extent, capsule_point(shape[0], shape[1], q, TIE * extent)
 
 
 @inlined
-def point_and_cylinder(shape, q):
+def near_cylinder(shape, q):
     """Return the size of the pair and the nearest point of a cylinder."""
     extent = shape[0] + shape[1] + norm(q)
     return extent, cylinder_point(shape[0], shape[1], q, TIE * extent)
 
 
 @inlined
-def point_and_ellipsoid(shape, q):
+def near_ellipsoid(shape, q):
     """Return the size of the pair and the nearest point of an ellipsoid."""
     e = vector_at(shape, 0)
     extent = max(e) + norm(q)
@@ -156,6 +156,6 @@ def point_and_ellipsoid(shape, q):
 
 
 @inlined
-def point_and_half_space(shape, q):
+def near_half_space(shape, q):
     """Return the size of the pair and the nearest point of a half space."""
     return norm(q), half_space_point(q)

@@ -7,12 +7,12 @@ concentric spheres the normal is the x axis of B.
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling import write
 from drake_geom_ros.geometry._proximity.kernels.points import (
-    point_and_box,
-    point_and_capsule,
-    point_and_cylinder,
-    point_and_ellipsoid,
-    point_and_half_space,
-    point_and_sphere,
+    near_box,
+    near_capsule,
+    near_cylinder,
+    near_ellipsoid,
+    near_half_space,
+    near_sphere,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -44,35 +44,35 @@ def _write(out, radius, R_WB, p_AB_W, size, nearest):
 @compiled
 def sphere_sphere(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two spheres."""
-    size, nearest = point_and_sphere(shape_B, _centre(R_WB, p_AB_W))
+    size, nearest = near_sphere(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a box."""
-    size, nearest = point_and_box(shape_B, _centre(R_WB, p_AB_W))
+    size, nearest = near_box(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a capsule."""
-    size, nearest = point_and_capsule(shape_B, _centre(R_WB, p_AB_W))
+    size, nearest = near_capsule(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_cylinder(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a cylinder."""
-    size, nearest = point_and_cylinder(shape_B, _centre(R_WB, p_AB_W))
+    size, nearest = near_cylinder(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_ellipsoid(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and an ellipsoid."""
-    size, nearest = point_and_ellipsoid(shape_B, _centre(R_WB, p_AB_W))
+    size, nearest = near_ellipsoid(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
 
 
@@ -81,5 +81,5 @@ def sphere_half_space(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
 ):
     """Signed distance of a sphere and a half space."""
-    size, nearest = point_and_half_space(shape_B, _centre(R_WB, p_AB_W))
+    size, nearest = near_half_space(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)

@@ -22,26 +22,26 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling_points import put_point, seen, take
 from drake_geom_ros.geometry._proximity.kernels.points import (
-    point_and_box,
-    point_and_capsule,
-    point_and_cylinder,
-    point_and_ellipsoid,
-    point_and_half_space,
-    point_and_sphere,
+    near_box,
+    near_capsule,
+    near_cylinder,
+    near_ellipsoid,
+    near_half_space,
+    near_sphere,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_at
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 
 
 @inlined
-def _each(point_and_shape, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
-    """Answer for the points by one of the closed forms ``points.point_and_<shape>``."""
+def _each(near_shape, tilt, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
+    """Answer for the points by ``points.near_<shape>``; ``tilt`` [-] is of a half space."""
     for k in range(span.first, span.last):
         near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
         if near:
-            size, nearest = point_and_shape(shape, q)
-            if ball.tilt > 0.0:
-                rounding += ball.tilt * size
+            size, nearest = near_shape(shape, q)
+            if tilt > 0.0:
+                rounding += tilt * size
             at = k * span.n + span.g
             take(rows, found, counts, at, R_WG, threshold, size, rounding, nearest)
 
@@ -49,13 +49,13 @@ def _each(point_and_shape, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows
 @compiled
 def to_sphere(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a sphere."""
-    _each(point_and_sphere, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(near_sphere, 0.0, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
 def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a box."""
-    _each(point_and_box, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(near_box, 0.0, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
@@ -63,7 +63,7 @@ def to_capsule(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a capsule."""
-    _each(point_and_capsule, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(near_capsule, 0.0, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
@@ -71,7 +71,7 @@ def to_cylinder(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a cylinder."""
-    _each(point_and_cylinder, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(near_cylinder, 0.0, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
 
 
 @compiled
@@ -80,7 +80,7 @@ def to_ellipsoid(
 ):
     """Signed distance of points to an ellipsoid."""
     _each(
-        point_and_ellipsoid, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+        near_ellipsoid, 0.0, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
     )
 
 
@@ -90,7 +90,18 @@ def to_half_space(
 ):
     """Signed distance of points to a half space."""
     _each(
-        point_and_half_space, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+        near_half_space,
+        ball.tilt,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
     )
 
 
@@ -108,19 +119,8 @@ def by_pair_kernel(
         for c in range(3):
             p_QG_W[c] = p_WG[c] - p_WQs[k, c]
             out[NORMAL + c] = 0.0
-        call_kernel(
-            address,
-            SPHERE,
-            nothing,
-            identity,
-            kind,
-            shape,
-            R_WG,
-            p_QG_W,
-            0.0,
-            math.inf,
-            out,
-        )
+        pair = SPHERE, nothing, identity, kind, shape, R_WG, p_QG_W
+        call_kernel(address, *pair, 0.0, math.inf, out)
         if out[DISTANCE] <= threshold:
             # The witness on G is measured from the point.
             p_QN_W = vector_at(out, WITNESS_B)

@@ -116,17 +116,18 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     rows, found = np.full_like(expected, np.nan), np.zeros_like(near)
     counts = np.zeros(5, dtype=np.int64)
     load_kernel(POINT_KERNELS[pair_table.CONVEX])(
-        *(
-            address,
-            pair_table.CONVEX,
-            shape,
-            R_WG,
-            p_WG,
-            p_WQs,
-            0.3,
-            (np.linalg.norm(h), 1e-9, 0.0),
-        ),
-        *((0, 6, 2, 3), rows, found, counts),
+        address,
+        pair_table.CONVEX,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        0.3,
+        calling_points.Ball(np.linalg.norm(h), 1e-9, 0.0),
+        calling_points.Span(0, 6, 2, 3),
+        rows,
+        found,
+        counts,
     )
     np.testing.assert_array_equal(found, near)
     assert 0 < near.sum() < 6
