@@ -12,11 +12,15 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
 from drake_geom_ros.geometry._proximity.budget import Pace
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.kernel_table import (
+    ADDRESSES,
+    compile_rows,
+    table_rows,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import SPHERE, Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
-    ADDRESSES,
     BY_METHOD,
     CACHED,
     COUNTS,
@@ -25,9 +29,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     WIDE,
     answer_pairs,
     bound_pairs,
-    compile_rows,
     near_pairs,
-    table_rows,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.point_phase import (

@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.narrow_phase import (
+from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
-    COUNTS,
-    POSTPONED,
-    answer_pairs,
     compile_rows,
     table_rows,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, POSTPONED, answer_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS

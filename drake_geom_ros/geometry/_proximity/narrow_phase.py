@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
@@ -25,12 +25,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
-    address_table,
     call_kernel,
-    compiled_address,
 )
 from drake_geom_ros.geometry._proximity.kernels.extremes import (
-    address_at_one_metre,
     call_at_one_metre,
     is_extreme,
 )
@@ -42,7 +39,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ITERATIVE,
     SOLID,
 )
-from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
+from drake_geom_ros.geometry._proximity.pair_table import TYPE_COUNT
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import (
     rounding_of_pair,
@@ -58,12 +55,6 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     TOUCHING_DEPTH,
 )
 
-_ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
-# Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(ALL_ROWS) + 1)
-_AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
-_COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
-
 # What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
 FAR = 0
 CACHED = 1
@@ -71,26 +62,6 @@ POSTPONED = 2
 WIDE = 3
 BY_METHOD = 4
 COUNTS = BY_METHOD + BOUND_ONLY + 1
-
-
-def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the pair table's row of each pair of shape types, in either order; -1: none."""
-    low, high = np.minimum(types_a, types_b), np.maximum(types_a, types_b)
-    rows: NDArray[np.int64] = _ROWS[low * TYPE_COUNT + high]
-    return rows
-
-
-def compile_rows(rows: NDArray[np.int64]) -> list[str]:
-    """Compile the kernels of table rows that are not compiled yet; return their names."""
-    missing = rows[(rows >= 0) & ~_COMPILED[rows]]
-    if len(missing) and not ADDRESSES[_AT_ONE_METRE]:
-        ADDRESSES[_AT_ONE_METRE] = address_at_one_metre()
-    names: dict[str, None] = {}
-    for number in np.unique(missing).tolist():
-        ADDRESSES[number] = compiled_address(ALL_ROWS[number].load_kernel())
-        _COMPILED[number] = True
-        names[ALL_ROWS[number].kernel] = None
-    return list(names)
 
 
 @inlined
@@ -150,16 +121,40 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             out[NORMAL + c] = -out[NORMAL + c]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    address = addresses[_ROWS[_code(types[a], types[b])]]
+    address = addresses[ROWS[_code(types[a], types[b])]]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
-    pair = types[a], shape_a, R_WA, types[b], shape_b, R_WB, p_AB_W
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
     if types[b] <= CONVEX and is_extreme(size, p_AB_W):
-        resizer = addresses[_AT_ONE_METRE]
-        call_at_one_metre(resizer, address, size, *pair, tolerance, cutoff, out)
+        call_at_one_metre(
+            addresses[AT_ONE_METRE],
+            address,
+            size,
+            types[a],
+            shape_a,
+            R_WA,
+            types[b],
+            shape_b,
+            R_WB,
+            p_AB_W,
+            tolerance,
+            cutoff,
+            out,
+        )
     else:
-        call_kernel(address, *pair, tolerance, cutoff, out)
+        call_kernel(
+            address,
+            types[a],
+            shape_a,
+            R_WA,
+            types[b],
+            shape_b,
+            R_WB,
+            p_AB_W,
+            tolerance,
+            cutoff,
+            out,
+        )
     if swapped:
         for c in range(3):
             # Measured from the other body's origin from now on.
@@ -278,8 +273,8 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
     types, R_WGs, p_WGs, roundings = scene.types, scene.R_WGs, scene.p_WGs, scene.roundings
     half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
-    travels, stamps, waiting, distances = scene.travels, scene.stamps, *queue
-    posed = types, scene.starts, scene.pool, R_WGs, p_WGs
+    travels, stamps = scene.travels, scene.stamps
+    starts, pool = scene.starts, scene.pool
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
@@ -304,17 +299,21 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             if cutoff < math.inf:
                 least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
             near = least <= reach
-            if near and waiting.size > 0:
-                _bound(a, b, *posed, inner, scratch, bounds)
+            if near and queue.waiting.size > 0:
+                _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
                 least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
-                _postpone(k, least, waiting, distances, counts)
+                _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
-                    _bound(a, b, *posed, inner, scratch, out)
+                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
                 else:
-                    tolerance = tolerance_of_pair(gap, a, b, outer)
-                    _call_in_order(a, b, addresses, *posed, scratch, size, tolerance, cutoff, out)
+                    # Two tuples as they stand cost nothing; one that is made before the loop makes
+                    # it half as long again, for its arrays' references are counted.
+                    _call_in_order(
+                        *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
+                        *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
+                    )
                 rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
                 seen[s], gaps[s] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
@@ -343,8 +342,8 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     """
     scene, memory, query = Scene(*scene), Memory(*memory), Query(*query)
     answers, slacks, seen, gaps = memory.answers, memory.slacks, memory.seen, memory.gaps
-    types, p_WGs = scene.types, scene.p_WGs
-    posed = types, scene.starts, scene.pool, scene.R_WGs, p_WGs
+    types, starts, pool = scene.types, scene.starts, scene.pool
+    R_WGs, p_WGs = scene.R_WGs, scene.p_WGs
     outer, inner, travels, stamps = scene.outer, scene.inner, scene.travels, scene.stamps
     cutoff, penetrating = query.cutoff, query.penetrating
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
@@ -357,7 +356,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
         if stamps[a] <= seen[s] and stamps[b] <= seen[s] and math.isinf(gaps[s]):
             counts[CACHED] += 1
         else:
-            _bound(a, b, *posed, inner, scratch, bounds)
+            _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
             moved = math.inf
             if seen[s] >= 0:
                 moved = travelled - (slacks[s] - _least(out, gaps[s], size, 0.0))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernel_table import compile_rows, table_rows
 from drake_geom_ros.geometry._proximity.kernels.calling import address_table, compiled_address
 from drake_geom_ros.geometry._proximity.kernels.calling_points import (
     POINT_WIDTH,
@@ -16,7 +17,6 @@ from drake_geom_ros.geometry._proximity.kernels.calling_points import (
 )
 from drake_geom_ros.geometry._proximity.kernels.views import part, row
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
-from drake_geom_ros.geometry._proximity.narrow_phase import compile_rows, table_rows
 from drake_geom_ros.geometry._proximity.pair_table import (
     BY_PAIR_KERNEL,
     POINT_KERNELS,

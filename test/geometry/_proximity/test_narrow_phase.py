@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oracles.worlds import geometry_table
 
-from drake_geom_ros.geometry._proximity import narrow_phase
+from drake_geom_ros.geometry._proximity import kernel_table, narrow_phase
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
@@ -52,8 +52,8 @@ class Loop:
         self.slots = np.arange(len(self.pairs))[::-1].copy()  # no number is taken for another
         m = len(self.pairs)
         self.memory = empty_memory(np.zeros((m, PAIR_WIDTH)))
-        rows = narrow_phase.table_rows(*self.world.geometries.types[self.pairs].T)
-        narrow_phase.compile_rows(rows)
+        rows = kernel_table.table_rows(*self.world.geometries.types[self.pairs].T)
+        kernel_table.compile_rows(rows)
 
     def pose(self, bodies, ps):
         frames = np.array(bodies) + 1
@@ -65,7 +65,7 @@ class Loop:
         """Return the numbers of the hits and {name: count} of what was done."""
         hits, counts = np.empty(len(self.pairs), dtype=np.int64), np.empty(COUNTS, dtype=np.int64)
         found = narrow_phase.answer_pairs(
-            *(narrow_phase.ADDRESSES, self.pairs, self.slots, self.memory, self.world.scene),
+            *(kernel_table.ADDRESSES, self.pairs, self.slots, self.memory, self.world.scene),
             *(self.world.revision, (gap, cutoff, penetrating), first, queue, hits, counts),
         )
         names = {FAR: 'far', CACHED: 'cached', POSTPONED: 'postponed'}
@@ -85,7 +85,7 @@ def row_of_balls():
 
 def test_a_row_of_the_table_in_either_order():
     types = np.array([SPHERE, BOX, HALF_SPACE])
-    rows = narrow_phase.table_rows(types[:, None], types[None, :])
+    rows = kernel_table.table_rows(types[:, None], types[None, :])
     np.testing.assert_array_equal(rows, rows.T)
     assert rows[2, 2] == -1
     assert len({*rows.ravel().tolist()}) == 6
