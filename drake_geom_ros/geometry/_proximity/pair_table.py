@@ -76,6 +76,10 @@ _CERTIFICATES = {
         'certain to be inside from below: the interval between them may stay open.'
     ),
 }
+_HULLS = (
+    f'Overlapping, {_POLYTOPE}, but for a cap around the minimum of the edge next to the normal, '
+    'for the width of the hull is nowhere less than that of its edge.'
+)
 _CREASES = (
     'Overlapping, the width has no minimum off the creases and faces of the Minkowski difference, '
     'and the whole circle of each crease is searched with a lower bound for every arc, which a '
@@ -118,7 +122,7 @@ class PairRow:
             return _CERTIFICATES[module]
         pair = {self.type_a, self.type_b}
         if CONVEX in pair:
-            return f'{_APART}Overlapping, {_POLYTOPE}.'
+            return _APART + _HULLS
         if CYLINDER in pair and pair & {BOX, CAPSULE}:
             return _APART + _CREASES
         return _APART + (_BY_BALLS if BOX in pair else _RINGS)

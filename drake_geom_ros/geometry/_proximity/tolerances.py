@@ -43,6 +43,10 @@ TOUCHING_DEPTH = 1e-14
 # EPS, what is left of an exact right angle after turning a unit vector into another frame. The
 # midpoint taken there is this times the edge's length below the true support value.
 RIGHT_ANGLE = 8.0 * EPS
+# A direction that EPA found is off by its own error: where it is at right angles to an edge to
+# this angle, Newton's method starts from where it is so exactly. Beside such a kink h may have no
+# curvature to go by; where the minimum is not on the kink, the first step leaves it again.
+ALMOST_RIGHT_ANGLE = 1e-6
 
 # Rounding of a support value [-], in EPS times the pair's size (bounding radii plus distance of
 # the origins): two rotations, a difference and an inner product, each a few EPS. Certified bounds

@@ -13,6 +13,13 @@ k(n)`` for ``n = s e + c u``, where k is the support function of the rest. It is
 
 If v is not below the least h on the crease, that is the depth, whatever the rest may be.
 
+*A barrel as long as wide.* Let the rest be within a ball of the radius rho about the middle: its
+support function k is within -rho and rho, and changes by rho times the angle at most. At the angle
+phi from the crease ``f = r cos(phi) + l sin(phi)`` is concave. So ``f(phi) >= f(0) + rho phi`` up
+to the angle where that is last so, and ``f(phi) >= f(pi/2) + rho (pi/2 - phi)`` from where it is
+first so: if both are so at one angle, such as that of the largest f, h is nowhere less than at one
+of the ends of the quarter circle, on the crease or along the axis.
+
 *Two cylinders almost parallel.* Let phi be the angle about the axis u of one, of radius r, and
 theta that from the crease of it. Along a half circle of one phi only the disk of the other
 cylinder is curved: its radius of curvature is ``r' (u' . t)^2 / s'^3``, with t across u and n,
@@ -35,8 +42,10 @@ from drake_geom_ros.geometry._proximity.kernels.circles import (
     least_on_circle,
 )
 from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
+from drake_geom_ros.geometry._proximity.kernels.rings import is_bulged
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
+    AXES_B,
     LENGTH,
     SEGMENT,
     vector,
@@ -67,13 +76,34 @@ def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
     up = width(terms, last, r_A + r_B, u)
     down = width(terms, last, r_A + r_B, scale(-1.0, u))
     margin = length - (max(up, down) - length) - noise
-    if margin < h or radius <= 0.0:
+    bulged = margin < h and is_bulged(radius, length, reach_beside(terms, last, k, axes))
+    if (margin < h and not bulged) or radius <= 0.0:
         return False, h, -math.inf, n, False
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
     best = n, h, 2.0, True, h
     complete, best = least_on_circle(difference, u, best, 0.0, enough, noise, arcs, kinks)
     n, h, _, unique, floor = best
+    if bulged:
+        near = 2.0 * enough
+        if min(up, down) < h:  # then what is on the crease, if as good, is elsewhere
+            unique = floor > min(up, down) + near and abs(up - down) > near
+            n, h = (u, up) if up < down else (scale(-1.0, u), down)
+        else:
+            unique = unique and min(up, down) > h + near
+        return complete, h, min(floor, h), n, unique
     return complete and margin >= h, h, min(floor, h), n, unique and margin > h + 2.0 * enough
+
+
+@compiled
+def reach_beside(terms, last, k, axes):
+    """Return within how far [m] of the origin the difference is, without the cylinder k, axes."""
+    reach = norm(vector(terms, 0))
+    for i in range(SEGMENT, last):
+        reach += terms[i, LENGTH] if i != k else 0.0
+    for other in (AXES_A, AXES_B):
+        if other != axes:
+            reach += max(terms[other, LENGTH], terms[other + 1, LENGTH], terms[other + 2, LENGTH])
+    return reach
 
 
 @compiled

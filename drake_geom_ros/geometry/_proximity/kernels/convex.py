@@ -40,6 +40,7 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
 )
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     difference_of,
+    difference_of_edges,
     feet,
     likely_normal,
     vector,
@@ -160,6 +161,27 @@ def is_polytope(kind):
 
 
 @compiled
+def sharpened(pair, difference, n, found, noise, tolerance):
+    """Return (closed, distance, lower, n, a, b): the last digits, by Newton's method, from near n.
+
+    Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
+    may be tells the slab along the normal. Two polytopes are left with bounds as close as
+    ``found`` [m] if that is rounding; beside a round body the normal is not as good then.
+    """
+    hulls = difference[2] == 0
+    if hulls:
+        if found <= noise and is_polytope(pair[0]) and is_polytope(pair[3]):
+            return False, np.inf, -np.inf, n, n, n
+        difference = difference_of_edges(pair, n)
+    end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
+    if hulls:
+        lower = min(lower, gap_along(pair, n))
+        closed = end == CLOSED and distance - lower <= max(found, noise)
+        return closed, distance, lower, n, a, b
+    return end == CLOSED, distance, lower, n, a, b
+
+
+@compiled
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     """Return (end, distance, upper, lower, n, a, b, miss, unique) of two cores.
 
@@ -200,12 +222,11 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     if end == BEYOND_CUTOFF:
         return end, distance, upper, lower, n, a, b, 0.0, True
     if end == CLOSED and not near:
-        if difference[2] > 0:  # from near the answer Newton's method finds the last digits
-            sharper = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
-            if sharper[0] == CLOSED:
-                _, distance, lower, n, a, b = sharper
-                a, b, miss = drawn_to(distance, n, a, b)
-                return end, distance, distance, lower, n, a, b, miss, True
+        sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
+        if sharper[0]:
+            _, distance, lower, n, a, b = sharper
+            a, b, miss = drawn_to(distance, n, a, b)
+            return end, distance, distance, lower, n, a, b, miss, True
         return end, distance, upper, lower, n, a, b, 0.0, True
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
@@ -268,7 +289,7 @@ def signed_distance_of_cores(
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
     error_bound = max(upper - distance, distance - lower) + noise
-    if miss > LOOSE_SLOPE * noise:  # what Newton's method leaves is on the surface to rounding
+    if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
     if kind_A == CONVEX:
         error_bound += hull_defect(shape_A)

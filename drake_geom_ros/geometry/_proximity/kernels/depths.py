@@ -24,17 +24,20 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     nearby_minimum,
     settle,
+    settle_by_turns,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution import (
     common_axis,
     depth_of_revolution,
 )
+from drake_geom_ros.geometry._proximity.kernels.rings import least_of_hull_in_barrel
 from drake_geom_ros.geometry._proximity.kernels.slices import least_over_slices
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
     LENGTH,
     SEGMENT,
+    difference_of_edges,
     feet,
     likely_normal,
     share_a_point,
@@ -121,14 +124,24 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
     lower = max(lower, deepest(pair, a, b, size) - noise)
     if upper - lower <= 4.0 * enough:
         return upper, min(lower, upper), n, a, b, aside, unique
-    if lower > 0.0 and difference[2] > 0:
+    if lower > 0.0:
+        hulls = difference[2] == 0
         complete, h, floor, m, unique = least_of_ring(
             pair, difference, n, upper, lower, enough, noise
         )
+        if complete and hulls:
+            difference = difference_of_edges(pair, m)
+            a, b, aside = settled(difference, m, h)
+            return h, floor, m, a, b, aside, unique
         if complete:
             m, h, a, b, aside = points_at(difference, m, h, enough, noise)
             return h, guarded(difference, floor, noise), m, a, b, aside, unique
-    return depth_of_cores(pair, difference, n, near, size, tolerance, MANY_VERTICES)
+    known = lower
+    upper, lower, n, a, b, aside, unique = depth_of_cores(
+        pair, difference, n, near, size, tolerance, MANY_VERTICES
+    )
+    # Of a small body near the centre of a large one the polytope is the coarser of the two.
+    return upper, min(max(lower, known), upper), n, a, b, aside, unique
 
 
 @compiled
@@ -150,6 +163,8 @@ def least_of_ring(pair, difference, n, h, floor, enough, noise):
     """Return (complete, h, floor, n, unique) where a ring of directions is almost as good as n."""
     kind_A, kind_B = pair[0], pair[3]
     found = False, h, floor, n, False
+    if kind_B == CONVEX:
+        return least_of_hull_in_barrel(pair, enough, noise) if kind_A == CYLINDER else found
     if kind_A == CYLINDER:
         found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
     if not found[0] and kind_B == CYLINDER:
@@ -166,7 +181,11 @@ def settled(difference, n, h):
     """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
     settle(difference, n)
     a, b = feet(difference, n)
-    return a, b, norm(sub(sub(a, b), scale(h, n)))
+    aside = norm(sub(sub(a, b), scale(h, n)))
+    settle_by_turns(difference, n)
+    x, y = feet(difference, n)
+    aside_by_turns = norm(sub(sub(x, y), scale(h, n)))
+    return (x, y, aside_by_turns) if aside_by_turns < aside else (a, b, aside)
 
 
 @compiled
@@ -187,7 +206,8 @@ def points_at(difference, n, h, enough, noise):
         if best[4] > LOOSE_SLOPE * noise:
             m = across(n, scale(1.0 / terms[k, LENGTH], vector(terms, k)))
             there = width(terms, last, r_A + r_B, m)
-            if there <= h + 0.5 * enough:
+            # Along the segment itself there is no such direction, and m is 0.
+            if dot(m, m) > 0.5 and there <= h + 0.5 * enough:
                 a, b, aside = settled(difference, m, there)
                 if aside < best[4]:
                     best = m, there, a, b, aside

@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.gjk import put, row, support_poi
 from drake_geom_ros.geometry._proximity.kernels.normals import (
     NOTHING,
     nearby_minimum,
+    onto_kink,
 )
 from drake_geom_ros.geometry._proximity.kernels.polytope import (
     ALIVE,
@@ -49,7 +50,7 @@ from drake_geom_ros.geometry._proximity.kernels.simplices import (
     closest_on_triangle,
     weighted,
 )
-from drake_geom_ros.geometry._proximity.kernels.sums import feet
+from drake_geom_ros.geometry._proximity.kernels.sums import difference_of_edges, feet
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -174,14 +175,24 @@ def is_in_cap(m, offset, n, rival, cap):
 
 
 @compiled
-def nearest_known(difference, n, width, a, b, enough, noise):
+def nearest_known(pair, difference, n, width, a, b, enough, noise):
     """Return (exact, width, n, a, b, cap): the minimum next to n, or what was given if none is.
 
     ``a`` and ``b`` are the points extreme along n; a minimum's are one over the other along it.
+    Of hulls it is that of the edges next to n, where the hulls reach no farther; their h is
+    nowhere less than that of the edges, so that the cap is theirs, too.
     """
-    found = nearby_minimum(difference, n, noise)
+    hulls, start = difference[2] == 0, n
+    if hulls:
+        difference = difference_of_edges(pair, n)
+        start = onto_kink(difference, n)
+    found = nearby_minimum(difference, start, noise)
     if found[0] == NOTHING or found[2] > width + noise:
         return False, width, n, a, b, 0.0
+    if hulls:
+        s_A, s_B = support_points(pair, found[1], 0.0)
+        if dot(sub(s_A, s_B), found[1]) > found[2] + noise:
+            return False, width, n, a, b, 0.0
     a, b = feet(difference, found[1])
     return True, found[2], found[1], a, b, widest_cap(difference, found, enough)
 
@@ -239,7 +250,7 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     a, b = support_points(pair, n, 0.0)
-    known = nearest_known(difference, n, dot(sub(a, b), n), a, b, enough, noise)
+    known = nearest_known(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
     count, total, waiting = start(pair, known, near, growth, size, noise)
     exact, best, n, a, b, cap = known
     lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
@@ -265,7 +276,7 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
             break
         closed = not settled and width - lower <= enough
         if closed or (not settled and width < best - noise):
-            known = nearest_known(difference, m, width, s_A, s_B, enough, noise)
+            known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
             exact, best, n, a, b, cap = known
             if exact and dot(sub(a, b), m) > offset + noise:
                 s_A, s_B = a, b

@@ -80,15 +80,38 @@ def _climbed(shape, end, x, y, z):
     return here
 
 
+@inlined
+def _farthest(shape, x, y, z):
+    """Return the place of the vertex that is extreme along the unit vector (x, y, z)."""
+    if hull_defect(shape) > 0.0:
+        return _climbed(shape, 3 * int(shape[0]), x, y, z)
+    return _farthest_of_all(shape, x, y, z)
+
+
 @compiled
 def farthest_vertex(shape, x, y, z):
     """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
-    end = 3 * int(shape[0])
-    if hull_defect(shape) > 0.0:
-        k = _climbed(shape, end, x, y, z)
-    else:
-        k = _farthest_of_all(shape, x, y, z)
+    k = _farthest(shape, x, y, z)
     return shape[k], shape[k + 1], shape[k + 2]
+
+
+@compiled
+def farthest_edge(shape, x, y, z):
+    """Return the vertex of a hull extreme along the unit (x, y, z), and another.
+
+    The line to the other falls away from the direction with the least slope: it is an edge of the
+    hull, and where a turn of the direction brings another vertex to the fore, the first one.
+    """
+    here = _farthest(shape, x, y, z)
+    p, q, r = shape[here], shape[here + 1], shape[here + 2]
+    other, least = here, math.inf
+    for k in range(1, 3 * int(shape[0]) + 1, 3):
+        u, v, w = shape[k] - p, shape[k + 1] - q, shape[k + 2] - r
+        length = norm((u, v, w))
+        slope = -(u * x + v * y + w * z)
+        if k != here and length > 0.0 and slope < least * length:
+            other, least = k, slope / length
+    return (p, q, r), (shape[other], shape[other + 1], shape[other + 2])
 
 
 @compiled

@@ -20,9 +20,11 @@ from drake_geom_ros.geometry._proximity.kernels.points import (
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
     add_scaled,
     column,
     norm,
+    rotate,
     sub,
     unrotate,
     vector_at,
@@ -30,6 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
+    CONVEX,
     CYLINDER,
     ELLIPSOID,
     SPHERE,
@@ -103,8 +106,28 @@ def deepest_along(pair, c, u, reach):
 
 
 @compiled
+def deepest_vertex(kind, shape, R, hull, R_hull, p):
+    """Return the depth of the deepest vertex of a hull in the core of another shape.
+
+    A vertex is a point of the hull, so its depth there is 0 at least. ``p`` is from the shape to
+    the hull, in World axes as both rotations are.
+    """
+    best = -math.inf
+    for k in range(1, 3 * int(hull[0]) + 1, 3):
+        q = add(p, rotate(R_hull, (hull[k], hull[k + 1], hull[k + 2])))
+        best = max(best, depth_of_point(kind, shape, unrotate(R, q), 0.0)[0])
+    return best
+
+
+@compiled
 def deepest(pair, a, b, size):
-    """Return the depth in both cores of a deep point: sought from ab and both origins, by axes."""
+    """Return the depth in both cores of a deep point: sought from ab and both origins, by axes.
+
+    Of a hull only the vertices are tried.
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    if kind_B == CONVEX:
+        return deepest_vertex(kind_A, shape_A, R_WA, shape_B, R_WB, p)
     _, _, middle = depth_between(pair, a, b, 0.0)
     best = -math.inf
     for start in (middle, (0.0, 0.0, 0.0), pair[6]):

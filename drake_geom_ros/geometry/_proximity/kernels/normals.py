@@ -13,6 +13,7 @@ foot of the origin.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.points import clamp
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
@@ -37,6 +38,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
+    ALMOST_RIGHT_ANGLE,
+    EPS,
     LAST_STEP,
     LOOSE_SLOPE,
     RIGHT_ANGLE,
@@ -51,6 +54,8 @@ FLAT = 3
 STEPS = 16  # 3 to 6 are usual, some more where kinks are met
 ZERO = (0.0, 0.0, 0.0)
 LONGEST_STEP = 0.5  # tangent of the angle
+TURNS = 4  # two are enough for two segments
+INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
 
 
 @compiled
@@ -61,6 +66,17 @@ def hold(terms, last, n):
         terms[k, SHARE] = 0.0
         if abs(d) > RIGHT_ANGLE * terms[k, LENGTH]:
             terms[k, SHARE] = 1.0 if d > 0.0 else -1.0
+
+
+@compiled
+def onto_kink(difference, n):
+    """Return n, or, where it is almost at right angles to a segment, the direction that is so."""
+    terms, _, last, _, _ = difference
+    for k in range(SEGMENT, last):
+        d = dot(vector(terms, k), n) / terms[k, LENGTH]
+        if abs(d) <= ALMOST_RIGHT_ANGLE:
+            return unit(add_scaled(n, -d / terms[k, LENGTH], vector(terms, k)))
+    return n
 
 
 @compiled
@@ -332,3 +348,38 @@ def settle(difference, n):
         f = unit(cross(n, e))
         _, x, _, _, _, _ = slope_and_bend(terms, last, r_A + r_B, cross(e, f), e, f)
         share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
+
+
+@compiled
+def settle_by_turns(difference, n):
+    """Do what ``settle`` does where held segments are almost parallel, and where it finds nothing.
+
+    The face that such segments span is narrow, and rounding may put the foot of the origin beside
+    it. The two that span most are solved for together, then each in turn takes what is left.
+    """
+    terms, _, last, _, _ = difference
+    for k in range(3):
+        terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
+    hold(terms, last, n)
+    aside = add(held_sum(terms, last), add(tip(terms, AXES_A, n), tip(terms, AXES_B, n)))
+    aside = add_scaled(aside, -dot(aside, n), n)
+    first, second, area = -1, -1, 0.0
+    for i in range(SEGMENT, last):
+        for j in range(i + 1, last):
+            if abs(terms[i, SHARE]) < 1.0 and abs(terms[j, SHARE]) < 1.0:
+                c = dot(cross(vector(terms, i), vector(terms, j)), n)
+                if abs(c) > abs(area):
+                    first, second, area = i, j, c
+    if area != 0.0:
+        s, t = vector(terms, first), vector(terms, second)
+        terms[first, SHARE] = clamp(dot(cross(t, aside), n) / area, INNER)
+        terms[second, SHARE] = clamp(dot(cross(aside, s), n) / area, INNER)
+        aside = add_scaled(aside, terms[first, SHARE], s)
+        aside = add_scaled(aside, terms[second, SHARE], t)
+    for _ in range(TURNS):
+        for k in range(SEGMENT, last):
+            if abs(terms[k, SHARE]) < 1.0:
+                s, before = vector(terms, k), terms[k, SHARE]
+                more = -dot(aside, s) / (terms[k, LENGTH] * terms[k, LENGTH])
+                terms[k, SHARE] = clamp(before + more, INNER)
+                aside = add_scaled(aside, terms[k, SHARE] - before, s)

@@ -5,6 +5,12 @@ cover the whole ring with faces to certify one of them; but the Minkowski differ
 revolution too, so a nearest point of its surface lies in the half plane through its axis and the
 origin, and there the polygon that EPA grows has corners on one arc only.
 
+That one half plane, and of it the quarter with both numbers positive, is enough. Across the half
+plane of the origin the width of a body of revolution is ``h = f(s, c) - p . n``, with f even in s
+and c: of all n with one s and c, and of their mirror images, the one toward p is least. On the
+quarter every arc between two corners is kept with the lower bound of its chord (``set_chord``),
+none is left out by a comparison, and the least of these bounds is what is returned.
+
 Axes that are almost parallel, and an ellipsoid with two semi-axes almost equal, count too where
 turning the one and rounding the other moves no point farther than the tolerance: the move is taken
 off the lower bound, the upper one is measured on the shapes as they are.

@@ -1,4 +1,4 @@
-"""The Minkowski difference of two cores that are not hulls, as a sum with derivatives.
+"""The Minkowski difference of two cores, of a hull one edge, as a sum with derivatives.
 
 Such a core is a sum of segments (a box of three, a capsule or cylinder of its axis) and at most
 one ellipsoid (a cylinder's disk is a flat one), less a ball (see ``supports``). So is the
@@ -9,8 +9,13 @@ difference D = A - B: its support function is
 smooth but where n is at right angles to a segment or along the axis of a disk, with known
 curvature. The rows of E are the semi-axes. The least h is minus the signed distance of the cores.
 
-``terms`` holds a row for p, four for segments, three for the semi-axes of A and of B, and one for
-the point of A's and of B's disk where n is along its axis. Column LENGTH is that of the row.
+A hull is not such a sum; an edge of it is, off the hull's origin. The difference with the edge
+lies in that with the hull, so its h is nowhere more, and where it is as much what is known of
+its minimum is true of the hull's.
+
+``terms`` holds a row for p, four for segments, three for the semi-axes of A and of B, one for
+the point of A's and of B's disk where n is along its axis, and one for the middle of A's edge,
+from Ao: p then is from there to B or to the middle of B's. Column LENGTH is that of the row.
 Column SHARE of a segment tells where on it the support point is: at an end, -1 or 1, or anywhere
 between where n is at right angles to it and h has a kink; the segment is *held* there.
 """
@@ -20,6 +25,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_edge
 from drake_geom_ros.geometry._proximity.kernels.points import clamp
 from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -27,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     cross,
     dot,
+    norm,
     rotate,
     scale,
     sub,
@@ -48,7 +55,8 @@ AXES_A = 5
 AXES_B = 8
 LEAN_A = 11
 LEAN_B = 12
-ROWS = 13
+ORIGIN = 13
+ROWS = 14
 SHARE = 3
 LENGTH = 4
 
@@ -103,9 +111,45 @@ def difference_of(pair):
     last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
     if kind_A == CONVEX or kind_B == CONVEX:
         last = 0
-    r_A = core_radius(kind_A, shape_A) if kind_A == ELLIPSOID else 0.0
-    r_B = core_radius(kind_B, shape_B) if kind_B == ELLIPSOID else 0.0
-    return terms, first, last, r_A, r_B
+    return terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+
+
+@inlined
+def _taken_away(kind, shape):
+    """Return the radius [m] of the ball that the core of a shape lacks of its terms."""
+    return core_radius(kind, shape) if kind == ELLIPSOID else 0.0
+
+
+@compiled
+def _put_edge(terms, shape, R, n, segment):
+    """Store the edge of a hull next to the unit n; return its middle, from Go in World axes."""
+    x, y, z = unrotate(R, n)
+    u, v = farthest_edge(shape, x, y, z)
+    half = rotate(R, scale(0.5, sub(v, u)))
+    for i in range(3):
+        terms[segment, i] = half[i]
+    terms[segment, LENGTH] = max(norm(half), LEAST_LENGTH)
+    return rotate(R, scale(0.5, add(u, v)))
+
+
+@compiled
+def difference_of_edges(pair, n):
+    """Return ``difference_of`` a pair with hulls, of which it takes but the edges next to n."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    terms = np.zeros((ROWS, 5))
+    first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
+    if kind_A == CONVEX:
+        middle = _put_edge(terms, shape_A, R_WA, n, SEGMENT)
+        first, p = SEGMENT + 1, sub(p, middle)
+        for i in range(3):
+            terms[ORIGIN, i] = middle[i]
+    last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
+    if kind_B == CONVEX:
+        p = add(p, _put_edge(terms, shape_B, R_WB, scale(-1.0, n), first))
+        last = first + 1
+    for i in range(3):
+        terms[0, i] = p[i]
+    return terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
 
 
 @inlined
@@ -212,12 +256,13 @@ def feet(difference, n):
     """Return the points (a, b), from Ao, of the cores, extreme along n and -n by the shares."""
     terms, first, last, r_A, r_B = difference
     a = add_scaled(add(tip(terms, AXES_A, n), vector(terms, LEAN_A)), -r_A, n)
+    a = add(a, vector(terms, ORIGIN))
     b = add_scaled(add(tip(terms, AXES_B, n), vector(terms, LEAN_B)), -r_B, n)
     for k in range(SEGMENT, first):
         a = add_scaled(a, terms[k, SHARE], vector(terms, k))
     for k in range(first, last):
         b = add_scaled(b, terms[k, SHARE], vector(terms, k))
-    return a, add_scaled(vector(terms, 0), -1.0, b)
+    return a, sub(add(vector(terms, ORIGIN), vector(terms, 0)), b)
 
 
 @compiled

@@ -16,20 +16,22 @@ from oracles.almost_rings import (
     widths,
 )
 
-from drake_geom_ros.evidence.bodies import Body
-from drake_geom_ros.evidence.surfaces import height
-from drake_geom_ros.geometry._proximity.kernels import barrels, convex, depths, slices, sums
+from drake_geom_ros.geometry._proximity.kernels import (
+    barrels,
+    convex,
+    depths,
+    slices,
+    sums,
+    supports,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     DISTANCE,
     ERROR_BOUND,
     NORMAL,
     PAIR_WIDTH,
     UNIQUE,
-    WITNESS_A,
-    WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius
-from drake_geom_ros.geometry._proximity.pair_table import SHAPE_NAMES
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
 
 COUNT = 3 if config.DISABLE_JIT else 60
@@ -52,19 +54,6 @@ def _answer(pair):
     return out, tolerance + rounding
 
 
-def _off_surfaces(pair, out):
-    """Return how far the witness points are off the surfaces: a bound may be wide for that too."""
-    p_A, p_B = out[WITNESS_A : WITNESS_A + 3], out[WITNESS_B : WITNESS_B + 3]
-    kind_A, size_A, R_WA, kind_B, size_B, R_WB, p = pair
-    bodies = (kind_A, size_A, R_WA, np.zeros(3), p_A), (kind_B, size_B, R_WB, p, p_B)
-    return max(abs(height(_body(*body), q)) for *body, q in bodies)
-
-
-def _body(kind, size, R, p):
-    lengths = size if kind == ELLIPSOID else size * [1.0, 2.0]
-    return Body(SHAPE_NAMES[kind], tuple(lengths), R, p)
-
-
 @pytest.mark.parametrize('kinds', KINDS)
 def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
     rng = np.random.default_rng(12)
@@ -72,7 +61,7 @@ def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
         pair = almost_coaxial(rng, kinds)
         out, promised = _answer(pair)
         depth, bound = -out[DISTANCE], out[ERROR_BOUND]
-        assert bound <= max(promised, 1.01 * _off_surfaces(pair, out))
+        assert bound <= promised
         n = -out[NORMAL : NORMAL + 3]
         ns = directions(rng, pair, n)
         there = widths(pair, ns)
@@ -93,16 +82,59 @@ def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
     assert out[DISTANCE] == pytest.approx(-(0.2 + size - 1e-3 * size), abs=promised)
 
 
-def test_a_barrel_that_is_too_short_is_not_long():
+def _in_short_barrel(radii):
     pair = (
         CYLINDER, np.array([0.3, 0.2]), np.eye(3),
-        ELLIPSOID, np.full(3, 1e-3) * [1, 1, 2], np.eye(3), (0.0, 0.0, 0.0),
+        ELLIPSOID, np.array(radii), np.eye(3), (0.0, 0.0, 0.0),
     )  # fmt: skip
-    difference = sums.difference_of(pair)
-    found = barrels.least_in_long_barrel(
-        difference, sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 0.301, 1e-10, 1e-15
+    return barrels.least_in_long_barrel(
+        sums.difference_of(pair), sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 0.301, 1e-10, 1e-15
     )
-    assert not found[0]
+
+
+def test_out_of_a_short_barrel_along_the_axis():
+    complete, h, floor, n, unique = _in_short_barrel([1e-3, 1e-3, 2e-3])
+    core = 1e-3 * 1e-3 / 2e-3  # the ball that the ellipsoid's core is less
+    assert complete
+    assert h == pytest.approx(0.202 - core, abs=1e-15)
+    assert floor == h
+    assert n in [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+    assert not unique
+
+
+def test_a_barrel_that_is_short_beside_what_is_in_it_is_left():
+    assert not _in_short_barrel([0.1, 0.1, 0.19])[0]
+
+
+@pytest.mark.parametrize('half', [0.1, 0.2, 0.6])
+def test_a_small_body_in_a_barrel_against_all_directions(half):
+    rng = np.random.default_rng(4)
+    for _ in range(COUNT):
+        pair = (
+            CYLINDER, np.array([0.2, half]), np.eye(3),
+            ELLIPSOID, 0.01 * rng.uniform(0.2, 1.0, 3), turned(rng.normal(size=3), 1.0),
+            tuple(0.01 * rng.normal(size=3)),
+        )  # fmt: skip
+        difference = sums.difference_of(pair)
+        complete, h, floor, n, _ = barrels.least_in_long_barrel(
+            difference, sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 1.0, 1e-12, 1e-15
+        )
+        if complete:
+            core = supports.core_radius(ELLIPSOID, pair[4])
+            ns = np.vstack([directions(rng, pair, np.array(n)), np.eye(3), -np.eye(3)])
+            assert widths(pair, ns).min() - core >= floor - 1e-15
+            assert widths(pair, np.array([n]))[0] - core == pytest.approx(h, abs=1e-14)
+
+
+def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
+    """The capsule's axis ends on the cylinder's side; its own axis is no direction across it."""
+    pair = (
+        CAPSULE, np.array([1.0, 0.5]), turned([1, 0, 0], math.pi / 2),
+        CYLINDER, np.array([1.0, 0.5]), turned([0, 1, 0], math.pi / 2),
+        np.array([0.4999999999999992, 0.9999999999999983, 0.5000000000000003]),
+    )  # fmt: skip
+    out, _ = _answer(pair)
+    assert np.linalg.norm(out[NORMAL : NORMAL + 3]) == pytest.approx(1.0, abs=1e-14)
 
 
 @pytest.mark.parametrize('tilt', [1e-12, 1e-8, 1e-4, 0.05])
