@@ -29,7 +29,7 @@ def least_along_axes(pair, best):
     Points a and b are midpoints of what is extreme along n. Where no axis does better h is
     ``best``.
     """
-    R_WA, R_WB = pair[2], pair[5]
+    R_WA, R_WB = pair.R_WA, pair.R_WB
     h, normal = best, (0.0, 0.0, 0.0)
     for k in range(15):
         m = candidate(R_WA, R_WB, k)

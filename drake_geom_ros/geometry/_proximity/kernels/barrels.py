@@ -42,13 +42,13 @@ from drake_geom_ros.geometry._proximity.kernels.circles import (
     least_on_circle,
 )
 from drake_geom_ros.geometry._proximity.kernels.creases import least_on_creases
+from drake_geom_ros.geometry._proximity.kernels.records import Least
 from drake_geom_ros.geometry._proximity.kernels.rings import is_bulged
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
     LENGTH,
     SEGMENT,
-    vector,
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -57,6 +57,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
     norm,
     scale,
+    vector_in,
 )
 
 STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
@@ -64,21 +65,21 @@ STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
 
 @compiled
 def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
-    """Return (complete, h, floor, n, unique) for the cylinder with segment k and disk ``axes``.
+    """Return the least h for the cylinder with segment k and disk ``axes``.
 
     ``n`` is a direction to start from, and h [m] its value. Complete if the barrel is long beside
     the rest (see *A long barrel*).
     """
     terms, _, last, r_A, r_B = difference
     length, radius = terms[k, LENGTH], terms[axes, LENGTH]
-    u = scale(1.0 / length, vector(terms, k))
+    u = scale(1.0 / length, vector_in(terms, k))
     # Along the axis the disk has no width, so that of all is l and that of the rest.
     up = width(terms, last, r_A + r_B, u)
     down = width(terms, last, r_A + r_B, scale(-1.0, u))
     margin = length - (max(up, down) - length) - noise
     bulged = margin < h and is_bulged(radius, length, reach_beside(terms, last, k, axes))
     if (margin < h and not bulged) or radius <= 0.0:
-        return False, h, -math.inf, n, False
+        return Least(False, h, -math.inf, n, False)
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
     best = n, h, 2.0, True, h
     complete, best = least_on_circle(difference, u, best, 0.0, enough, noise, arcs, kinks)
@@ -90,14 +91,16 @@ def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
             n, h = (u, up) if up < down else (scale(-1.0, u), down)
         else:
             unique = unique and min(up, down) > h + near
-        return complete, h, min(floor, h), n, unique
-    return complete and margin >= h, h, min(floor, h), n, unique and margin > h + 2.0 * enough
+        return Least(complete, h, min(floor, h), n, unique)
+    return Least(
+        complete and margin >= h, h, min(floor, h), n, unique and margin > h + 2.0 * enough
+    )
 
 
 @compiled
 def reach_beside(terms, last, k, axes):
     """Return within how far [m] of the origin the difference is, without the cylinder k, axes."""
-    reach = norm(vector(terms, 0))
+    reach = norm(vector_in(terms, 0))
     for i in range(SEGMENT, last):
         reach += terms[i, LENGTH] if i != k else 0.0
     for other in (AXES_A, AXES_B):
@@ -112,13 +115,13 @@ def least_in_caps(terms, u, other, sine, radius):
 
     ``other`` is the other cylinder's axis and ``radius`` [m] the sum of both radii.
     """
-    p = vector(terms, 0)
+    p = vector_in(terms, 0)
     cosine, least = math.sqrt(1.0 - sine * sine), math.inf
     for side in (-1.0, 1.0):
         n = scale(side, u)
         y = scale(-1.0, p)
         for k in range(SEGMENT, SEGMENT + 2):
-            s = vector(terms, k)
+            s = vector_in(terms, k)
             y = add_scaled(y, 1.0 if dot(s, n) >= 0.0 else -1.0, s)
         along = dot(y, n)
         aside = norm(add_scaled(y, -along, n))
@@ -128,22 +131,22 @@ def least_in_caps(terms, u, other, sine, radius):
 
 @compiled
 def least_of_barrels(difference, n, floor, enough, noise):
-    """Return (complete, h, floor, n, unique) of two cylinders, no h being below ``floor`` > 0 [m].
+    """Return the least h of two cylinders, no h being below ``floor`` > 0 [m].
 
     Complete if they are parallel enough (see *Two cylinders almost parallel*).
     """
-    terms = difference[0]
+    terms = difference.terms
     first_is_wider = terms[AXES_A, LENGTH] >= terms[AXES_A + 3, LENGTH]
     k = SEGMENT if first_is_wider else SEGMENT + 1
-    u = scale(1.0 / terms[k, LENGTH], vector(terms, k))
+    u = scale(1.0 / terms[k, LENGTH], vector_in(terms, k))
     m = 2 * SEGMENT + 1 - k
-    other = scale(1.0 / terms[m, LENGTH], vector(terms, m))
+    other = scale(1.0 / terms[m, LENGTH], vector_in(terms, m))
     thin = min(terms[AXES_A, LENGTH], terms[AXES_A + 3, LENGTH])
     wide = max(terms[AXES_A, LENGTH], terms[AXES_A + 3, LENGTH])
     tilt = norm(cross(u, other))
     sine = tilt + (thin * tilt * tilt / (floor - noise)) ** (1.0 / 3.0) if floor > noise else 1.0
     if sine >= STEEPEST:
-        return False, 0.0, floor, n, False
+        return Least(False, 0.0, floor, n, False)
     caps = least_in_caps(terms, u, other, sine, thin + wide) - thin * tilt - noise
     complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
-    return complete and caps >= h - enough, h, min(floor, caps), n, unique
+    return Least(complete and caps >= h - enough, h, min(floor, caps), n, unique)

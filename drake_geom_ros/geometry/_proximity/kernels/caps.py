@@ -18,10 +18,14 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
     LENGTH,
     SEGMENT,
     SHARE,
-    bend,
-    vector,
+    curvature,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import cross, perpendicular, scale
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    perpendicular,
+    scale,
+    vector_in,
+)
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 WIDEST_CAP = 0.8  # [rad]; wider ones would save no faces
@@ -36,7 +40,7 @@ def sharpness(terms, radius, n, e, f, cap):
     """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see above)."""
     m11, m12, m22 = -radius, 0.0, -radius
     for axes in (AXES_A, AXES_B):
-        y, _, _, k11, k12, k22 = bend(terms, axes, n, e, f)
+        y, _, _, k11, k12, k22 = curvature(terms, axes, n, e, f)
         if y > 0.0:
             longest = max(terms[axes, LENGTH], terms[axes + 1, LENGTH], terms[axes + 2, LENGTH])
             q = y / (y + longest * cap)
@@ -53,7 +57,7 @@ def is_cap(terms, last, radius, found, cap, enough):
     e = (0.0, 0.0, 0.0)
     for k in range(SEGMENT, last):
         if kind == CREASE and abs(terms[k, SHARE]) < 1.0:
-            e = scale(1.0 / terms[k, LENGTH], vector(terms, k))
+            e = scale(1.0 / terms[k, LENGTH], vector_in(terms, k))
     if kind == SMOOTH:
         e = perpendicular(n)
     f = cross(n, e)
@@ -73,8 +77,8 @@ def widest_cap(difference, found, enough):
     """Return the angle [rad] of a cap around the minimum ``found``, 0 if none is known."""
     terms, _, last, r_A, r_B = difference
     cap = WIDEST_CAP
-    if found[0] == FLAT:
-        _, _, h, margin = found
+    if found.kind == FLAT:
+        h, margin = found.h, found.margin
         if margin * CLEAR < enough:
             return 0.0
         return min(cap, 2.0 * math.atan(0.5 * margin / max(h, 0.5 * margin)))

@@ -36,9 +36,8 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
     LENGTH,
     MOST_SEGMENTS,
     SEGMENT,
+    ellipsoid_support,
     ends_at,
-    tip,
-    vector,
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -51,6 +50,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_at,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE, SAME_DIRECTION, TIE
 
@@ -62,12 +63,6 @@ BORDER = 0.01  # [rad]
 # Columns of an arc: its two directions and its two support points.
 START, END, START_POINT, END_POINT = 0, 3, 6, 9
 ARC_WIDTH = 12
-
-
-@compiled
-def part(row, k):
-    """Return three numbers of a row from column k as a vector."""
-    return row[k], row[k + 1], row[k + 2]
 
 
 @compiled
@@ -120,7 +115,7 @@ def kinks_on_circle(terms, last, e, kinks):
     y = cross(e, x)
     count = 0
     for k in range(SEGMENT, last):
-        m = cross(e, vector(terms, k))
+        m = cross(e, vector_in(terms, k))
         # A segment along e but for rounding has no kink: what its ends differ by is rounding too.
         if norm(m) > RIGHT_ANGLE * terms[k, LENGTH]:
             n = across(unit(m), e)
@@ -130,7 +125,7 @@ def kinks_on_circle(terms, last, e, kinks):
         count = put_kink(kinks, count, x, x, y)
         count = put_kink(kinks, count, scale(-1.0, x), x, y)
     if count == 2:
-        n = unit(cross(e, part(kinks[0], 0)))
+        n = unit(cross(e, vector_at(kinks[0], 0)))
         count = put_kink(kinks, count, n, x, y)
         count = put_kink(kinks, count, scale(-1.0, n), x, y)
     return count
@@ -157,14 +152,14 @@ def first_arcs(terms, last, e, reach, noise, arcs, kinks):
     Arcs on which p . n is certain to be below ``reach`` [m] are left out. On the circle p . n is
     q . n for the part q of p that is at right angles to e.
     """
-    p = vector(terms, 0)
+    p = vector_in(terms, 0)
     q = add_scaled(p, -dot(p, e), e)
     if norm(q) < reach - noise:
         return 0
     count = kinks_on_circle(terms, last, e, kinks)
     arc = 0
     for k in range(count):
-        start, end = part(kinks[k], 0), part(kinks[(k + 1) % count], 0)
+        start, end = vector_at(kinks[k], 0), vector_at(kinks[(k + 1) % count], 0)
         if may_reach(start, end, e, q, reach, noise):
             base = ends_at(terms, last, add(start, end))
             put_arc(
@@ -181,7 +176,7 @@ def first_arcs(terms, last, e, reach, noise, arcs, kinks):
 @inlined
 def point_on_arc(terms, base, n):
     """Return the support point at n of an arc on which the segments' ends add up to ``base``."""
-    return add(base, add(tip(terms, AXES_A, n), tip(terms, AXES_B, n)))
+    return add(base, add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)))
 
 
 @compiled
@@ -199,7 +194,7 @@ def largest_radius(terms, e):
         if terms[axes, LENGTH] > 0.0:
             xx, yy, xy = 0.0, 0.0, 0.0
             for k in range(3):
-                u, v = dot(vector(terms, axes + k), x), dot(vector(terms, axes + k), y)
+                u, v = dot(vector_in(terms, axes + k), x), dot(vector_in(terms, axes + k), y)
                 xx, yy, xy = xx + u * u, yy + v * v, xy + u * v
             mean, spread = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
             least = mean - spread - TIE * mean
@@ -213,17 +208,17 @@ def largest_radius(terms, e):
 def improved(difference, n, h, enough, noise):
     """Return (n, h, cosine of its cap) of the minimum near n, or of n if there is none."""
     found = nearby_minimum(difference, n, noise)
-    if found[0] == NOTHING or found[2] > h + noise:
+    if found.kind == NOTHING or found.h > h + noise:
         return n, h, NO_CAP
     cap = widest_cap(difference, found, enough)
-    return found[1], found[2], math.cos(cap) if cap > 0.0 else NO_CAP
+    return found.n, found.h, math.cos(cap) if cap > 0.0 else NO_CAP
 
 
 @compiled
 def chord_normal(arc, e):
     """Return the unit normal of an arc's chord on the circle about e, or 0 if beyond the arc."""
-    start, end = part(arc, START), part(arc, END)
-    m = across(unit(cross(sub(part(arc, END_POINT), part(arc, START_POINT)), e)), e)
+    start, end = vector_at(arc, START), vector_at(arc, END)
+    m = across(unit(cross(sub(vector_at(arc, END_POINT), vector_at(arc, START_POINT)), e)), e)
     if dot(m, add(start, end)) < 0.0:
         m = scale(-1.0, m)
     if dot(cross(start, m), e) <= 0.0 or dot(cross(m, end), e) <= 0.0:
@@ -238,8 +233,8 @@ def least_on_arc(arc, m, radius, rho):
     ``radius`` [m] is that of the balls that are taken away, ``rho`` what no radius of curvature of
     the rest exceeds.
     """
-    start, end = part(arc, START), part(arc, END)
-    u, v = part(arc, START_POINT), part(arc, END_POINT)
+    start, end = vector_at(arc, START), vector_at(arc, END)
+    u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
     ends = min(dot(u, start), dot(v, end))
     least = min(dot(u, m), dot(v, m), ends)
     if rho < math.inf:
@@ -283,8 +278,8 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
             return True, (n, h, cosine, unique, floor)
         waiting -= 1
         arc = arcs[waiting]
-        start, end = part(arc, START), part(arc, END)
-        u, v = part(arc, START_POINT), part(arc, END_POINT)
+        start, end = vector_at(arc, START), vector_at(arc, END)
+        u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
         from_n, to_n = dot(start, n), dot(end, n)
         if min(from_n, to_n) >= cosine:
             continue

@@ -16,6 +16,8 @@ bounds exclude every direction more than 8 degrees away, so with a loose toleran
 an answer that is unique.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
@@ -38,16 +40,17 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
     hold,
     nearby_minimum,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Gap, Pair
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     difference_of,
     difference_of_edges,
-    feet,
     likely_normal,
-    vector,
     width,
+    witness_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
     add,
     add_scaled,
     dot,
@@ -56,6 +59,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
@@ -74,6 +78,24 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 
+class Bounds(NamedTuple):
+    """Bounds of the signed distance phi of two cores: ``lower <= phi <= upper`` [m].
+
+    ``distance`` [m] is the answer; ``b - a = distance n`` for points a of A and b of B, on the
+    surface if it is negative, each to within ``miss`` [m].
+    """
+
+    end: int
+    distance: float
+    upper: float
+    lower: float
+    n: Vector
+    a: Vector
+    b: Vector
+    miss: float
+    unique: bool
+
+
 @compiled
 def hint_of(out, p):
     """Return (n, hinted): a unit vector out of A by the hint in a result row, else along p."""
@@ -86,7 +108,7 @@ def hint_of(out, p):
 
 @compiled
 def by_newton(difference, n, noise, tolerance, cutoff):
-    """Return (end, upper, lower, n, a, b) as ``gjk.distance_of_cores`` does, from the normal n.
+    """Return the gap of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
 
     End OVERLAP means that the bounds have not met; cores may overlap where lower is negative.
     """
@@ -94,18 +116,17 @@ def by_newton(difference, n, noise, tolerance, cutoff):
     lower = -width(terms, last, r_A + r_B, n)
     if lower > cutoff:
         hold(terms, last, n)
-        a, b = feet(difference, n)
-        return BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b
-    found = nearby_minimum(difference, n, noise)
-    _, n, h, _ = found
-    if found[0] == NOTHING:
-        return OVERLAP, np.inf, np.inf, n, vector(terms, 0), vector(terms, 0)
-    a, b = feet(difference, n)
+        a, b = witness_points(difference, n)
+        return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b)
+    kind, n, h, _ = nearby_minimum(difference, n, noise)
+    if kind == NOTHING:
+        return Gap(OVERLAP, np.inf, np.inf, n, vector_in(terms, 0), vector_in(terms, 0))
+    a, b = witness_points(difference, n)
     upper = norm(sub(a, b))
     if -h > cutoff:
-        return BEYOND_CUTOFF, upper, -h, n, a, b
+        return Gap(BEYOND_CUTOFF, upper, -h, n, a, b)
     end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
-    return end, upper, -h, n, a, b
+    return Gap(end, upper, -h, n, a, b)
 
 
 @compiled
@@ -146,7 +167,7 @@ def witnesses_of_depth(pair, n, depth, size, a, b, aside):
     """
     if aside > LOOSE_SLOPE * ROUNDING * EPS * size:
         kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-        moved = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
+        moved = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
         _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
         if gap < aside:
             a, b, aside = x, add_scaled(y, -depth, n), gap
@@ -168,9 +189,9 @@ def sharpened(pair, difference, n, found, noise, tolerance):
     may be tells the slab along the normal. Two polytopes are left with bounds as close as
     ``found`` [m] if that is rounding; beside a round body the normal is not as good then.
     """
-    hulls = difference[2] == 0
+    hulls = difference.last == 0
     if hulls:
-        if found <= noise and is_polytope(pair[0]) and is_polytope(pair[3]):
+        if found <= noise and is_polytope(pair.kind_A) and is_polytope(pair.kind_B):
             return False, np.inf, -np.inf, n, n, n
         difference = difference_of_edges(pair, n)
     end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
@@ -183,26 +204,21 @@ def sharpened(pair, difference, n, found, noise, tolerance):
 
 @compiled
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
-    """Return (end, distance, upper, lower, n, a, b, miss, unique) of two cores.
-
-    ``lower <= phi <= upper`` for their signed distance phi, of which ``distance`` is the answer;
-    ``b - a = distance n`` for points a of A and b of B, on the surface if it is negative, each to
-    within ``miss`` [m].
-    """
+    """Return the bounds of the signed distance of two cores."""
     noise = ROUNDING * EPS * size
-    depth_tolerance = 0.0 if is_polytope(pair[0]) and is_polytope(pair[3]) else tolerance
+    depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
-    if difference[2] > 0:
+    if difference.last > 0:
         if not hinted:
             n = likely_normal(difference, n)
         end, upper, lower, n, a, b = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
         if end == BEYOND_CUTOFF:
-            return end, lower, upper, lower, n, a, b, 0.0, True
+            return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
         if end == CLOSED:
             distance = upper if lower > 0.0 else lower
             unique = lower > noise or is_strict(difference, n, noise)
             a, b, miss = drawn_to(distance, n, a, b)
-            return end, distance, upper, lower, n, a, b, miss, unique
+            return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
         overlap = lower < 0.0
     else:
         a, b = support_points(pair, n, 0.0)
@@ -215,19 +231,19 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         overlap = least > 0.0
         if overlap:
             a, b, miss = witnesses_of_depth(pair, n_in, depth, size, a, b, aside)
-            return CLOSED, -depth, -least, -depth, n_in, a, b, miss, unique
+            return Bounds(CLOSED, -depth, -least, -depth, n_in, a, b, miss, unique)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     distance, unique = upper, True
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
     if end == BEYOND_CUTOFF:
-        return end, distance, upper, lower, n, a, b, 0.0, True
+        return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
     if end == CLOSED and not near:
         sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
         if sharper[0]:
             _, distance, lower, n, a, b = sharper
             a, b, miss = drawn_to(distance, n, a, b)
-            return end, distance, distance, lower, n, a, b, miss, True
-        return end, distance, upper, lower, n, a, b, 0.0, True
+            return Bounds(end, distance, distance, lower, n, a, b, miss, True)
+        return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
     )
@@ -244,7 +260,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
         a, b, miss = drawn_to(distance, n, a, b)
-    return CLOSED, distance, upper, lower, n, a, b, miss, unique
+    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
 
 
 @compiled
@@ -263,7 +279,7 @@ def off_surfaces(pair, n, a, b, miss):
 @inlined
 def width_of(found):
     """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
-    return max(found[2] - found[3], found[7])
+    return max(found.upper - found.lower, found.miss)
 
 
 @compiled
@@ -276,9 +292,9 @@ def signed_distance_of_cores(
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
-    pair = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
+    pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
     found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
-    if hinted and width_of(found) > 4.0 * max(tolerance, noise) and found[0] != BEYOND_CUTOFF:
+    if hinted and width_of(found) > 4.0 * max(tolerance, noise) and found.end != BEYOND_CUTOFF:
         # A bad hint can lead where nothing better is found than bounds that are far apart.
         n, _ = hint_of(np.zeros(PAIR_WIDTH), p)
         other = bounds_of_cores(pair, n, False, size, tolerance, cutoff + r_A + r_B)

@@ -24,16 +24,16 @@ from drake_geom_ros.geometry._proximity.kernels.circles import (
     improved,
     least_on_circle,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Least
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
     LENGTH,
     SEGMENT,
     likely_normal,
-    vector,
     width,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, unit
+from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, unit, vector_in
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 
@@ -49,7 +49,7 @@ def inner_radius(terms, first, last, axes):
 
 @compiled
 def least_on_creases(difference, n, enough, noise):
-    """Return (complete, h, floor, n, unique): the least h over all faces and creases, and where.
+    """Return the least h over all faces and creases, and where.
 
     ``n`` is any direction to start from, and ``floor`` what no h is below. Not complete where the
     splitting of arcs did not come to an end. It is the depth if the cores overlap: h is positive
@@ -63,14 +63,14 @@ def least_on_creases(difference, n, enough, noise):
     best = n, h, cosine, True, h
     complete = True
     for i in range(SEGMENT, last):
-        e = scale(1.0 / terms[i, LENGTH], vector(terms, i))
+        e = scale(1.0 / terms[i, LENGTH], vector_in(terms, i))
         done, best = least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks)
         complete = complete and done
     n, h, cosine, unique, floor = best
     axes = AXES_A if terms[AXES_A, LENGTH] > 0.0 else AXES_B
-    axis = unit(cross(vector(terms, axes), vector(terms, axes + 1)))
+    axis = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
     for side in (-1.0, 1.0):
         m = scale(side, axis)
         if dot(m, n) < SAME_DIRECTION and width(terms, last, r_A + r_B, m) <= h + 2.0 * enough:
             unique = False
-    return complete, h, min(floor, h), n, unique
+    return Least(complete, h, min(floor, h), n, unique)

@@ -26,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.normals import (
     settle,
     settle_by_turns,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Depth, Least
 from drake_geom_ros.geometry._proximity.kernels.revolution import (
     common_axis,
     depth_of_revolution,
@@ -38,11 +39,10 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
     LENGTH,
     SEGMENT,
     difference_of_edges,
-    feet,
     likely_normal,
     share_a_point,
-    vector,
     width,
+    witness_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
@@ -50,6 +50,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -75,73 +76,71 @@ MANY_VERTICES = 3000
 
 @compiled
 def depth_and_bounds(pair, difference, n, near, size, tolerance):
-    """Return what ``epa.depth_of_cores`` does; where its bounds are far apart, axes may do better.
+    """Return the depth of two cores; where its bounds are far apart, axes may do better.
 
     That is the case in symmetric positions and where the difference has no volume.
     """
     found = iterated_depth(pair, difference, n, near, size, tolerance)
-    upper, lower, _, _, _, _, unique = found
-    if upper - lower <= 4.0 * max(tolerance, ROUNDING * EPS * size):
+    if found.upper - found.lower <= 4.0 * max(tolerance, ROUNDING * EPS * size):
         return found
-    h, m, a, b = least_along_axes(pair, upper)
-    if h >= upper:
+    h, m, a, b = least_along_axes(pair, found.upper)
+    if h >= found.upper:
         return found
     aside = norm(sub(sub(a, b), scale(h, m)))
-    return h, min(lower, h), m, a, b, aside, unique and dot(m, found[2]) >= SAME_DIRECTION
+    unique = found.unique and dot(m, found.n) >= SAME_DIRECTION
+    return Depth(h, min(found.lower, h), m, a, b, aside, unique)
 
 
 @compiled
 def iterated_depth(pair, difference, n, near, size, tolerance):
-    """Return what ``epa.depth_of_cores`` does, by the cheapest way there is for the pair."""
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-    u, move = common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB)
+    """Return the depth of two cores, by the cheapest way there is for the pair."""
+    kind_A, kind_B = pair.kind_A, pair.kind_B
+    u, move = common_axis(pair)
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     if move <= 0.5 * enough:
-        h, floor, n, a, b, aside, unique = depth_of_revolution(
-            kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, u, move, size, tolerance
-        )
-        return h, guarded(difference, floor, noise), n, a, b, aside, unique
+        h, floor, n, a, b, aside, unique = depth_of_revolution(pair, u, move, size, tolerance)
+        return Depth(h, guarded(difference, floor, noise), n, a, b, aside, unique)
     if kind_B != CONVEX:  # of a hull no closed form tells how deep a point is
         newton = nearby_minimum(difference, n, noise)
-        if newton[0] != NOTHING and newton[2] > 0.0:
-            a, b = feet(difference, newton[1])
+        if newton.kind != NOTHING and newton.h > 0.0:
+            a, b = witness_points(difference, newton.n)
             depth, unique, _ = depth_between(pair, a, b, enough)
-            if unique and newton[2] - depth <= enough:
-                return newton[2], min(depth, newton[2]) - noise, newton[1], a, b, 0.0, True
+            if unique and newton.h - depth <= enough:
+                return Depth(newton.h, min(depth, newton.h) - noise, newton.n, a, b, 0.0, True)
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
         complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
         floor = guarded(difference, floor, noise)
         if complete and h > 0.0:
             n, h, a, b, aside = points_at(difference, n, h, enough, noise)
             if share_a_point(pair, a, b):
-                return h, floor, n, a, b, aside, unique
+                return Depth(h, floor, n, a, b, aside, unique)
     found = depth_of_cores(pair, difference, n, near, size, tolerance, FEW_VERTICES)
     # Where the difference has the origin on its surface the bounds add up to some tolerances.
-    if found[0] - found[1] <= 4.0 * enough or found[0] < -noise:
+    if found.upper - found.lower <= 4.0 * enough or found.upper < -noise:
         return found
     upper, lower, n, a, b, aside, unique = found
     lower = max(lower, deepest(pair, a, b, size) - noise)
     if upper - lower <= 4.0 * enough:
-        return upper, min(lower, upper), n, a, b, aside, unique
+        return Depth(upper, min(lower, upper), n, a, b, aside, unique)
     if lower > 0.0:
-        hulls = difference[2] == 0
+        hulls = difference.last == 0
         complete, h, floor, m, unique = least_of_ring(
             pair, difference, n, upper, lower, enough, noise
         )
         if complete and hulls:
             difference = difference_of_edges(pair, m)
             a, b, aside = settled(difference, m, h)
-            return h, floor, m, a, b, aside, unique
+            return Depth(h, floor, m, a, b, aside, unique)
         if complete:
             m, h, a, b, aside = points_at(difference, m, h, enough, noise)
-            return h, guarded(difference, floor, noise), m, a, b, aside, unique
+            return Depth(h, guarded(difference, floor, noise), m, a, b, aside, unique)
     known = lower
     upper, lower, n, a, b, aside, unique = depth_of_cores(
         pair, difference, n, near, size, tolerance, MANY_VERTICES
     )
     # Of a small body near the centre of a large one the polytope is the coarser of the two.
-    return upper, min(max(lower, known), upper), n, a, b, aside, unique
+    return Depth(upper, min(max(lower, known), upper), n, a, b, aside, unique)
 
 
 @compiled
@@ -152,7 +151,7 @@ def guarded(difference, floor, noise):
     not: then its width is the bound, which so is wider than promised, and counted as such.
     """
     terms, _, last, r_A, r_B = difference
-    across = unit(vector(terms, 0))
+    across = unit(vector_in(terms, 0))
     n = likely_normal(difference, across if dot(across, across) > 0.5 else (1.0, 0.0, 0.0))
     least = width(terms, last, r_A + r_B, n)
     return least if least < floor - noise else floor
@@ -160,18 +159,19 @@ def guarded(difference, floor, noise):
 
 @compiled
 def least_of_ring(pair, difference, n, h, floor, enough, noise):
-    """Return (complete, h, floor, n, unique) where a ring of directions is almost as good as n."""
-    kind_A, kind_B = pair[0], pair[3]
-    found = False, h, floor, n, False
+    """Return the least h where a ring of directions is almost as good as n."""
+    kind_A, kind_B = pair.kind_A, pair.kind_B
+    found = Least(False, h, floor, n, False)
     if kind_B == CONVEX:
         return least_of_hull_in_barrel(pair, enough, noise) if kind_A == CYLINDER else found
     if kind_A == CYLINDER:
         found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
-    if not found[0] and kind_B == CYLINDER:
-        found = least_in_long_barrel(difference, difference[1], AXES_B, n, h, enough, noise)
-    if not found[0] and kind_A == CYLINDER and kind_B == CYLINDER:
+    if not found.complete and kind_B == CYLINDER:
+        found = least_in_long_barrel(difference, difference.first, AXES_B, n, h, enough, noise)
+    if not found.complete and kind_A == CYLINDER and kind_B == CYLINDER:
         found = least_of_barrels(difference, n, floor, enough, noise)
-    if not found[0] and kind_A != BOX and kind_B == ELLIPSOID:  # a box has edges off the axis
+    # A box has edges off the axis.
+    if not found.complete and kind_A != BOX and kind_B == ELLIPSOID:
         found = least_over_slices(difference, n, h, enough, noise)
     return found
 
@@ -180,10 +180,10 @@ def least_of_ring(pair, difference, n, h, floor, enough, noise):
 def settled(difference, n, h):
     """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
     settle(difference, n)
-    a, b = feet(difference, n)
+    a, b = witness_points(difference, n)
     aside = norm(sub(sub(a, b), scale(h, n)))
     settle_by_turns(difference, n)
-    x, y = feet(difference, n)
+    x, y = witness_points(difference, n)
     aside_by_turns = norm(sub(sub(x, y), scale(h, n)))
     return (x, y, aside_by_turns) if aside_by_turns < aside else (a, b, aside)
 
@@ -197,14 +197,14 @@ def points_at(difference, n, h, enough, noise):
     of one and the points on that of the other, which is as good but for a part of ``enough`` [m].
     """
     terms, _, last, r_A, r_B = difference
-    if nearby_minimum(difference, n, noise)[0] != NOTHING:
-        a, b = feet(difference, n)
+    if nearby_minimum(difference, n, noise).kind != NOTHING:
+        a, b = witness_points(difference, n)
         return n, h, a, b, norm(sub(sub(a, b), scale(h, n)))
     a, b, aside = settled(difference, n, h)
     best = n, h, a, b, aside
     for k in range(SEGMENT, last):
         if best[4] > LOOSE_SLOPE * noise:
-            m = across(n, scale(1.0 / terms[k, LENGTH], vector(terms, k)))
+            m = across(n, scale(1.0 / terms[k, LENGTH], vector_in(terms, k)))
             there = width(terms, last, r_A + r_B, m)
             # Along the segment itself there is no such direction, and m is 0.
             if dot(m, m) > 0.5 and there <= h + 0.5 * enough:

@@ -10,6 +10,7 @@ them.
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.records import Gap
 from drake_geom_ros.geometry._proximity.kernels.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
@@ -23,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -43,10 +45,7 @@ WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
 @inlined
 def support_points(pair, n, right_angle):
-    """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n.
-
-    ``pair`` is (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB).
-    """
+    """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB = pair
     a = support(kind_A, shape_A, R_WA, n, right_angle)
     b = add(p_AB, support(kind_B, shape_B, R_WB, scale(-1.0, n), right_angle))
@@ -54,15 +53,8 @@ def support_points(pair, n, right_angle):
 
 
 @inlined
-def row(points, k, column):
-    """Return three numbers of row k as a vector: w at column 0, a at 3, b at 6."""
-    k, column = np.uint64(k), np.uint64(column)  # unsigned: see hulls
-    return points[k, column], points[k, column + np.uint64(1)], points[k, column + np.uint64(2)]
-
-
-@inlined
 def put(points, k, a, b):
-    """Store w = a - b, a and b in row k."""
+    """Store w = a - b, a and b in row k, at the columns 0, 3 and 6."""
     for i in range(3):
         points[k, i] = a[i] - b[i]
         points[k, 3 + i] = a[i]
@@ -75,13 +67,13 @@ def closest_weights(points, count):
     if count == 1:
         return 1.0, 0.0, 0.0, 0.0
     if count == 2:
-        s = closest_on_segment(row(points, 0, 0), row(points, 1, 0))
+        s = closest_on_segment(vector_in(points, 0), vector_in(points, 1))
         return s[0], s[1], 0.0, 0.0
     if count == 3:
-        t = closest_on_triangle(row(points, 0, 0), row(points, 1, 0), row(points, 2, 0))
+        t = closest_on_triangle(vector_in(points, 0), vector_in(points, 1), vector_in(points, 2))
         return t[0], t[1], t[2], 0.0
     return closest_on_tetrahedron(
-        row(points, 0, 0), row(points, 1, 0), row(points, 2, 0), row(points, 3, 0)
+        vector_in(points, 0), vector_in(points, 1), vector_in(points, 2), vector_in(points, 3)
     )
 
 
@@ -121,12 +113,10 @@ def is_known(points, count, w):
 
 @compiled
 def distance_of_cores(pair, n, size, tolerance, cutoff):
-    """Return (end, upper, lower, n, a, b) for the distance of two cores, walking from the unit n.
+    """Return the gap of two cores, walking from the unit n, with points a and b from Ao.
 
-    ``lower <= distance <= upper``, where ``upper`` is |a - b| for points a and b of the cores,
-    from Ao, and n is the unit vector from a to b. With end OVERLAP, upper is 0 to rounding, a and
-    b are one point of both, and n is only the last direction tried. ``size`` [m] is the scale to
-    which rounding is relative.
+    With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
+    direction tried. ``size`` [m] is the scale to which rounding is relative.
     """
     points = np.empty((4, WEIGHT + 1))
     noise = ROUNDING * EPS * size
@@ -139,7 +129,7 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
     lower = dot(scale(-1.0, v), n)
     for _ in range(GJK_STEPS):
         if upper <= noise:
-            return OVERLAP, upper, lower, n, a, b
+            return Gap(OVERLAP, upper, lower, n, a, b)
         n = scale(-1.0 / upper, v)
         s_A, s_B = support_points(pair, n, RIGHT_ANGLE)
         w = sub(s_A, s_B)
@@ -147,7 +137,7 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         gained = slab > lower
         lower = max(lower, slab)
         if lower > cutoff:
-            return BEYOND_CUTOFF, upper, lower, n, a, b
+            return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
         # A gap g at distance d leaves the direction an angle sqrt(2 g / d): short ones need more.
         enough = max(tolerance * min(1.0, upper / size), noise)
         if upper - lower <= enough or is_known(points, count, w):
@@ -163,5 +153,5 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         upper = closer
         a, b = combine(points, count, 3), combine(points, count, 6)
         if inside:  # as far as rounding lets a thin simplex tell
-            return OVERLAP, upper, lower, n, a, b
-    return CLOSED, upper, lower, unit(sub(b, a)), a, b
+            return Gap(OVERLAP, upper, lower, n, a, b)
+    return Gap(CLOSED, upper, lower, unit(sub(b, a)), a, b)

@@ -114,7 +114,7 @@ def deepest_vertex(kind, shape, R, hull, R_hull, p):
     """
     best = -math.inf
     for k in range(1, 3 * int(hull[0]) + 1, 3):
-        q = add(p, rotate(R_hull, (hull[k], hull[k + 1], hull[k + 2])))
+        q = add(p, rotate(R_hull, vector_at(hull, k)))
         best = max(best, depth_of_point(kind, shape, unrotate(R, q), 0.0)[0])
     return best
 
@@ -130,11 +130,11 @@ def deepest(pair, a, b, size):
         return deepest_vertex(kind_A, shape_A, R_WA, shape_B, R_WB, p)
     _, _, middle = depth_between(pair, a, b, 0.0)
     best = -math.inf
-    for start in (middle, (0.0, 0.0, 0.0), pair[6]):
+    for start in (middle, (0.0, 0.0, 0.0), pair.p_AB):
         c = start
         depth, _ = depth_in_both(pair, c, 0.0)
         for k in range(12):
-            u = column(pair[2] if k % 6 < 3 else pair[5], k % 3)
+            u = column(pair.R_WA if k % 6 < 3 else pair.R_WB, k % 3)
             there, x = deepest_along(pair, c, u, size)
             if there > depth:
                 depth, c = there, x

@@ -14,6 +14,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.points import clamp
+from drake_geom_ros.geometry._proximity.kernels.records import Minimum
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
@@ -22,9 +23,8 @@ from drake_geom_ros.geometry._proximity.kernels.sums import (
     LENGTH,
     SEGMENT,
     SHARE,
-    bend,
-    tip,
-    vector,
+    curvature,
+    ellipsoid_support,
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     perpendicular,
     scale,
     unit,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALMOST_RIGHT_ANGLE,
@@ -62,7 +63,7 @@ INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
 def hold(terms, last, n):
     """Set the shares of the segments at n: their ends, 0 for those at right angles."""
     for k in range(SEGMENT, last):
-        d = dot(vector(terms, k), n)
+        d = dot(vector_in(terms, k), n)
         terms[k, SHARE] = 0.0
         if abs(d) > RIGHT_ANGLE * terms[k, LENGTH]:
             terms[k, SHARE] = 1.0 if d > 0.0 else -1.0
@@ -73,9 +74,9 @@ def onto_kink(difference, n):
     """Return n, or, where it is almost at right angles to a segment, the direction that is so."""
     terms, _, last, _, _ = difference
     for k in range(SEGMENT, last):
-        d = dot(vector(terms, k), n) / terms[k, LENGTH]
+        d = dot(vector_in(terms, k), n) / terms[k, LENGTH]
         if abs(d) <= ALMOST_RIGHT_ANGLE:
-            return unit(add_scaled(n, -d / terms[k, LENGTH], vector(terms, k)))
+            return unit(add_scaled(n, -d / terms[k, LENGTH], vector_in(terms, k)))
     return n
 
 
@@ -85,7 +86,7 @@ def held_line(terms, last):
     e, reach, flat = (0.0, 0.0, 0.0), 0.0, False
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
-            d = scale(1.0 / terms[k, LENGTH], vector(terms, k))
+            d = scale(1.0 / terms[k, LENGTH], vector_in(terms, k))
             if reach == 0.0:
                 e = d
             flat = flat or norm(cross(d, e)) > RIGHT_ANGLE
@@ -98,15 +99,15 @@ def release(terms, last, e, slope):
     """Let held segments go to the end that lowers h against a slope along e."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
-            terms[k, SHARE] = -1.0 if slope * dot(vector(terms, k), e) > 0.0 else 1.0
+            terms[k, SHARE] = -1.0 if slope * dot(vector_in(terms, k), e) > 0.0 else 1.0
 
 
 @compiled
 def held_sum(terms, last):
     """Return the sum of -p and the segments' ends."""
-    base = scale(-1.0, vector(terms, 0))
+    base = scale(-1.0, vector_in(terms, 0))
     for k in range(SEGMENT, last):
-        base = add_scaled(base, terms[k, SHARE], vector(terms, k))
+        base = add_scaled(base, terms[k, SHARE], vector_in(terms, k))
     return base
 
 
@@ -115,14 +116,14 @@ def part_before_kink(terms, last, n, step):
     """Return the part of a step up to the first kink, and hold the segments whose kink that is."""
     part, first = 1.0, -1
     for k in range(SEGMENT, last):
-        here = max(terms[k, SHARE] * dot(vector(terms, k), n), 0.0)
-        change = terms[k, SHARE] * dot(vector(terms, k), step)
+        here = max(terms[k, SHARE] * dot(vector_in(terms, k), n), 0.0)
+        change = terms[k, SHARE] * dot(vector_in(terms, k), step)
         if terms[k, SHARE] != 0.0 and here + part * change < 0.0:
             part, first = here / -change, k
     if first >= 0:
         terms[first, SHARE] = 0.0
         for k in range(SEGMENT, last):
-            there = dot(vector(terms, k), add_scaled(n, part, step))
+            there = dot(vector_in(terms, k), add_scaled(n, part, step))
             if abs(there) <= RIGHT_ANGLE * terms[k, LENGTH]:
                 terms[k, SHARE] = 0.0
     return part, first >= 0
@@ -135,9 +136,9 @@ def at_disk(terms, n, axes):
         terms[axes, LENGTH] > 0.0
         and norm(
             (
-                dot(vector(terms, axes), n),
-                dot(vector(terms, axes + 1), n),
-                dot(vector(terms, axes + 2), n),
+                dot(vector_in(terms, axes), n),
+                dot(vector_in(terms, axes + 1), n),
+                dot(vector_in(terms, axes + 2), n),
             )
         )
         <= RIGHT_ANGLE * terms[axes, LENGTH]
@@ -151,14 +152,14 @@ def face_normal(terms, last, n):
     for i in range(SEGMENT, last):
         for j in range(i + 1, last):
             if terms[i, SHARE] == 0.0 and terms[j, SHARE] == 0.0:
-                c = cross(vector(terms, i), vector(terms, j))
+                c = cross(vector_in(terms, i), vector_in(terms, j))
                 area = norm(c)
                 sine = area / (terms[i, LENGTH] * terms[j, LENGTH])
                 if sine > best:
                     best, m = sine, scale(1.0 / area, c)
     if best <= RIGHT_ANGLE:
         axes = AXES_A if at_disk(terms, n, AXES_A) else AXES_B
-        m = unit(cross(vector(terms, axes), vector(terms, axes + 1)))
+        m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
     return m if dot(m, n) > 0.0 else scale(-1.0, m)
 
 
@@ -172,21 +173,21 @@ def shares_on_face(terms, last, n, x):
     for i in range(SEGMENT, last):
         for j in range(i + 1, last):
             if terms[i, SHARE] == 0.0 and terms[j, SHARE] == 0.0:
-                c = dot(cross(vector(terms, i), vector(terms, j)), n)
+                c = dot(cross(vector_in(terms, i), vector_in(terms, j)), n)
                 if abs(c) > abs(area):
                     first, second, area = i, j, c
     if area == 0.0:  # at the face's own normal only one of them is held
         return -1.0
-    s, t = vector(terms, first), vector(terms, second)
+    s, t = vector_in(terms, first), vector_in(terms, second)
     u, v = dot(cross(t, x), n) / area, dot(cross(x, s), n) / area
     margin = math.inf
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
-            d = scale(1.0 / terms[k, LENGTH], cross(n, vector(terms, k)))
+            d = scale(1.0 / terms[k, LENGTH], cross(n, vector_in(terms, k)))
             room = -abs(dot(x, d))
             for m in range(SEGMENT, last):
                 if terms[m, SHARE] == 0.0:
-                    room += abs(dot(vector(terms, m), d))
+                    room += abs(dot(vector_in(terms, m), d))
             margin = min(margin, room)
     if abs(u) <= 1.0 and abs(v) <= 1.0:
         terms[first, SHARE], terms[second, SHARE] = u, v
@@ -223,7 +224,10 @@ def on_face(terms, last, radius, n, flat):
     """
     n = face_normal(terms, last, n)
     hold(terms, last, n)
-    point = add(held_sum(terms, last), add(tip(terms, AXES_A, n), tip(terms, AXES_B, n)))
+    point = add(
+        held_sum(terms, last),
+        add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)),
+    )
     along = dot(point, n)
     x = add_scaled(point, -along, n)
     h = along - radius
@@ -243,8 +247,8 @@ def on_face(terms, last, radius, n, flat):
 def slope_and_bend(terms, last, radius, n, e, f):
     """Return h at n, its two slopes along e and f, and its three second derivatives."""
     base = held_sum(terms, last)
-    y, x_A, z_A, m11, m12, m22 = bend(terms, AXES_A, n, e, f)
-    y_B, x_B, z_B, k11, k12, k22 = bend(terms, AXES_B, n, e, f)
+    y, x_A, z_A, m11, m12, m22 = curvature(terms, AXES_A, n, e, f)
+    y_B, x_B, z_B, k11, k12, k22 = curvature(terms, AXES_B, n, e, f)
     h = dot(base, n) + y + y_B - radius
     x, z = dot(base, e) + x_A + x_B, dot(base, f) + z_A + z_B
     return h, x, z, m11 + k11 - radius - h, m12 + k12, m22 + k22 - radius - h
@@ -256,7 +260,7 @@ def descend(difference, n, noise):
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
     if last == 0:
-        return NOTHING, n, math.inf, 0.0
+        return Minimum(NOTHING, n, math.inf, 0.0)
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
     hold(terms, last, n)
@@ -266,9 +270,9 @@ def descend(difference, n, noise):
         if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
             n, h, margin, step = on_face(terms, last, radius, n, flat)
             if margin >= 0.0:
-                return FLAT, n, h, margin
+                return Minimum(FLAT, n, h, margin)
             if step == ZERO and not flat:
-                return NOTHING, n, h, 0.0
+                return Minimum(NOTHING, n, h, 0.0)
             part, _ = part_before_kink(terms, last, n, step)
             n = unit(add_scaled(n, part, step))
             continue
@@ -284,18 +288,18 @@ def descend(difference, n, noise):
                 release(terms, last, e, x)
                 continue
             if m22 <= 0.0:
-                return NOTHING, n, h, 0.0
+                return Minimum(NOTHING, n, h, 0.0)
             if abs(z) <= noise or (length <= LAST_STEP and abs(z) <= LOOSE_SLOPE * noise):
                 share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
-                return CREASE, n, h, max(reach - abs(x), 0.0)
+                return Minimum(CREASE, n, h, max(reach - abs(x), 0.0))
             step = scale(-z / m22, f)
         else:
             det = m11 * m22 - m12 * m12
             if m11 <= 0.0 or det <= 0.0:
-                return NOTHING, n, h, 0.0
+                return Minimum(NOTHING, n, h, 0.0)
             aside = abs(x) + abs(z)
             if aside <= noise or (length <= LAST_STEP and aside <= LOOSE_SLOPE * noise):
-                return SMOOTH, n, h, 0.0
+                return Minimum(SMOOTH, n, h, 0.0)
             step = add_scaled(scale((m12 * z - m22 * x) / det, e), (m12 * x - m11 * z) / det, f)
         length = norm(step)
         if length > LONGEST_STEP:
@@ -304,7 +308,7 @@ def descend(difference, n, noise):
         n = unit(add_scaled(n, part, step))
         if crossed:
             length = math.inf
-    return NOTHING, n, math.inf, 0.0
+    return Minimum(NOTHING, n, math.inf, 0.0)
 
 
 @compiled
@@ -312,22 +316,19 @@ def share_out(terms, last, e, share):
     """Put the support point of held parallel segments at the same share of each."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
-            terms[k, SHARE] = share if dot(vector(terms, k), e) > 0.0 else -share
+            terms[k, SHARE] = share if dot(vector_in(terms, k), e) > 0.0 else -share
 
 
 @compiled
 def nearby_minimum(difference, n, noise):
-    """Return (kind, n, h, margin) of a local minimum near n, and set the shares to those there.
-
-    ``margin`` [m]: how far the foot of the origin is inside the crease or face of D.
-    """
+    """Return a local minimum near n, and set the shares to those there."""
     kind, n, h, margin = descend(difference, n, noise)
     terms, _, last, r_A, r_B = difference
     if kind != NOTHING:
         truth = width(terms, last, r_A + r_B, n)
         if abs(truth - h) > noise:
-            return NOTHING, n, truth, 0.0
-    return kind, n, h, margin
+            return Minimum(NOTHING, n, truth, 0.0)
+    return Minimum(kind, n, h, margin)
 
 
 @compiled
@@ -361,17 +362,20 @@ def settle_by_turns(difference, n):
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
     hold(terms, last, n)
-    aside = add(held_sum(terms, last), add(tip(terms, AXES_A, n), tip(terms, AXES_B, n)))
+    aside = add(
+        held_sum(terms, last),
+        add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)),
+    )
     aside = add_scaled(aside, -dot(aside, n), n)
     first, second, area = -1, -1, 0.0
     for i in range(SEGMENT, last):
         for j in range(i + 1, last):
             if abs(terms[i, SHARE]) < 1.0 and abs(terms[j, SHARE]) < 1.0:
-                c = dot(cross(vector(terms, i), vector(terms, j)), n)
+                c = dot(cross(vector_in(terms, i), vector_in(terms, j)), n)
                 if abs(c) > abs(area):
                     first, second, area = i, j, c
     if area != 0.0:
-        s, t = vector(terms, first), vector(terms, second)
+        s, t = vector_in(terms, first), vector_in(terms, second)
         terms[first, SHARE] = clamp(dot(cross(t, aside), n) / area, INNER)
         terms[second, SHARE] = clamp(dot(cross(aside, s), n) / area, INNER)
         aside = add_scaled(aside, terms[first, SHARE], s)
@@ -379,7 +383,7 @@ def settle_by_turns(difference, n):
     for _ in range(TURNS):
         for k in range(SEGMENT, last):
             if abs(terms[k, SHARE]) < 1.0:
-                s, before = vector(terms, k), terms[k, SHARE]
+                s, before = vector_in(terms, k), terms[k, SHARE]
                 more = -dot(aside, s) / (terms[k, LENGTH] * terms[k, LENGTH])
                 terms[k, SHARE] = clamp(before + more, INNER)
                 aside = add_scaled(aside, terms[k, SHARE] - before, s)

@@ -6,7 +6,7 @@ of its vertices along it). Dead faces keep their row. Vertices are the rows of `
 """
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.gjk import put, row
+from drake_geom_ros.geometry._proximity.kernels.gjk import put
 from drake_geom_ros.geometry._proximity.kernels.simplices import (
     closest_on_triangle,
     weighted,
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SLIVER
 
@@ -48,9 +49,9 @@ def normal(a, b, c):
 def set_plane(faces, planes, points, f, size):
     """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
     a, b, c = (
-        row(points, faces[f, 0], 0),
-        row(points, faces[f, 1], 0),
-        row(points, faces[f, 2], 0),
+        vector_in(points, faces[f, 0]),
+        vector_in(points, faces[f, 1]),
+        vector_in(points, faces[f, 2]),
     )
     n = normal(a, b, c)
     x, y, z = dot(n, a), dot(n, b), dot(n, c)
@@ -75,17 +76,17 @@ def set_plane(faces, planes, points, f, size):
 def is_corner(points, faces, f, w):
     """Tell whether w is a vertex of face f."""
     i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-    return row(points, i, 0) == w or row(points, j, 0) == w or row(points, k, 0) == w
+    return vector_in(points, i) == w or vector_in(points, j) == w or vector_in(points, k) == w
 
 
 @compiled
 def link_tetrahedron(points, faces):
     """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
     a, b, c, d = (
-        row(points, 0, 0),
-        row(points, 1, 0),
-        row(points, 2, 0),
-        row(points, 3, 0),
+        vector_in(points, 0),
+        vector_in(points, 1),
+        vector_in(points, 2),
+        vector_in(points, 3),
     )
     i, j = (1, 2) if dot(sub(d, a), cross(sub(b, a), sub(c, a))) <= 0.0 else (2, 1)
     corners = ((0, i, j), (0, 3, i), (0, j, 3), (i, 3, j))
@@ -98,12 +99,12 @@ def link_tetrahedron(points, faces):
 
 
 @compiled
-def cut_visible(faces, planes, f, w, thickness, stack, rim):
-    """Kill the faces that see w, from f outwards; fill in the rim around them, return its length.
+def cut_visible(faces, planes, f, w, thickness, stack, horizon):
+    """Kill the faces that see w, from f outwards, and fill in their horizon; return its length.
 
-    A rim row is an edge (from, to) of a killed face and the living face across it. A face sees w
-    if w is above its plane by more than ``thickness``: faces in one plane with w would else be
-    killed as rounding falls, and a cone over such a rim folds back on itself.
+    A row of the horizon is an edge (from, to) of a killed face and the living face across it. A
+    face sees w if w is above its plane by more than ``thickness``: faces in one plane with w would
+    else be killed as rounding falls, and a cone over such a horizon folds back on itself.
     """
     faces[f, ALIVE] = 0
     stack[0] = f
@@ -121,27 +122,27 @@ def cut_visible(faces, planes, f, w, thickness, stack, rim):
                 stack[waiting] = other
                 waiting += 1
             else:
-                rim[edges, 0] = faces[g, k]
-                rim[edges, 1] = faces[g, (k + 1) % 3]
-                rim[edges, 2] = other
+                horizon[edges, 0] = faces[g, k]
+                horizon[edges, 1] = faces[g, (k + 1) % 3]
+                horizon[edges, 2] = other
                 edges += 1
     return edges
 
 
 @compiled
-def link_cone(faces, rim, edges, tip, total, starting_at):
-    """Link a new face from each rim edge to the vertex tip; return the new number of faces.
+def link_cone(faces, horizon, edges, apex, total, starting_at):
+    """Link a new face from each horizon edge to the vertex apex; return the new number of faces.
 
     ``starting_at`` is scratch, -1 for a new vertex: the new face whose first vertex is a given
-    one. A rim that comes to a vertex twice, which only rounding can make, is not linked: then the
-    old number of faces is returned, and the surface is no longer closed.
+    one. A horizon that comes to a vertex twice, which only rounding can make, is not linked: then
+    the old number of faces is returned, and the surface is no longer closed.
     """
     for i in range(edges):
-        start, end, other = rim[i, 0], rim[i, 1], rim[i, 2]
+        start, end, other = horizon[i, 0], horizon[i, 1], horizon[i, 2]
         if starting_at[start] >= total:
             return total
         f = total + i
-        faces[f, 0], faces[f, 1], faces[f, 2] = start, end, tip
+        faces[f, 0], faces[f, 1], faces[f, 2] = start, end, apex
         faces[f, ACROSS], faces[f, ALIVE] = other, 1
         for k in range(3):
             if faces[other, k] == end and faces[other, (k + 1) % 3] == start:
@@ -200,15 +201,15 @@ def add_faces(points, faces, planes, heap, first, total, waiting, size):
 
 
 @compiled
-def expand(points, faces, planes, rim, stack, starting_at, f, a, b, count, total, size):
+def expand(points, faces, planes, horizon, stack, starting_at, f, a, b, count, total, size):
     """Make a - b vertex number count, in place of the faces that see it, among them f.
 
     Return the new number of faces: not grown where the surface could not be closed again, for no
-    more room, or a rim that rounding spoilt.
+    more room, or a horizon that rounding spoilt.
     """
     put(points, count, a, b)
-    w = row(points, count, 0)
-    edges = cut_visible(faces, planes, f, w, COPLANAR * EPS * size, stack, rim)
+    w = vector_in(points, count)
+    edges = cut_visible(faces, planes, f, w, COPLANAR * EPS * size, stack, horizon)
     if total + edges > faces.shape[0]:
         return total
-    return link_cone(faces, rim, edges, count, total, starting_at)
+    return link_cone(faces, horizon, edges, count, total, starting_at)

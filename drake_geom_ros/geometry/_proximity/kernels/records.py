@@ -37,3 +37,61 @@ class Gap(NamedTuple):
     n: Vector
     a: Vector
     b: Vector
+
+
+class Depth(NamedTuple):
+    """How deep two cores are in each other: ``lower <= depth <= upper`` [m].
+
+    ``upper`` is the width of the overlap along the unit n from A to B. Points a and b, from Ao,
+    have ``a - b = upper n`` but for ``aside`` [m]; ``unique`` tells that the bounds exclude every
+    clearly different direction.
+    """
+
+    upper: float
+    lower: float
+    n: Vector
+    a: Vector
+    b: Vector
+    aside: float
+    unique: bool
+
+
+class Difference(NamedTuple):
+    """The Minkowski difference of two cores that are not hulls, as a sum (see ``sums``).
+
+    The segments of A have rows of ``terms`` below ``first``, those of B below ``last``, which is 0
+    if one is a hull; r_A and r_B [m] are the radii of the balls that are taken away.
+    """
+
+    terms: Floats
+    first: int
+    last: int
+    r_A: float
+    r_B: float
+
+
+class Minimum(NamedTuple):
+    """A local minimum h [m] of the support function of a difference, at the unit n.
+
+    ``kind`` is what was found (see ``normals``), ``margin`` [m] how far the foot of the origin is
+    inside the crease or face there.
+    """
+
+    kind: int
+    n: Vector
+    h: float
+    margin: float
+
+
+class Least(NamedTuple):
+    """The least support value h [m] of a difference, at the unit n, by a search of directions.
+
+    Complete if the search came to an end. ``floor`` [m] is what no value is below, and ``unique``
+    tells that no clearly different direction is as good.
+    """
+
+    complete: bool
+    h: float
+    floor: float
+    n: Vector
+    unique: bool

@@ -25,6 +25,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.records import Depth
 from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -82,11 +83,12 @@ def axis_of_revolution(kind, shape):
 
 
 @compiled
-def common_axis(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB):
+def common_axis(pair):
     """Return (u, move): an axis both cores are round about when their surfaces move so far.
 
     The smaller core is turned; one that is a point, of a ball, is round about any axis.
     """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, _ = pair
     k_A, move_A = axis_of_revolution(kind_A, shape_A)
     k_B, move_B = axis_of_revolution(kind_B, shape_B)
     u_A, u_B = column(R_WA, k_A), column(R_WB, k_B)
@@ -115,9 +117,9 @@ def profile(kind, shape, s, c):
 
 
 @compiled
-def put_corner(corners, k, kind_A, shape_A, kind_B, shape_B, radial, axial, s, c):
+def put_corner(corners, k, pair, radial, axial, s, c):
     """Store direction, point of the difference and width along (s, c) in row k."""
-    a, b = profile(kind_A, shape_A, s, c), profile(kind_B, shape_B, s, c)
+    a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
     corners[k, 0], corners[k, 1] = s, c
     corners[k, 2], corners[k, 3] = a[0] + b[0] - radial, a[1] + b[1] - axial
     corners[k, WIDTH] = s * corners[k, 2] + c * corners[k, 3]
@@ -144,7 +146,7 @@ def set_chord(corners, k, following):
 
 
 @compiled
-def touching_points(corners, after, best, kind_A, shape_A, kind_B, shape_B, radial, axial):
+def touching_points(corners, after, best, pair, radial, axial):
     """Return (radial, axial) of a point of each profile, one over the other along the best normal.
 
     The best corner's points are aside of each other by ``aside``. Its neighbour on the other side
@@ -163,10 +165,10 @@ def touching_points(corners, after, best, kind_A, shape_A, kind_B, shape_B, radi
         other = 0
         while after[other] != best:
             other = after[other]
-    a, b = profile(kind_A, shape_A, s, c), profile(kind_B, shape_B, s, c)
+    a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
     a_, b_ = (
-        profile(kind_A, shape_A, corners[other, 0], corners[other, 1]),
-        profile(kind_B, shape_B, corners[other, 0], corners[other, 1]),
+        profile(pair.kind_A, pair.shape_A, corners[other, 0], corners[other, 1]),
+        profile(pair.kind_B, pair.shape_B, corners[other, 0], corners[other, 1]),
     )
     a_, b_ = (
         (mirror_radial * a_[0], mirror_axial * a_[1]),
@@ -181,22 +183,22 @@ def touching_points(corners, after, best, kind_A, shape_A, kind_B, shape_B, radi
 
 
 @compiled
-def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough, noise):
+def planar_depth(pair, radial, axial, enough, noise):
     """Return (lower, s, c, a, b, unique): the least width over directions s, c >= 0, and where.
 
     ``unique`` tells that no direction of the quarter that is clearly another one is as good.
     """
     corners = np.empty((MOST_CORNERS, CHORD + 3))
     after = np.empty(MOST_CORNERS, dtype=np.int32)
-    put_corner(corners, 0, kind_A, shape_A, kind_B, shape_B, radial, axial, 1.0, 0.0)
-    put_corner(corners, 1, kind_A, shape_A, kind_B, shape_B, radial, axial, 0.0, 1.0)
+    put_corner(corners, 0, pair, radial, axial, 1.0, 0.0)
+    put_corner(corners, 1, pair, radial, axial, 0.0, 1.0)
     after[0], after[1], count = 1, -1, 2
     set_chord(corners, 0, 1)
     best = 0 if corners[0, WIDTH] <= corners[1, WIDTH] else 1
     arc, lower = 0, min(corners[best, WIDTH], corners[0, CHORD + 2])
     while corners[best, WIDTH] - lower > enough and count < MOST_CORNERS:
         s, c = corners[arc, CHORD], corners[arc, CHORD + 1]
-        put_corner(corners, count, kind_A, shape_A, kind_B, shape_B, radial, axial, s, c)
+        put_corner(corners, count, pair, radial, axial, s, c)
         after[count] = after[arc]
         after[arc] = count
         set_chord(corners, arc, count)
@@ -217,33 +219,28 @@ def planar_depth(kind_A, shape_A, kind_B, shape_B, radial, axial, enough, noise)
         if corners[k, WIDTH] <= rival:
             cosine = corners[k, 0] * s + corners[k, 1] * c
             unique = unique and cosine >= SAME_DIRECTION
-    a, b = touching_points(corners, after, best, kind_A, shape_A, kind_B, shape_B, radial, axial)
+    a, b = touching_points(corners, after, best, pair, radial, axial)
     return lower, s, c, a, b, unique
 
 
 @compiled
-def depth_of_revolution(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB, u, move, size, tolerance
-):
-    """Return what ``epa.depth_of_cores`` does, for cores round about the common axis u."""
+def depth_of_revolution(pair, u, move, size, tolerance):
+    """Return the depth of two cores that are round about the common axis u."""
     enough = max(0.5 * tolerance, ROUNDING * EPS * size)
     u = unit(u)  # orientations are rotations to rounding only
-    axial = dot(p_AB, u)
+    axial = dot(pair.p_AB, u)
     if axial < 0.0:
         axial, u = -axial, scale(-1.0, u)
-    across = add_scaled(p_AB, -axial, u)
+    across = add_scaled(pair.p_AB, -axial, u)
     radial = norm(across)
     e = unit(across)
     e = unit(add_scaled(e, -dot(e, u), u))
     if radial <= 4.0 * EPS * size:  # all rounding: any direction about the axis is as good
-        side = cross(u, column(R_WB, 0))
-        e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(R_WB, 1))))
+        side = cross(u, column(pair.R_WB, 0))
+        e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(pair.R_WB, 1))))
         radial = 0.0
-    lower, s, c, a, b, unique = planar_depth(
-        kind_A, shape_A, kind_B, shape_B, radial, axial, enough, COPLANAR * EPS * size
-    )
+    lower, s, c, a, b, unique = planar_depth(pair, radial, axial, enough, COPLANAR * EPS * size)
     n = unit(add_scaled(scale(s, e), c, u))
-    pair = (kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB)
     s_A, s_B = support_points(pair, n, 0.0)
     upper = dot(sub(s_A, s_B), n)
     a, b = add_scaled(scale(a[0], e), a[1], u), add_scaled(scale(b[0], e), b[1], u)
@@ -253,12 +250,5 @@ def depth_of_revolution(
     slack = move + 2.0 * enough
     turn, flip = (1.0 - SAME_DIRECTION) * radial * s <= slack, 2.0 * axial * c <= slack
     unique = unique and not (s > OFF_AXIS and turn) and not (c > OFF_AXIS and flip)
-    return (
-        upper,
-        lower,
-        n,
-        add_scaled(centre, 0.5 * upper, n),
-        add_scaled(centre, -0.5 * upper, n),
-        move,
-        unique,
-    )
+    a, b = add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
+    return Depth(upper, lower, n, a, b, move, unique)

@@ -16,6 +16,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.hulls import hull_radius
+from drake_geom_ros.geometry._proximity.kernels.records import Least
 from drake_geom_ros.geometry._proximity.kernels.supports import support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -27,6 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
@@ -59,16 +61,10 @@ def look_along(known, count, n, shape, R_WB, p):
 
 
 @compiled
-def part(known, k, place):
-    """Return three numbers of row k as a vector."""
-    return known[k, place], known[k, place + 1], known[k, place + 2]
-
-
-@compiled
 def least_of_two(known, i, j, u):
     """Return (n, least): where on the arc from row i to j the larger of ``-x . n`` is least."""
-    start, end = part(known, i, 0), part(known, j, 0)
-    x, y = part(known, i, X), part(known, j, X)
+    start, end = vector_in(known, i), vector_in(known, j)
+    x, y = vector_in(known, i, X), vector_in(known, j, X)
     at, least = start, known[i, VALUE]
     if known[j, VALUE] < least:
         at, least = end, known[j, VALUE]
@@ -125,7 +121,7 @@ def least_of_hull_in_barrel(pair, enough, noise):
     _, shape_A, R_WA, _, shape_B, R_WB, p = pair
     radius, length, u = shape_A[0], shape_A[1], column(R_WA, 2)
     if not is_bulged(radius, length, norm(p) + hull_radius(shape_B)):
-        return False, math.inf, -math.inf, u, False
+        return Least(False, math.inf, -math.inf, u, False)
     known = np.empty((MOST_DIRECTIONS + 2, DIRECTION_WIDTH))
     complete, best, floor, count = least_across(known, u, shape_B, R_WB, p, enough, noise)
     floor += radius
@@ -136,8 +132,8 @@ def least_of_hull_in_barrel(pair, enough, noise):
         known[count, VALUE] += length
         best = count if known[count, VALUE] < known[best, VALUE] else best
         count += 1
-    n, h, unique = part(known, best, 0), known[best, VALUE], True
+    n, h, unique = vector_in(known, best), known[best, VALUE], True
     for k in range(count):
-        elsewhere = dot(part(known, k, 0), n) < SAME_DIRECTION
+        elsewhere = dot(vector_in(known, k), n) < SAME_DIRECTION
         unique = unique and not (elsewhere and known[k, VALUE] <= h + 2.0 * enough)
-    return complete, h, min(floor, h), n, unique
+    return Least(complete, h, min(floor, h), n, unique)

@@ -41,17 +41,16 @@ from drake_geom_ros.geometry._proximity.kernels.circles import (
     chord_normal,
     improved,
     is_away,
-    part,
     point_on_arc,
     put_arc,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Least
 from drake_geom_ros.geometry._proximity.kernels.sums import (
     AXES_A,
     AXES_B,
     LENGTH,
     SEGMENT,
     ends_at,
-    vector,
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -64,6 +63,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unit,
+    vector_at,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION, TIE
 
@@ -78,13 +79,13 @@ def largest_bends(terms, u):
     """Return (M_0, M_1) [m] about the axis u, along which all segments and disks are."""
     x = perpendicular(u)
     y = cross(u, x)
-    p = vector(terms, 0)
+    p = vector_in(terms, 0)
     flat, steep = norm(add_scaled(p, -dot(p, u), u)), 0.0
     for axes in (AXES_A, AXES_B):
         if terms[axes + 2, LENGTH] > 0.0:
             xx, yy, xy, xu, yu = 0.0, 0.0, 0.0, 0.0, 0.0
             for k in range(3):
-                a = vector(terms, axes + k)
+                a = vector_in(terms, axes + k)
                 v, w, t = dot(a, x), dot(a, y), dot(a, u)
                 xx, yy, xy = xx + v * v, yy + w * w, xy + v * w
                 xu, yu = xu + v * t, yu + w * t
@@ -103,13 +104,13 @@ def roundest_axis(difference):
     """
     terms, _, last, _, _ = difference
     if last > SEGMENT:
-        u = scale(1.0 / terms[SEGMENT, LENGTH], vector(terms, SEGMENT))
+        u = scale(1.0 / terms[SEGMENT, LENGTH], vector_in(terms, SEGMENT))
         flat, steep = largest_bends(terms, u)
         return u, flat, steep
     best, flat, steep = (0.0, 0.0, 1.0), math.inf, math.inf
     for axes in (AXES_A, AXES_B):
         for k in range(3):
-            u = unit(vector(terms, axes + k))
+            u = unit(vector_in(terms, axes + k))
             there = largest_bends(terms, u)
             if there[0] + there[1] < flat + steep:
                 best, flat, steep = u, there[0], there[1]
@@ -140,8 +141,8 @@ def slice_holds(difference, u, e, span, bends, best, enough, arcs):
             return True, floor, m
         waiting -= 1
         arc = arcs[waiting]
-        start, end = part(arc, START), part(arc, END)
-        v, w = part(arc, START_POINT), part(arc, END_POINT)
+        start, end = vector_at(arc, START), vector_at(arc, END)
+        v, w = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
         from_n, to_n = dot(start, n), dot(end, n)
         m, ends = chord_normal(arc, axis), min(dot(v, start), dot(w, end))
         at_end = dot(m, m) == 0.0 or ends < min(dot(v, m), dot(w, m))
@@ -185,7 +186,7 @@ def bettered(difference, best, m, enough, noise):
 
 @compiled
 def least_over_slices(difference, n, h, enough, noise):
-    """Return (complete, h, floor, n, unique): the least h there is, and where.
+    """Return the least h there is.
 
     ``n`` is a direction to start from and h [m] its value. ``floor`` is what no h is below, and
     ``unique`` tells that no clearly different direction is as good. Not complete where the
@@ -200,7 +201,7 @@ def least_over_slices(difference, n, h, enough, noise):
         cells[k, 0], cells[k, 1] = k * (2.0 * math.pi / FIRST_CELLS), 2.0 * math.pi / FIRST_CELLS
     for _ in range(MOST_LOOKS):
         if waiting == 0:
-            return True, best[1], min(floor, best[1]), best[0], best[2]
+            return Least(True, best[1], min(floor, best[1]), best[0], best[2])
         waiting -= 1
         angle, span = cells[waiting, 0], cells[waiting, 1]
         passed, least = True, math.inf
@@ -222,4 +223,4 @@ def least_over_slices(difference, n, h, enough, noise):
         for k in range(2):
             cells[waiting + k, 0], cells[waiting + k, 1] = angle + 0.5 * k * span, 0.5 * span
         waiting += 2
-    return False, best[1], floor, best[0], best[2]
+    return Least(False, best[1], floor, best[0], best[2])

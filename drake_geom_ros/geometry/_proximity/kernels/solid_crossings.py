@@ -256,7 +256,7 @@ def touch(shape, at, other, near):
     pair = Pair(TRIANGLE, first, identity, TRIANGLE, second, identity, origin)
     n = sub(vector_at(shape, other), vector_at(shape, at))
     size = max(norm(vector_at(shape, at)), norm(vector_at(shape, other)))
-    return distance_of_cores(pair, unit(n), size, near, near)[0] != BEYOND_CUTOFF
+    return distance_of_cores(pair, unit(n), size, near, near).end != BEYOND_CUTOFF
 
 
 @compiled

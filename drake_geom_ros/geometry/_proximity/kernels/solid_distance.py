@@ -146,7 +146,7 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
         # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
         # walk goes on.
         again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
-        if again[0] == CLOSED and again[1] - again[2] < upper - lower:
+        if again.end == CLOSED and again.upper - again.lower < upper - lower:
             end, upper, lower, n, a, b = again
     if end == OVERLAP or (end == CLOSED and upper <= NEAR_TOUCH * size):
         width, m = widest_slab(A, i, B, j, pair)

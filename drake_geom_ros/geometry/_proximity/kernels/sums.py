@@ -21,12 +21,14 @@ between where n is at right angles to it and h has a kink; the segment is *held*
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_edge
 from drake_geom_ros.geometry._proximity.kernels.points import clamp
+from drake_geom_ros.geometry._proximity.kernels.records import Difference
 from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -39,6 +41,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+    vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -61,10 +64,15 @@ SHARE = 3
 LENGTH = 4
 
 
-@inlined
-def vector(terms, k):
-    """Return row k as a vector."""
-    return terms[k, 0], terms[k, 1], terms[k, 2]
+class Curvature(NamedTuple):
+    """A support function at n along e and f: value and slopes, radii of curvature ee, ef, ff."""
+
+    y: float
+    along_e: float
+    along_f: float
+    ee: float
+    ef: float
+    ff: float
 
 
 @inlined
@@ -98,11 +106,7 @@ def _put_shape(terms, kind, shape, R, segment, axes):
 
 @compiled
 def difference_of(pair):
-    """Return (terms, first, last, r_A, r_B) of the two cores of a ``gjk.support_points`` pair.
-
-    The segments of A have rows below ``first``, those of B below ``last``, which is 0 if one is a
-    hull; r_A and r_B [m] are the radii of the balls that are taken away.
-    """
+    """Return the Minkowski difference of the two cores of a pair."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     terms = np.zeros((ROWS, 5))
     for i in range(3):
@@ -111,7 +115,9 @@ def difference_of(pair):
     last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
     if kind_A == CONVEX or kind_B == CONVEX:
         last = 0
-    return terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+    return Difference(
+        terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+    )
 
 
 @inlined
@@ -149,16 +155,18 @@ def difference_of_edges(pair, n):
         last = first + 1
     for i in range(3):
         terms[0, i] = p[i]
-    return terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+    return Difference(
+        terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+    )
 
 
 @inlined
 def _stretch(terms, axes, n):
     """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
     x, y, z = (
-        dot(vector(terms, axes), n),
-        dot(vector(terms, axes + 1), n),
-        dot(vector(terms, axes + 2), n),
+        dot(vector_in(terms, axes), n),
+        dot(vector_in(terms, axes + 1), n),
+        dot(vector_in(terms, axes + 2), n),
     )
     return math.sqrt(x * x + y * y + z * z)
 
@@ -166,9 +174,9 @@ def _stretch(terms, axes, n):
 @inlined
 def width(terms, last, radius, n):
     """Return h(n) [m] for the unit n."""
-    h = -radius - dot(vector(terms, 0), n)
+    h = -radius - dot(vector_in(terms, 0), n)
     for k in range(SEGMENT, last):
-        h += abs(dot(vector(terms, k), n))
+        h += abs(dot(vector_in(terms, k), n))
     return h + _stretch(terms, AXES_A, n) + _stretch(terms, AXES_B, n)
 
 
@@ -180,14 +188,14 @@ def likely_normal(difference, n):
     least = width(terms, last, radius, n)
     for i in range(SEGMENT, last):
         for j in range(i + 1, last):
-            m = unit(cross(vector(terms, i), vector(terms, j)))
+            m = unit(cross(vector_in(terms, i), vector_in(terms, j)))
             n, least = _better(terms, last, radius, m, n, least)
     for axes in (AXES_A, AXES_B):
-        m = unit(cross(vector(terms, axes), vector(terms, axes + 1)))
+        m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
         n, least = _better(terms, last, radius, m, n, least)
         if terms[axes + 2, LENGTH] > 0.0:
             for k in range(2):
-                m = scale(1.0 / terms[axes + k, LENGTH], vector(terms, axes + k))
+                m = scale(1.0 / terms[axes + k, LENGTH], vector_in(terms, axes + k))
                 n, least = _better(terms, last, radius, m, n, least)
     return n
 
@@ -197,30 +205,30 @@ def _better(terms, last, radius, m, n, least):
     """Return (m, h(m)), or (-m, h(-m)), if that is less than (n, least), else (n, least)."""
     if dot(m, m) == 0.0:
         return n, least
-    if dot(m, vector(terms, 0)) < 0.0:
+    if dot(m, vector_in(terms, 0)) < 0.0:
         m = scale(-1.0, m)
     h = width(terms, last, radius, m)
     return (m, h) if h < least else (n, least)
 
 
 @compiled
-def bend(terms, axes, n, e, f):
-    """Return (|E n|, its derivatives along e and f, and the three radii of curvature there).
+def curvature(terms, axes, n, e, f):
+    """Return the slopes and the curvature at n of the support function ``y = |E n|``.
 
-    For the unit n and e, f at right angles to it and to each other. The radii of curvature of
-    ``y = |E n|`` are ``(|E e x E n|^2, (E e x E n) . (E f x E n), |E f x E n|^2) / y^3`` [m]. At
-    the axis of a disk, where y has no derivative, all are 0.
+    For the unit n and e, f at right angles to it and to each other. The radii of curvature are
+    ``(|E e x E n|^2, (E e x E n) . (E f x E n), |E f x E n|^2) / y^3`` [m]. At the axis of a disk,
+    where y has no derivative, all are 0.
     """
-    a, b, c = vector(terms, axes), vector(terms, axes + 1), vector(terms, axes + 2)
+    a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
     u = (dot(a, n), dot(b, n), dot(c, n))
     y = math.sqrt(dot(u, u))
     if y <= RIGHT_ANGLE * terms[axes, LENGTH]:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return Curvature(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     v = (dot(a, e), dot(b, e), dot(c, e))
     w = (dot(a, f), dot(b, f), dot(c, f))
     v_, w_ = cross(v, u), cross(w, u)
     s = 1.0 / (y * y * y)
-    return (
+    return Curvature(
         y,
         dot(u, v) / y,
         dot(u, w) / y,
@@ -231,9 +239,9 @@ def bend(terms, axes, n, e, f):
 
 
 @inlined
-def tip(terms, axes, n):
+def ellipsoid_support(terms, axes, n):
     """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
-    a, b, c = vector(terms, axes), vector(terms, axes + 1), vector(terms, axes + 2)
+    a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
     u = (dot(a, n), dot(b, n), dot(c, n))
     y = math.sqrt(dot(u, u))
     if y <= RIGHT_ANGLE * terms[axes, LENGTH]:
@@ -244,25 +252,25 @@ def tip(terms, axes, n):
 @inlined
 def ends_at(terms, last, n):
     """Return the sum of -p and of the segments' ends that are extreme along n."""
-    base = scale(-1.0, vector(terms, 0))
+    base = scale(-1.0, vector_in(terms, 0))
     for k in range(SEGMENT, last):
-        s = vector(terms, k)
+        s = vector_in(terms, k)
         base = add_scaled(base, 1.0 if dot(s, n) >= 0.0 else -1.0, s)
     return base
 
 
 @compiled
-def feet(difference, n):
+def witness_points(difference, n):
     """Return the points (a, b), from Ao, of the cores, extreme along n and -n by the shares."""
     terms, first, last, r_A, r_B = difference
-    a = add_scaled(add(tip(terms, AXES_A, n), vector(terms, LEAN_A)), -r_A, n)
-    a = add(a, vector(terms, ORIGIN))
-    b = add_scaled(add(tip(terms, AXES_B, n), vector(terms, LEAN_B)), -r_B, n)
+    a = add_scaled(add(ellipsoid_support(terms, AXES_A, n), vector_in(terms, LEAN_A)), -r_A, n)
+    a = add(a, vector_in(terms, ORIGIN))
+    b = add_scaled(add(ellipsoid_support(terms, AXES_B, n), vector_in(terms, LEAN_B)), -r_B, n)
     for k in range(SEGMENT, first):
-        a = add_scaled(a, terms[k, SHARE], vector(terms, k))
+        a = add_scaled(a, terms[k, SHARE], vector_in(terms, k))
     for k in range(first, last):
-        b = add_scaled(b, terms[k, SHARE], vector(terms, k))
-    return a, sub(add(vector(terms, ORIGIN), vector(terms, 0)), b)
+        b = add_scaled(b, terms[k, SHARE], vector_in(terms, k))
+    return a, sub(add(vector_in(terms, ORIGIN), vector_in(terms, 0)), b)
 
 
 @compiled

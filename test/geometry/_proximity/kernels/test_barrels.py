@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.geometry._proximity.kernels import barrels, sums
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import CYLINDER
 
 
 def two_cylinders(sizes, tilt, p):
     c, s = np.cos(tilt), np.sin(tilt)
     R = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    pair = (
+    pair = Pair(
         CYLINDER,
         np.array(sizes[0]),
         np.eye(3),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.geometry._proximity.kernels import caps, normals, sums
+from drake_geom_ros.geometry._proximity.kernels.records import Difference, Minimum
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -32,7 +33,7 @@ def test_a_smooth_cap_is_as_wide_as_the_least_radius_of_curvature_allows(axes, s
     h = 0.1
     least = min(sizes[0], sizes[1]) ** 2 / sizes[2]
     cap = sizes[2] / max(sizes) * ((least / (h + radius)) ** (1.0 / 3.0) - 1.0)
-    found = normals.SMOOTH, (0.0, 0.0, 1.0), h, 0.0
+    found = Minimum(normals.SMOOTH, (0.0, 0.0, 1.0), h, 0.0)
     arguments = terms, sums.SEGMENT, radius, found
     assert caps.is_cap(*arguments, 0.999 * cap, 1e-9)
     assert not caps.is_cap(*arguments, 1.001 * cap, 1e-9)
@@ -45,7 +46,7 @@ def test_the_cap_of_a_crease_is_that_across_its_line(across, proven, margin):
     """A rod along x, held, and another along z, not held, about an ellipsoid thin along x."""
     terms, last = _with_ellipsoid(_terms(X, Z), sums.AXES_A, (0.01, across, 0.5)), 3
     terms[2, sums.SHARE] = 1.0
-    found = normals.CREASE, (0.0, 0.0, 1.0), 0.1, margin
+    found = Minimum(normals.CREASE, (0.0, 0.0, 1.0), 0.1, margin)
     assert caps.is_cap(terms, last, 0.0, found, 0.05, 1e-9) == (proven and margin > 1e-6)
 
 
@@ -53,7 +54,7 @@ def test_the_cap_of_a_crease_is_that_across_its_line(across, proven, margin):
 def test_a_crease_needs_a_margin_for_what_turns_along_it(margin, narrow):
     """2 tan(cap / 2) h: here the core has no curvature along its line at all."""
     terms, last = _with_ellipsoid(_terms(X), sums.AXES_A, (1e-9, 1.0, 0.5)), 2
-    found = normals.CREASE, (0.0, 0.0, 1.0), 0.1, margin
+    found = Minimum(normals.CREASE, (0.0, 0.0, 1.0), 0.1, margin)
     cap = 2.0 * np.arctan(0.05)
     assert caps.is_cap(terms, last, 0.0, found, cap, 1e-9) != narrow
 
@@ -70,6 +71,6 @@ def test_a_crease_needs_a_margin_for_what_turns_along_it(margin, narrow):
     ],
 )
 def test_the_cap_of_a_face_is_seen_from_the_origin(h, margin, cap):
-    found = normals.FLAT, (0.0, 0.0, 1.0), h, margin
-    difference = np.zeros((sums.ROWS, 5)), sums.SEGMENT, sums.SEGMENT, 0.0, 0.0
+    found = Minimum(normals.FLAT, (0.0, 0.0, 1.0), h, margin)
+    difference = Difference(np.zeros((sums.ROWS, 5)), sums.SEGMENT, sums.SEGMENT, 0.0, 0.0)
     assert caps.widest_cap(difference, found, 1e-8) == pytest.approx(cap, rel=1e-14)

@@ -6,6 +6,7 @@ from numba import config
 from oracles.pairs import random_pairs
 
 from drake_geom_ros.geometry._proximity.kernels import circles, sums
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
 COUNT = 4 if config.DISABLE_JIT else 30
@@ -13,7 +14,9 @@ ENOUGH, NOISE = 1e-10, 1e-15
 
 
 def _difference(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p):
-    pair = kind_A, np.array(size_A), R_WA, kind_B, np.array(size_B), R_WB, tuple(map(float, p))
+    pair = Pair(
+        kind_A, np.array(size_A), R_WA, kind_B, np.array(size_B), R_WB, tuple(map(float, p))
+    )
     return sums.difference_of(pair)
 
 
@@ -88,7 +91,7 @@ def test_all_of_a_circle_across_the_line_of_centres_is_looked_at():
 
 
 def test_kinks_come_in_turn():
-    pair = BOX, np.ones(3), np.eye(3), CYLINDER, np.ones(2), np.eye(3)[[1, 2, 0]], (1.0,) * 3
+    pair = Pair(BOX, np.ones(3), np.eye(3), CYLINDER, np.ones(2), np.eye(3)[[1, 2, 0]], (1.0,) * 3)
     terms, _, last, _, _ = sums.difference_of(pair)
     kinks = np.empty((circles.MOST_KINKS, 4))
     count = circles.kinks_on_circle(terms, last, (0.0, 0.0, 1.0), kinks)

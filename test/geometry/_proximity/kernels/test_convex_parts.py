@@ -6,6 +6,7 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels import convex
 from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 CUBE = np.array([1.0, 1.0, 1.0])
@@ -45,7 +46,7 @@ def test_points_are_off_their_surfaces_by_the_worse_but_no_more_than_they_were_m
 ):
     """Seen from a face of a cube, and from the side of a turned rod; a core's point is given."""
     R, p, n = random_rotation(np.random.default_rng(1)), np.array([1.0, 2.0, 3.0]), np.eye(3)[0]
-    pair = BOX, CUBE, np.eye(3), kind, np.array([0.5, 2.0]), R, tuple(p)
+    pair = Pair(BOX, CUBE, np.eye(3), kind, np.array([0.5, 2.0]), R, tuple(p))
     on_B = p + R @ [0.3 / 0.5 * (0.5 - in_B), 0.4 / 0.5 * (0.5 - in_B), 0.25]
     a, b = (1.0 - in_A, 0.25, 0.25), on_B + radius * n
     found = convex.off_surfaces(pair, tuple(n), a, tuple(b), miss)
@@ -58,6 +59,6 @@ def test_polytopes_have_vertices():
 
 
 def test_the_gap_along_a_direction_is_that_of_the_planes():
-    pair = BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (3.0, 4.0, 0.0)
+    pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (3.0, 4.0, 0.0))
     assert convex.gap_along(pair, (1.0, 0.0, 0.0)) == 1.0
     assert convex.gap_along(pair, (0.6, 0.8, 0.0)) == pytest.approx(5.0 - 2.0 * 1.4)

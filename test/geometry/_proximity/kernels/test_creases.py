@@ -7,6 +7,7 @@ from oracles.pairs import random_pairs
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import creases, sums
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
 COUNT = 6 if config.DISABLE_JIT else 24
@@ -54,7 +55,7 @@ def test_the_start_does_not_matter():
 )
 def test_a_rod_through_a_cube(p, depth, unique):
     identity, size = np.eye(3), (np.full(3, 0.5), np.array([0.25, 1.0]))
-    pair = BOX, size[0], identity, CYLINDER, size[1], identity, p
+    pair = Pair(BOX, size[0], identity, CYLINDER, size[1], identity, p)
     difference = sums.difference_of(pair)
     complete, h, _, _, is_unique = creases.least_on_creases(difference, (0, 0, 1.0), 1e-9, NOISE)
     assert complete
@@ -67,7 +68,9 @@ def test_a_stuck_peg(swap):
     # Issue 12: the plane n proves a depth of at most 0.416, and 0.5 was reported within 4e-15.
     R = np.array([[-1, 0, 0], [0, -0.6, 0.8], [0, 0.8, 0.6]])
     p = swap * np.array([0, 0.008, 0.006])
-    pair = CAPSULE, np.array([0.25, 0.5]), R, CYLINDER, np.array([0.25, 0.02]), np.eye(3), tuple(p)
+    pair = Pair(
+        CAPSULE, np.array([0.25, 0.5]), R, CYLINDER, np.array([0.25, 0.02]), np.eye(3), tuple(p)
+    )
     for start in np.vstack([np.eye(3), -np.eye(3)]):
         complete, h, floor, n, _ = creases.least_on_creases(
             sums.difference_of(pair), tuple(start), 1e-10, NOISE

@@ -5,6 +5,7 @@ from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import epa
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -22,7 +23,7 @@ X = (1.0, 0.0, 0.0)
 def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertices=400, n=None):
     shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
     size = np.abs(shape_A).sum() + np.abs(shape_B).sum() + np.linalg.norm(p)
-    pair = kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, tuple(map(float, p))
+    pair = Pair(kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, tuple(map(float, p)))
     return epa.depth_of_cores(
         *(pair, difference_of(pair), n or X, n is not None, size, tolerance, most_vertices)
     )
@@ -130,7 +131,9 @@ def test_flat_is_a_height_that_rounding_makes_at_any_size(corners, flat, power):
 @pytest.mark.parametrize('tilt', [0.1, 0.5, 1.0])
 def test_a_ring_is_three_directions_at_a_tilt_and_the_opposite_one(tilt):
     """The core of an ellipsoid (1, 1, 1/2) is that less a ball of 1/4 m: known point by point."""
-    pair = ELLIPSOID, np.array([1.0, 1.0, 0.5]), ALIGNED, SPHERE, np.zeros(1), ALIGNED, (0.0,) * 3
+    pair = Pair(
+        ELLIPSOID, np.array([1.0, 1.0, 0.5]), ALIGNED, SPHERE, np.zeros(1), ALIGNED, (0.0,) * 3
+    )
     points = np.zeros((4, 9))
     epa.ring_points(pair, (0.0, 0.0, 1.0), tilt, points)
     np.testing.assert_allclose(points[0, :3], [0, 0, -0.25], atol=1e-15)
@@ -147,7 +150,7 @@ def test_first_points_are_far_from_one_another_in_every_direction(seed):
     rng = np.random.default_rng(seed)
     corners = [rng.normal(size=(4, 3)) * [1.0, 1.0, 10.0**-k] for k in (0, 3)]
     shapes = [np.concatenate(([4.0], each.ravel())) for each in corners]
-    pair = CONVEX, shapes[0], ALIGNED, CONVEX, shapes[1], ALIGNED, (0.0, 0.0, 0.0)
+    pair = Pair(CONVEX, shapes[0], ALIGNED, CONVEX, shapes[1], ALIGNED, (0.0, 0.0, 0.0))
     difference = (corners[0][:, None] - corners[1][None]).reshape(-1, 3)
     n = rng.normal(size=3)
     n /= np.linalg.norm(n)

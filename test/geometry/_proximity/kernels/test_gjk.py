@@ -3,7 +3,8 @@ import pytest
 from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
-from drake_geom_ros.geometry._proximity.kernels import gjk
+from drake_geom_ros.geometry._proximity.kernels import gjk, vectors
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 ALIGNED = np.eye(3)
@@ -12,7 +13,7 @@ ALIGNED = np.eye(3)
 def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):
     shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
     size = np.abs(shape_A).max() + np.abs(shape_B).max() + np.linalg.norm(p)
-    pair = kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, tuple(map(float, p))
+    pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, tuple(map(float, p)))
     n = tuple(np.array(p) / np.linalg.norm(p)) if np.any(p) else (1.0, 0.0, 0.0)
     return gjk.distance_of_cores(pair, n, size, tolerance, cutoff)
 
@@ -53,7 +54,7 @@ def test_bounds_hold_for_every_gap(gap):
         n /= np.linalg.norm(n)
         shape_A, shape_B = np.array([0.3, 0.7]), np.array([0.2, 0.4, 0.1])
         none = (0.0, 0.0, 0.0)
-        pair = CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none
+        pair = Pair(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none)
         a, b = gjk.support_points(pair, tuple(n), 0.0)
         p = np.subtract(a, b) + gap * n
         _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, p)
@@ -88,7 +89,7 @@ def _simplex(*corners):
 def test_a_row_holds_a_point_and_what_it_is_the_difference_of():
     points = _simplex((1, 2, 3))
     assert points[0, :9].tolist() == [1, 2, 3, 11, 22, 33, 10, 20, 30]
-    assert [gjk.row(points, 0, column) for column in (0, 3, 6)] == [
+    assert [vectors.vector_in(points, 0, column) for column in (0, 3, 6)] == [
         (1.0, 2.0, 3.0),
         (11.0, 22.0, 33.0),
         (10.0, 20.0, 30.0),

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     NORMAL,
     PAIR_WIDTH,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -74,7 +75,7 @@ def test_bounds_are_as_narrow_as_promised_at_any_ratio_of_sizes(kind, hinted):
         radii = bounding_radius(kind, size), bounding_radius(CONVEX, hull)
         reach = rng.choice([0.3 * max(radii), sum(radii) * rng.uniform(0.3, 1.2), 3 * sum(radii)])
         p = reach * _unit(rng, 1)[0]
-        pair = (kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        pair = Pair(kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
         out, promised = _answer(pair, _unit(rng, 1)[0] if hinted else None)
         assert out[ERROR_BOUND] <= promised
         if out[DISTANCE] < 0.0:
@@ -105,7 +106,7 @@ def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_th
     for _ in range(10):
         size = _hull(rng, 1.0)[1] if kind == CONVEX else rng.uniform(0.1, 1.0, 3)
         pair = (kind, size, _rotation(rng), CONVEX, _hull(rng, 1.0)[1], _rotation(rng))
-        pair = (*pair, tuple(rng.normal(size=3)))
+        pair = Pair(*pair, tuple(rng.normal(size=3)))
         ns = [tuple(n) for n in _unit(rng, 50)]
         terms, _, last, r_A, r_B = difference = sums.difference_of_edges(pair, ns[0])
         for n in ns:
@@ -117,7 +118,7 @@ def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_th
         assert width == pytest.approx(np.dot(np.subtract(a, b), ns[0]), abs=1e-14)
         for k in range(sums.SEGMENT, last):
             terms[k, sums.SHARE] = np.sign(np.dot(terms[k, :3], ns[0]))
-        foot_a, foot_b = sums.feet(difference, ns[0])
+        foot_a, foot_b = sums.witness_points(difference, ns[0])
         assert foot_a == pytest.approx(a, abs=1e-14)
         assert foot_b == pytest.approx(b, abs=1e-14)
 
@@ -130,7 +131,7 @@ def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
         vertices, hull = _hull(rng, scale)
         size = np.array([0.3, 0.3 * ratio])
         p = tuple(rng.choice([0.0, 1e-12, scale]) * rng.normal(size=3))
-        pair = (CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        pair = Pair(CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
         complete, h, floor, n, unique = rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)
         assert complete
         assert h - 2e-15 <= floor <= h
@@ -147,7 +148,9 @@ def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
 
 def test_a_hull_that_fills_a_cylinder_is_left_to_others():
     hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel() * 0.2))
-    pair = (CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0))
+    pair = Pair(
+        CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0)
+    )
     assert not rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)[0]
 
 

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels import inner_balls
 from drake_geom_ros.geometry._proximity.kernels.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -35,7 +36,7 @@ GRID = np.linspace(-0.8, 0.8, 41)
 
 
 def pair_of(A, B, R_WA, R_WB, p):
-    return (
+    return Pair(
         *(A._type_number(), A._kernel_parameters(), R_WA),
         *(B._type_number(), B._kernel_parameters(), R_WB, tuple(p)),
     )

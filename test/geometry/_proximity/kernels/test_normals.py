@@ -6,6 +6,7 @@ from numba import config
 from oracles.pairs import PARAMETERS, random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels import caps, normals, sums, supports
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
 PAIRS = [(BOX, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, ELLIPSOID), (CYLINDER, CYLINDER)]
@@ -17,7 +18,9 @@ NOISE = 1e-14
 def _random_pair(rng, kinds, reach):
     sizes = [rng.uniform(0.3, 1.0, PARAMETERS[k]) for k in kinds]
     R_WA, R_WB = random_rotation(rng), random_rotation(rng)
-    return kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3) * reach)
+    return Pair(
+        kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3) * reach)
+    )
 
 
 def _around(rng, n, angles):
@@ -50,7 +53,7 @@ def test_it_is_a_minimum_and_its_feet_are_on_its_normal(kinds, reach):
     for rng, difference, found in _minima(kinds, reach, 1):
         _, n, h, _ = found
         found_any = True
-        a, b = sums.feet(difference, n)
+        a, b = sums.witness_points(difference, n)
         assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
         assert h == pytest.approx(_widths(difference, [n])[0], abs=1e-14)
         near = _around(rng, n, 10 ** rng.uniform(-6, -3, 20))
@@ -80,7 +83,7 @@ def test_kinds_of_minima():
         ((0.55, 0.1, 0.2), normals.FLAT, 0.4),
         ((0.55, 0.55, 0.2), normals.CREASE, None),
     ):
-        pair = BOX, cube, np.eye(3), CYLINDER, rod, np.eye(3), p
+        pair = Pair(BOX, cube, np.eye(3), CYLINDER, rod, np.eye(3), p)
         difference = sums.difference_of(pair)
         near = sums.likely_normal(difference, start)
         found = normals.nearby_minimum(difference, near, NOISE)
@@ -88,20 +91,20 @@ def test_kinds_of_minima():
         if margin is not None:
             assert found[3] == pytest.approx(margin, abs=1e-14)
     ball = np.array([0.2, 0.3, 0.4])
-    pair = ELLIPSOID, ball, np.eye(3), CAPSULE, rod, np.eye(3), (1.0, 1.0, 0.5)
+    pair = Pair(ELLIPSOID, ball, np.eye(3), CAPSULE, rod, np.eye(3), (1.0, 1.0, 0.5))
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.CREASE
-    pair = *pair[:6], (1.0, 1.0, 2.0)
+    pair = Pair(*pair[:6], (1.0, 1.0, 2.0))
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.SMOOTH
 
 
 def test_what_an_earlier_search_leaned_on_is_forgotten():
     ball = np.array([0.2, 0.3, 0.4])
-    pair = ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125)
+    pair = Pair(ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125))
     difference = sums.difference_of(pair)
     difference[0][[sums.LEAN_A, sums.LEAN_B], :3] = [[0.1, 0.2, 0.3], [0.3, 0.1, 0.2]]
     kind, n, h, _ = normals.nearby_minimum(difference, (0.8, 0.6, 0.0), NOISE)
     assert kind == normals.SMOOTH
-    a, b = sums.feet(difference, n)
+    a, b = sums.witness_points(difference, n)
     assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
 
 
@@ -117,7 +120,9 @@ def test_what_an_earlier_search_leaned_on_is_forgotten():
 )
 def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
     """The width of two equal ellipsoids, one in the other, is least along the shortest axis."""
-    pair = ELLIPSOID, np.array(size), np.eye(3), ELLIPSOID, np.array(size), np.eye(3), (0.0,) * 3
+    pair = Pair(
+        ELLIPSOID, np.array(size), np.eye(3), ELLIPSOID, np.array(size), np.eye(3), (0.0,) * 3
+    )
     found = normals.nearby_minimum(sums.difference_of(pair), tuple(np.eye(3)[axis]), NOISE)
     assert found[0] == kind
 
@@ -125,7 +130,7 @@ def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
 def test_two_needles_that_cross_have_no_cap():
     """Every normal around the common perpendicular but two is worse, but only just."""
     needle = np.array([0.2, 0.2, 0.2 + 2.0**-40])
-    pair = ELLIPSOID, needle, np.eye(3), ELLIPSOID, needle, np.eye(3), (0.0, 0.0, 0.0)
+    pair = Pair(ELLIPSOID, needle, np.eye(3), ELLIPSOID, needle, np.eye(3), (0.0, 0.0, 0.0))
     difference = sums.difference_of(pair)
     found = normals.nearby_minimum(difference, (1.0, 0.0, 0.0), NOISE)
     assert caps.widest_cap(difference, found, 1e-9) == 0.0
@@ -133,6 +138,6 @@ def test_two_needles_that_cross_have_no_cap():
 
 def test_hulls_have_no_minimum_of_this_kind():
     hull = np.array([4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1])
-    pair = BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0)
+    pair = Pair(BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0))
     found = normals.nearby_minimum(sums.difference_of(pair), (1.0, 0.0, 0.0), NOISE)
     assert found[0] == normals.NOTHING

@@ -21,7 +21,7 @@ class _Polytope:
         self.faces = np.zeros((ROWS, polytope.FACE_WIDTH), dtype=np.int32)
         self.planes = np.zeros((ROWS, polytope.PLANE_WIDTH))
         self.heap, self.stack = np.zeros(ROWS, dtype=np.int32), np.zeros(ROWS, dtype=np.int32)
-        self.rim = np.zeros((ROWS, 3), dtype=np.int32)
+        self.horizon = np.zeros((ROWS, 3), dtype=np.int32)
         self.starting_at = np.full(MOST, -1, dtype=np.int32)
         polytope.link_tetrahedron(self.points, self.faces)
         self.count, self.total, self.waiting = 4, 4, 0
@@ -39,7 +39,7 @@ class _Polytope:
     def expand(self, f, w):
         first = self.total
         self.total = polytope.expand(
-            self.points, self.faces, self.planes, self.rim, self.stack, self.starting_at,
+            self.points, self.faces, self.planes, self.horizon, self.stack, self.starting_at,
             f, tuple(w), ORIGIN, self.count, self.total, 1.0,
         )  # fmt: skip
         self.count += 1
@@ -173,8 +173,8 @@ def test_a_face_of_one_point_has_a_normal_still():
     assert planes[0, polytope.OFFSET] == 0.0
 
 
-def test_a_rim_that_meets_itself_is_refused():
-    rim = np.array([[0, 1, 0], [1, 0, 0], [0, 2, 0]], dtype=np.int32)
+def test_a_horizon_that_meets_itself_is_refused():
+    horizon = np.array([[0, 1, 0], [1, 0, 0], [0, 2, 0]], dtype=np.int32)
     faces = np.zeros((20, polytope.FACE_WIDTH), dtype=np.int32)
     starting_at = np.full(4, -1, dtype=np.int32)
-    assert polytope.link_cone(faces, rim, 3, 3, 10, starting_at) == 10
+    assert polytope.link_cone(faces, horizon, 3, 3, 10, starting_at) == 10

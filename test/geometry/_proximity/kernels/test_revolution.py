@@ -4,6 +4,7 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import revolution
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.supports import core_radius
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
@@ -19,10 +20,11 @@ BODIES = [
 
 def _depth(a, R_WA, b, R_WB, p, tolerance=1e-9):
     a, b = ((kind, np.array(size)) for kind, size in (a, b))
-    u, move = revolution.common_axis(*a, R_WA, *b, R_WB)
+    pair = Pair(*a, R_WA, *b, R_WB, tuple(p))
+    u, move = revolution.common_axis(pair)
     size = a[1].sum() + b[1].sum() + np.linalg.norm(p)
     return (
-        revolution.depth_of_revolution(*a, R_WA, *b, R_WB, tuple(p), u, move, size, tolerance),
+        revolution.depth_of_revolution(pair, u, move, size, tolerance),
         core_radius(*a) + core_radius(*b),
     )
 

@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     PAIR_WIDTH,
     UNIQUE,
 )
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
 
@@ -73,7 +74,7 @@ def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
 @pytest.mark.parametrize('size', [1e-8, 1e-4, 1e-2])
 def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
     # Out sideways: the barrel's radius, and how deep the plane of the body's projection is.
-    pair = (
+    pair = Pair(
         CYLINDER, np.array([0.2, 0.3]), np.eye(3),
         ELLIPSOID, size * np.array([1.0, 2.0, 3.0]), np.eye(3), np.array([1e-3 * size, 0, 0]),
     )  # fmt: skip
@@ -83,7 +84,7 @@ def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
 
 
 def _in_short_barrel(radii):
-    pair = (
+    pair = Pair(
         CYLINDER, np.array([0.3, 0.2]), np.eye(3),
         ELLIPSOID, np.array(radii), np.eye(3), (0.0, 0.0, 0.0),
     )  # fmt: skip
@@ -110,7 +111,7 @@ def test_a_barrel_that_is_short_beside_what_is_in_it_is_left():
 def test_a_small_body_in_a_barrel_against_all_directions(half):
     rng = np.random.default_rng(4)
     for _ in range(COUNT):
-        pair = (
+        pair = Pair(
             CYLINDER, np.array([0.2, half]), np.eye(3),
             ELLIPSOID, 0.01 * rng.uniform(0.2, 1.0, 3), turned(rng.normal(size=3), 1.0),
             tuple(0.01 * rng.normal(size=3)),
@@ -128,7 +129,7 @@ def test_a_small_body_in_a_barrel_against_all_directions(half):
 
 def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
     """The capsule's axis ends on the cylinder's side; its own axis is no direction across it."""
-    pair = (
+    pair = Pair(
         CAPSULE, np.array([1.0, 0.5]), turned([1, 0, 0], math.pi / 2),
         CYLINDER, np.array([1.0, 0.5]), turned([0, 1, 0], math.pi / 2),
         np.array([0.4999999999999992, 0.9999999999999983, 0.5000000000000003]),
@@ -140,7 +141,7 @@ def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
 @pytest.mark.parametrize('tilt', [1e-12, 1e-8, 1e-4, 0.05])
 def test_cylinders_in_each_other_almost_parallel(tilt):
     R = turned([1, 2, 0], tilt)
-    pair = (
+    pair = Pair(
         CYLINDER,
         np.array([0.3, 0.9]),
         np.eye(3),
@@ -161,7 +162,7 @@ def test_cylinders_in_each_other_almost_parallel(tilt):
 
 def test_cylinders_too_far_from_parallel_are_left_to_others():
     R = turned([1, 2, 0], 0.9)
-    pair = (
+    pair = Pair(
         CYLINDER,
         np.array([0.3, 0.9]),
         np.eye(3),
@@ -180,7 +181,7 @@ def test_bends_between_half_planes_hold():
     rng = np.random.default_rng(2)
     for _ in range(COUNT):
         pair = almost_coaxial(rng, (CYLINDER, ELLIPSOID))
-        difference = sums.difference_of((*pair[:6], tuple(pair[6])))
+        difference = sums.difference_of(Pair(*pair[:6], tuple(pair[6])))
         u, flat, steep = slices.roundest_axis(difference)
         x = np.cross(u, [1, 0, 0] if abs(u[0]) < 0.9 else [0, 1, 0])
         x /= np.linalg.norm(x)
@@ -194,7 +195,7 @@ def test_bends_between_half_planes_hold():
 
 def test_a_plane_that_no_search_chose_guards_what_it_found():
     pair = CYLINDER, np.array([0.3, 0.9]), np.eye(3), CYLINDER, np.array([0.2, 0.1]), np.eye(3)
-    difference = sums.difference_of((*pair, (0.0, 0.0, 0.9)))
+    difference = sums.difference_of(Pair(*pair, (0.0, 0.0, 0.9)))
     # Out along the axis: 0.9 + 0.1 - 0.9. A floor above that was proven by nothing.
     assert depths.guarded(difference, 0.4, 1e-15) == pytest.approx(0.1, abs=1e-15)
     assert depths.guarded(difference, 0.1 - 1e-12, 1e-15) == 0.1 - 1e-12
@@ -203,7 +204,7 @@ def test_a_plane_that_no_search_chose_guards_what_it_found():
 def test_a_small_box_in_an_ellipsoid_from_any_hint():
     # Half planes through the axis tell nothing of a box: its edges are not along it.
     R = turned([1, 0, 0], math.atan2(4, 3))
-    pair = (
+    pair = Pair(
         BOX, np.array([2e-5, 1.5e-5, 1e-5]), R,
         ELLIPSOID, np.array([1.0, 0.1, 0.1]), R, np.zeros(3),
     )  # fmt: skip

@@ -5,6 +5,7 @@ import pytest
 from oracles.pairs import PARAMETERS, random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels import gjk, sums, supports
+from drake_geom_ros.geometry._proximity.kernels.records import Pair
 
 KINDS = [supports.BOX, supports.CAPSULE, supports.CYLINDER, supports.ELLIPSOID]
 PAIRS = [(a, b) for a in KINDS for b in KINDS if (a, b) != (supports.BOX, supports.BOX)]
@@ -13,7 +14,7 @@ PAIRS = [(a, b) for a in KINDS for b in KINDS if (a, b) != (supports.BOX, suppor
 def _pair(rng, kinds):
     sizes = [rng.uniform(0.1, 1.0, PARAMETERS[k]) for k in kinds]
     R_WA, R_WB = random_rotation(rng), random_rotation(rng)
-    return kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3))
+    return Pair(kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3)))
 
 
 def _unit(rng):
@@ -30,7 +31,7 @@ def test_width_and_feet_are_those_of_the_support_points(kinds):
         a, b = gjk.support_points(pair, n, 0.0)
         for k in range(sums.SEGMENT, last):
             terms[k, sums.SHARE] = np.sign(np.dot(terms[k, :3], n))
-        foot_a, foot_b = sums.feet(difference, n)
+        foot_a, foot_b = sums.witness_points(difference, n)
         assert first <= last <= sums.SEGMENT + sums.MOST_SEGMENTS
         assert foot_a == pytest.approx(a, abs=1e-14)
         assert foot_b == pytest.approx(b, abs=1e-14)
@@ -45,7 +46,7 @@ def test_bend_is_the_derivative(kind):
         pair = _pair(rng, (kind, supports.CAPSULE))
         terms = sums.difference_of(pair)[0]
         e, f, n = random_rotation(rng)
-        y, slope_e, slope_f, m_ee, m_ef, m_ff = sums.bend(terms, sums.AXES_A, n, e, f)
+        y, slope_e, slope_f, m_ee, m_ef, m_ff = sums.curvature(terms, sums.AXES_A, n, e, f)
         E, step = terms[sums.AXES_A : sums.AXES_B, :3], 1e-4
 
         def stretch(s, t, E=E, e=e, f=f, n=n):
@@ -66,32 +67,32 @@ def test_bend_is_the_derivative(kind):
 
 def test_a_disk_has_no_derivative_at_its_axis():
     pair = supports.CYLINDER, np.array([0.5, 1.0]), np.eye(3), supports.CAPSULE
-    pair = *pair, np.array([0.1, 0.2]), np.eye(3), (1.0, 0.0, 0.0)
+    pair = Pair(*pair, np.array([0.1, 0.2]), np.eye(3), (1.0, 0.0, 0.0))
     terms = sums.difference_of(pair)[0]
-    assert set(sums.bend(terms, sums.AXES_A, (0.0, 0, 1), (1.0, 0, 0), (0.0, 1, 0))) == {0.0}
-    assert tuple(sums.tip(terms, sums.AXES_A, (0.0, 0.0, 1.0))) == (0.0, 0.0, 0.0)
+    assert set(sums.curvature(terms, sums.AXES_A, (0.0, 0, 1), (1.0, 0, 0), (0.0, 1, 0))) == {0.0}
+    assert tuple(sums.ellipsoid_support(terms, sums.AXES_A, (0.0, 0.0, 1.0))) == (0.0, 0.0, 0.0)
 
 
 def test_likely_normals_are_those_of_faces_and_crossed_edges():
     cube, rod = np.array([0.5, 0.5, 0.5]), np.array([0.1, 1.0])
-    pair = supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.58, 0.1, 0.0)
+    pair = Pair(supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.58, 0.1, 0.0))
     n = sums.likely_normal(sums.difference_of(pair), (0.0, 0.0, 1.0))
     assert tuple(n) == pytest.approx((1, 0, 0), abs=1e-15)
-    pair = *pair[:6], (0.1, 0.0, -1.45)
+    pair = Pair(*pair[:6], (0.1, 0.0, -1.45))
     n = sums.likely_normal(sums.difference_of(pair), (1.0, 0.0, 0.0))
     assert tuple(n) == pytest.approx((0, 0, -1), abs=1e-15)
 
 
 def test_a_hull_has_no_such_sum():
     hull = np.array([4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1])
-    pair = supports.BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0,) * 3
+    pair = Pair(supports.BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0,) * 3)
     assert sums.difference_of(pair)[2] == 0
 
 
 def test_common_points_are_seen():
     cube, rod = np.array([0.5, 0.5, 0.5]), np.array([0.1, 1.0])
-    pair = supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.55, 0.0, 0.0)
+    pair = Pair(supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.55, 0.0, 0.0))
     assert sums.share_a_point(pair, (0.5, 0.0, 0.0), (0.45, 0.0, 0.0))
     assert sums.share_a_point(pair, (0.4, 0.0, 0.0), (0.65, 0.0, 0.0))
-    apart = *pair[:6], (0.625, 0.0, 0.0)
+    apart = Pair(*pair[:6], (0.625, 0.0, 0.0))
     assert not sums.share_a_point(apart, (0.5, 0.0, 0.0), (0.525, 0.0, 0.0))
