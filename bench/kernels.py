@@ -16,7 +16,7 @@ from numba import njit
 
 from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_rotations
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
     PAIR_WIDTH,

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._mesh_library import connected_pieces
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
-from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
-from drake_geom_ros.geometry._proximity.kernels.solid_points import find_astray
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import CORNERS, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solids.crossings import first_crossing
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import CORNERS, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.solid_packing import solid_parameters
 from drake_geom_ros.geometry._proximity.tolerances import (

@@ -9,7 +9,7 @@ from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.surfaces import height_of, reach_of
 from drake_geom_ros.evidence.truth import closed_forms
-from drake_geom_ros.geometry._proximity.kernels import calling
+from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 
 NAMES = {1: 'sphere', 2: 'box', 3: 'capsule', 4: 'cylinder', 5: 'ellipsoid', 6: 'half_space'}

@@ -17,8 +17,8 @@ from drake_geom_ros.geometry._proximity.kernel_table import (
     compile_rows,
     table_rows,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import SPHERE, Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,

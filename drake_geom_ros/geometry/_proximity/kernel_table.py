@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.calling import address_table, compiled_address
-from drake_geom_ros.geometry._proximity.kernels.extremes import address_at_one_metre
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import address_at_one_metre
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    address_table,
+    compiled_address,
+)
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
 
 ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)

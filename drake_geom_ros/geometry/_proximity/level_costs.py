@@ -14,7 +14,7 @@ from drake_geom_ros.geometry._proximity.kernel_table import (
     compile_rows,
     table_rows,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, POSTPONED, answer_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.records import empty_memory

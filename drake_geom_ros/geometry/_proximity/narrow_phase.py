@@ -16,7 +16,11 @@ from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
+    call_at_one_metre,
+    is_extreme,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,
@@ -27,11 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_B,
     call_kernel,
 )
-from drake_geom_ros.geometry._proximity.kernels.extremes import (
-    call_at_one_metre,
-    is_extreme,
-)
-from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
     CONVEX,
@@ -266,10 +266,12 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     gets the numbers of the pairs. A ``first`` that is not negative is where to begin, and then one
     hit is enough. A queue with room for all pairs gets those for which a kernel would run; without
     any room, kernels run.
+
+    (The records are taken apart first: to hand that of the scene on made a pair of spheres take 6
+    ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
+    long again, for references are counted. Two tuples in the call itself cost nothing.)
     """
     scene, memory, query, queue = Scene(*scene), Memory(*memory), Query(*query), Queue(*queue)
-    # Taken apart here: to hand the record of a scene on made a pair of spheres take 6 ns longer,
-    # 5 % of the loop, and an array a pair costs more than their kernel.
     slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
     types, R_WGs, p_WGs, roundings = scene.types, scene.R_WGs, scene.p_WGs, scene.roundings
     half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
@@ -279,9 +281,8 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
     # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
-    reach = max(cutoff, 0.0)
+    reach, found = max(cutoff, 0.0), 0
     counts[:] = 0
-    found = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -308,8 +309,6 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 if math.isinf(gap):
                     _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
                 else:
-                    # Two tuples as they stand cost nothing; one that is made before the loop makes
-                    # it half as long again, for its arrays' references are counted.
                     _call_in_order(
                         *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
                         *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),

@@ -29,7 +29,7 @@ from drake_geom_ros.geometry._proximity.broadphase import (
 )
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.records import Memory, Plain
 from drake_geom_ros.geometry._proximity.world import World

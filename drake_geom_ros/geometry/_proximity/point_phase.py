@@ -7,15 +7,18 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernel_table import compile_rows, table_rows
-from drake_geom_ros.geometry._proximity.kernels.calling import address_table, compiled_address
-from drake_geom_ros.geometry._proximity.kernels.calling_points import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    address_table,
+    compiled_address,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_WIDTH,
     POINTS_SIGNATURE,
     Ball,
     Span,
     call_points_kernel,
 )
-from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.pair_table import (
     BY_PAIR_KERNEL,

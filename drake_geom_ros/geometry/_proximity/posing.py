@@ -6,7 +6,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.bounds import box_half_extents
-from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pose_rounding import (
     RADIUS,

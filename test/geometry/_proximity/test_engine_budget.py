@@ -10,7 +10,7 @@ from oracles.worlds import random_world, shuffle
 from drake_geom_ros.geometry._proximity import engine as engine_module
 from drake_geom_ros.geometry._proximity.budget import LONGEST_BLOCK, SHORTEST_BLOCK
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,

@@ -18,7 +18,7 @@ from oracles.worlds import (
 )
 
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,

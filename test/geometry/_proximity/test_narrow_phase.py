@@ -7,7 +7,7 @@ import pytest
 from oracles.worlds import geometry_table
 
 from drake_geom_ros.geometry._proximity import kernel_table, narrow_phase
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,

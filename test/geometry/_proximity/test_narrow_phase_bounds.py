@@ -8,7 +8,7 @@ import pytest
 from oracles.worlds import random_world
 
 from drake_geom_ros.geometry._proximity import narrow_phase
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,

@@ -23,7 +23,7 @@ from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     NORMAL,

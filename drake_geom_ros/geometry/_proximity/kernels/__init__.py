@@ -14,7 +14,7 @@ tolerance  gap [m] between the certified bounds at which an iteration may stop;
            a closed form ignores it
 cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
            its lower bound with BOUND_ONLY as method; infinity: never
-out        one row of PAIR_WIDTH numbers, see ``calling``. On entry its normal is a *hint*:
+out        one row of PAIR_WIDTH numbers, see ``calling.pairs``. On entry its normal is a *hint*:
            nhat_BA_W of an earlier answer of the same pair, or zeros
 ========== ========================================================================
 
@@ -43,7 +43,7 @@ CYLINDER   radius, half_length           axis z
 ELLIPSOID  a, b, c                       semi-axes
 HALF_SPACE (none)                        occupies z <= 0
 CONVEX     n, then n x 3 vertices, ...   in the geometry's frame, scaled; see ``hulls``
-SOLID      those of CONVEX, then a tree  see ``solid_tree``
+SOLID      those of CONVEX, then a tree  see ``solids.tree``
 ========== ============================= ==========================================
 
 Words, as in the literature (C. Ericson, *Real-Time Collision Detection*, 2005; G. van den Bergh,

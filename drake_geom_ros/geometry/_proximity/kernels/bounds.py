@@ -7,9 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import write
-from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_defect
-from drake_geom_ros.geometry._proximity.kernels.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
+    farthest_vertex,
+    hull_defect,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,

@@ -6,7 +6,11 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval, shape_radii
-from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, ERROR_BOUND, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    PAIR_WIDTH,
+)
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SPHERE
 
 
