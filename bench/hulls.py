@@ -13,7 +13,7 @@ from numba import njit
 from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity import hull_parameters
-from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest_vertex
 
 COUNTS = (16, 32, 64, 100, 200, 500, 1000, 5000)
 DIRECTIONS = 5000

@@ -16,14 +16,15 @@ from numba import njit
 
 from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_rotations
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
     PAIR_WIDTH,
     call_kernel,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX, PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
 
 DISTANCES = (0.05, 0.002, 0.0, -0.001, -0.01, -0.05)
 PARAMETERS = dict(enumerate(COUNTS.values(), 1))

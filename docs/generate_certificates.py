@@ -21,10 +21,12 @@ def certificates() -> str:
     alike: dict[tuple[str, str], list[str]] = {}
     for row in ALL_ROWS:
         pair = f'{SHAPE_NAMES[row.type_a]} and {SHAPE_NAMES[row.type_b]}'
-        alike.setdefault((row.kernel.split('.')[0], row.certificate), []).append(pair)
+        alike.setdefault((row.kernel.rpartition('.')[0], row.certificate), []).append(pair)
     parts = [_INTRODUCTION]
     for (module, reason), pairs in alike.items():
-        parts.append(f'## {", ".join(pairs)}\n\n{reason} (`kernels/{module}.py`)\n')
+        parts.append(
+            f'## {", ".join(pairs)}\n\n{reason} (`kernels/{module.replace(".", "/")}.py`)\n'
+        )
     return '\n'.join(parts)
 
 

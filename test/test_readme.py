@@ -29,7 +29,7 @@ def test_the_core_example_prints_what_its_last_line_says(capsys):
 
 def test_the_support_table_is_the_pair_table():
     rows = [
-        f'| {SHAPE_NAMES[row.type_a]} | {SHAPE_NAMES[row.type_b]} | {row.method} '
+        f'| {SHAPE_NAMES[row.type_a]} | {SHAPE_NAMES[row.type_b]} | {row.method.words} '
         f'| {row.worst_error:.0e} |'
         for row in PAIR_TABLE
     ]

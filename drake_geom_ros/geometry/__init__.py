@@ -1,6 +1,7 @@
 """Scene model and geometry queries, with the public names of ``pydrake.geometry``."""
 
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS, Effects
+from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
 from drake_geom_ros.geometry.bounding_boxes import Aabb, Obb
 from drake_geom_ros.geometry.collision_filter_declaration import (
@@ -185,6 +186,7 @@ __all__ = [
     'ACCURACY_LEVELS',
     'ACCURACY_GAPS',
     'METHODS',
+    'ShapeKind',
     'FilterGroup',
     'FilterStatement',
     # and errors.

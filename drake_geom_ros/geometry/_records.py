@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.geometry_version import fresh_marks
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.mesh_shapes import Mesh

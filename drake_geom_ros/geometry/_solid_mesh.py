@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._mesh_library import connected_pieces
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
-from drake_geom_ros.geometry._proximity.kernels.solid_crossings import first_crossing
-from drake_geom_ros.geometry._proximity.kernels.solid_points import find_astray
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import CORNERS, tree_of
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.kernels.solids.crossings import first_crossing
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import CORNERS, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.solid_packing import solid_parameters
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
@@ -199,7 +199,7 @@ def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: st
     parameters.
     """
     crossing = np.empty((2, 3, 3))
-    touching = np.zeros(tree_of(SOLID, parameters)[3], dtype=np.bool_)
+    touching = np.zeros(tree_of(SOLID, parameters).triangles, dtype=np.bool_)
     if first_crossing(parameters, crossing, touching):
         raise _crosses_itself(name, crossing)
     astray = _astray(parameters, pieces)
@@ -212,7 +212,7 @@ def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: st
     touching[crowded] = True
     astray = _astray(parameters, np.flatnonzero(touching))
     if len(astray):
-        at = tree_of(SOLID, parameters)[2] + CORNERS * int(astray[0])
+        at = tree_of(SOLID, parameters).corners + CORNERS * int(astray[0])
         raise _crosses_itself(name, parameters[at : at + CORNERS].reshape(1, 3, 3))
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry._obj_file import obj_text
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh, MeshSource
@@ -134,7 +135,7 @@ class Convex(_FromMesh):
     """
 
     __slots__ = ()
-    _TYPE = 7
+    _TYPE = CONVEX
 
     def __init__(
         self,
@@ -171,7 +172,7 @@ class Mesh(_FromMesh):
     """
 
     __slots__ = ()
-    _TYPE = 8
+    _TYPE = SOLID
 
     def surface(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return vertices (n, 3) [m] and triangles (m, 3) of the mesh itself, scaled.

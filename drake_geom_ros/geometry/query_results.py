@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     PairBatch,
     PointBatch,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,
@@ -32,7 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling_points import (
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_DISTANCE,
     POINT_ERROR_BOUND,
     POINT_GRADIENT,

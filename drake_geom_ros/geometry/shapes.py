@@ -12,6 +12,14 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SPHERE,
+)
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.arrays import as_vector
@@ -62,7 +70,7 @@ class Sphere(Shape):
     """A ball of ``radius`` [m]; 0 is allowed, and makes a point."""
 
     __slots__ = ()
-    _TYPE = 1
+    _TYPE = SPHERE
     _NAMES = ('radius',)
 
     def __init__(self, radius: float) -> None:
@@ -82,7 +90,7 @@ class Box(Shape):
     """
 
     __slots__ = ()
-    _TYPE = 2
+    _TYPE = BOX
     _NAMES = ('width', 'depth', 'height')
 
     def __init__(
@@ -146,21 +154,21 @@ class Capsule(_Swept):
     """All points within ``radius`` [m] of a segment of ``length`` [m] along z, both > 0."""
 
     __slots__ = ()
-    _TYPE = 3
+    _TYPE = CAPSULE
 
 
 class Cylinder(_Swept):
     """A cylinder of ``radius`` [m] and ``length`` [m] along z, both > 0."""
 
     __slots__ = ()
-    _TYPE = 4
+    _TYPE = CYLINDER
 
 
 class Ellipsoid(Shape):
     """An ellipsoid of semi-axes ``a``, ``b``, ``c`` [m] along x, y and z, all > 0."""
 
     __slots__ = ()
-    _TYPE = 5
+    _TYPE = ELLIPSOID
     _NAMES = ('a', 'b', 'c')
 
     def __init__(
@@ -190,7 +198,7 @@ class HalfSpace(Shape):
     """All points with z <= 0 in the geometry's frame: the plane's normal is +z."""
 
     __slots__ = ()
-    _TYPE = 6
+    _TYPE = HALF_SPACE
 
     @staticmethod
     def MakePose(Hz_dir_F: ArrayLike, p_FB: ArrayLike) -> RigidTransform:

@@ -51,13 +51,21 @@ def compiled(tmp_path_factory):
 
 def test_a_scene_of_spheres_compiles_only_kernels_of_spheres(compiled):
     kernels, functions = compiled
-    assert kernels == ['spheres.sphere_sphere']
+    assert kernels == ['closed_forms.spheres.sphere_sphere']
     modules = {m.removeprefix(KERNELS) for m, _ in functions if m.startswith(KERNELS)}
     # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert modules == {
-        *('bounds', 'calling', 'extremes', 'hulls', 'points', 'spheres', 'supports', 'vectors')
+        *(
+            'bounds',
+            'vectors',
+            'calling.extremes',
+            'calling.pairs',
+            'cores.hulls',
+            'cores.supports',
+        ),
+        *('closed_forms.points', 'closed_forms.spheres'),
     }
-    names = {name for module, name in functions if module == f'{KERNELS}spheres'}
+    names = {name for module, name in functions if module == f'{KERNELS}closed_forms.spheres'}
     assert {name for name in names if name.startswith('sphere_')} == {'sphere_sphere'}
 
 

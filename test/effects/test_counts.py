@@ -19,7 +19,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
-from drake_geom_ros.geometry._proximity import narrow_phase
+from drake_geom_ros.geometry._proximity import kernel_table
 from drake_geom_ros.math import RigidTransform
 
 BODIES = 12
@@ -128,10 +128,10 @@ def test_a_filtered_pair_reaches_no_kernel_and_compiles_none(monkeypatch):
     apart.ExcludeWithin(GeometrySet(ellipsoids))
     scene.graph.collision_filter_manager(scene.context).Apply(apart)
     loaded = []
-    real = narrow_phase.compiled_address
-    monkeypatch.setattr(narrow_phase, '_COMPILED', np.zeros_like(narrow_phase._COMPILED))
+    real = kernel_table.compiled_address
+    monkeypatch.setattr(kernel_table, '_COMPILED', np.zeros_like(kernel_table._COMPILED))
     monkeypatch.setattr(
-        narrow_phase,
+        kernel_table,
         'compiled_address',
         lambda kernel: loaded.append(kernel.__name__) or real(kernel),
     )

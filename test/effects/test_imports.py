@@ -57,7 +57,7 @@ def test_a_scene_without_meshes_imports_no_mesh_library():
     """Two arms and a table: URDF, every primitive shape, every kind of query."""
     found = modules(ASK, str(ROOT / 'scenes/two_pandas.yaml'))
     assert not found & {'trimesh', 'fcl', 'yourdfpy', 'rclpy', 'matplotlib'}
-    assert {'lxml', KERNELS + 'gjk'} <= found
+    assert {'lxml', KERNELS + 'cores.gjk'} <= found
 
 
 def test_a_scene_with_a_hull_does_import_it():
@@ -69,9 +69,20 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
     kernels = {name.removeprefix(KERNELS) for name in found if name.startswith(KERNELS)}
     # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert kernels == {
-        *('spheres', 'points', 'ellipsoid_point', 'to_points'),
-        *('bounds', 'calling', 'calling_points', 'extremes', 'hulls', 'supports', 'vectors'),
-        'views',
+        *(
+            'bounds',
+            'vectors',
+            'closed_forms',
+            'calling',
+            'cores',
+            'cores.hulls',
+            'cores.supports',
+        ),
+        *(
+            f'closed_forms.{name}'
+            for name in ('spheres', 'points', 'ellipsoid_point', 'to_points')
+        ),
+        *(f'calling.{name}' for name in ('pairs', 'points', 'extremes', 'views')),
     }
 
 

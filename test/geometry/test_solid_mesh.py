@@ -15,7 +15,7 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
 )
-from drake_geom_ros.geometry._proximity.pair_table import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._solid_mesh import solid_of
 from drake_geom_ros.math import RigidTransform
 

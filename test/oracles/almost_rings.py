@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-BOX, CAPSULE, CYLINDER, ELLIPSOID = 2, 3, 4, 5
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
 
 def turned(axis, angle):

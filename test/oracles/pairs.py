@@ -9,7 +9,8 @@ from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.surfaces import height_of, reach_of
 from drake_geom_ros.evidence.truth import closed_forms
-from drake_geom_ros.geometry._proximity.kernels import calling
+from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 
 NAMES = {1: 'sphere', 2: 'box', 3: 'capsule', 4: 'cylinder', 5: 'ellipsoid', 6: 'half_space'}
 PARAMETERS = dict(enumerate(COUNTS.values(), 1))
@@ -190,7 +191,7 @@ def check(kernel, pair):
     """Check a kernel's row for a pair against the truth; return the row."""
     row = evaluate(kernel, pair)
     truth = pair.truth()
-    assert row.method == calling.CLOSED_FORM
+    assert row.method == CLOSED_FORM
     assert abs(row.distance - truth) <= row.error_bound, (truth, pair, row)
     # Rounding is relative to whatever is largest of the sizes and the offset: all are added up.
     largest = max(*pair.size_A, *pair.size_B, np.linalg.norm(pair.p_AB_W))

@@ -11,8 +11,9 @@ import numpy as np
 
 from drake_geom_ros.evidence import grids
 from drake_geom_ros.geometry import MeshData
-from drake_geom_ros.geometry._proximity.kernels import calling
-from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, BOX, ROW_OF_TYPES, TYPE_COUNT
+from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from drake_geom_ros.geometry._proximity.kinds import BOX
+from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
 CELLS = {'L': grids.L, 'U': grids.U, 'ring': grids.RING}

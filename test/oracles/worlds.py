@@ -4,10 +4,10 @@ import numpy as np
 
 from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 
-CONVEX = 7
 PARAMETER_COUNTS = dict(enumerate(COUNTS.values(), 1))
 
 

@@ -8,7 +8,9 @@ import itertools
 
 from mpmath import mp, mpf
 
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE = 1, 2, 3, 4, 5, 6
+from drake_geom_ros.geometry import ShapeKind
+
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, *_ = ShapeKind
 DIGITS = 50
 
 

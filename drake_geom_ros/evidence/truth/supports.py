@@ -21,8 +21,9 @@ from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.bodies import Floats, Form
 from drake_geom_ros.evidence.tolerances import TIE
+from drake_geom_ros.geometry import ShapeKind
 
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX = 1, 2, 3, 4, 5, 6, 7
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, *_ = ShapeKind
 DIGITS = 40
 
 

@@ -9,17 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    MESH,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
 from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import World
@@ -27,7 +26,7 @@ from drake_geom_ros.geometry._proximity.world import World
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Columns of a pair's row beyond those of ``calling``, where the witness points are in World now.
+# Columns of a pair's row beyond those of ``calling.pairs``; the witness points are in World now.
 P_ACA = PAIR_WIDTH  # 3: in A [m]
 P_BCB = P_ACA + 3  # 3: in B [m]
 P_FACA = P_BCB + 3  # 3: from the origin of A's frame, in World axes [m]
@@ -76,7 +75,7 @@ class PointBatch(NamedTuple):
 
     ids: Indices  # (k,) of the geometries
     points: NDArray[np.uint32]  # (k,) which point
-    rows: Floats  # (k, POINT_WIDTH), columns of ``kernels.calling_points``
+    rows: Floats  # (k, POINT_WIDTH), columns of ``kernels.calling.points``
 
 
 def gathered(
@@ -124,7 +123,7 @@ def _gather(  # type: ignore[no-untyped-def]
         if answers[s, METHOD] == BOUND_ONLY:
             least, promised = least - answers[s, ERROR_BOUND], math.inf
         elif answers[s, METHOD] == MESH and least < 0.0:
-            promised = math.inf  # of overlapping solids: see ``kernels.solid_overlap``
+            promised = math.inf  # of overlapping solids: see ``kernels.solids.overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
         rows[k, OVERLAPS] = 1.0 if least < touching else 0.0
         rows[k, PROMISED] = promised

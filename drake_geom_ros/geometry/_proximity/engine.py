@@ -13,11 +13,15 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
 from drake_geom_ros.geometry._proximity.budget import Pace
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.kernels import calling
-from drake_geom_ros.geometry._proximity.kernels.calling import NORMAL, PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_WIDTH
-from drake_geom_ros.geometry._proximity.narrow_phase import (
+from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
+    compile_rows,
+    table_rows,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.kinds import SPHERE, Method
+from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
     CACHED,
     COUNTS,
@@ -26,17 +30,15 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     WIDE,
     answer_pairs,
     bound_pairs,
-    compile_rows,
     near_pairs,
-    table_rows,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
-from drake_geom_ros.geometry._proximity.pair_table import SPHERE
 from drake_geom_ros.geometry._proximity.point_phase import (
     POINT_ADDRESSES,
     compile_point_kernels,
     point_phase,
 )
+from drake_geom_ros.geometry._proximity.records import Plain, empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -45,12 +47,7 @@ Indices = NDArray[np.int64]
 
 ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
-METHODS = {
-    'closed_form': calling.CLOSED_FORM,
-    'iterative': calling.ITERATIVE,
-    'mesh': calling.MESH,
-    'bound_only': calling.BOUND_ONLY,
-}
+METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 STEPS = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')  # of a query
 _AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
@@ -114,8 +111,12 @@ class Engine:
         )
         filtering, known = self._filter_seconds, self._cache_seconds
         return Effects(
-            *self._moved,
-            *(self._considered, self._filtered, counts[FAR], counts[CACHED]),
+            frames_moved=self._moved[0],
+            geometries_updated=self._moved[1],
+            broadphase_pairs=self._considered,
+            filtered_pairs=self._filtered,
+            far_pairs=counts[FAR],
+            cached_pairs=counts[CACHED],
             narrowphase_pairs=sum(counts[BY_METHOD:]),
             wide_pairs=counts[WIDE],
             unrefined_pairs=self._unrefined,
@@ -144,8 +145,7 @@ class Engine:
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
         near = self._near(world, filters, distance)
-        scene = world.geometries.types, world.R_WGs, world.p_WGs, world.roundings
-        count = near_pairs(near.pairs, *scene, world.half_extents, distance, self._hits)
+        count = near_pairs(near.pairs, world.scene, distance, self._hits)
         self._counts[:] = 0
         self._counts[FAR] = len(near.pairs) - count
         self._times[4] = time.perf_counter()
@@ -228,7 +228,7 @@ class Engine:
         self._considered, self._filtered = 1, 0
         self._times[2] = self._times[3] = time.perf_counter()
         self._make_room(1)
-        memory = answers, np.array([-math.inf]), np.array([-1]), np.zeros(1)
+        memory = empty_memory(answers)
         query = _GAPS[accuracy], math.inf, False
         hits = self._answer(world, pair, slots, memory, query)
         self._times[4] = time.perf_counter()
@@ -247,10 +247,18 @@ class Engine:
         points, ids = np.empty(capacity, np.uint32), np.empty(capacity, np.int64)
         self._counts[:] = 0
         count = point_phase(
-            *(POINT_ADDRESSES, ADDRESSES),
-            (pair_rows, table.types, table.ids, world.outer_radii),
-            (table.starts, table.pool, world.R_WGs, world.p_WGs, world.roundings),
-            *(p_WQs, threshold, rows, found, points, ids, self._counts[BY_METHOD:]),
+            POINT_ADDRESSES,
+            ADDRESSES,
+            pair_rows,
+            table.ids,
+            world.scene,
+            p_WQs,
+            threshold,
+            rows,
+            found,
+            points,
+            ids,
+            self._counts[BY_METHOD:],
         )
         self._considered, self._filtered = capacity, 0
         self._counts[FAR] = capacity - count
@@ -306,7 +314,7 @@ class Engine:
         world: World,
         pairs: Indices,
         slots: Indices,
-        memory: tuple[Floats, Floats, Indices, Floats],
+        memory: Plain,
         query: tuple[float, float, bool],
         first: int = -1,
         queue: tuple[Indices, Floats] = _AT_ONCE,
@@ -316,8 +324,17 @@ class Engine:
         With a ``queue`` for all pairs, those that need a kernel are put there instead.
         """
         found = answer_pairs(
-            *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
-            *(query, first, queue, self._hits, self._counts),
+            ADDRESSES,
+            pairs,
+            slots,
+            memory,
+            world.scene,
+            world.revision,
+            query,
+            first,
+            queue,
+            self._hits,
+            self._counts,
         )
         return self._hits[:found]
 
@@ -361,8 +378,14 @@ class Engine:
         if len(left):
             some = waiting[left]
             found = bound_pairs(
-                *(near.pairs[some], near.slots[some], near.memory, world.scene, world.revision),
-                *(query, self._hits, self._counts),
+                near.pairs[some],
+                near.slots[some],
+                near.memory,
+                world.scene,
+                world.revision,
+                query,
+                self._hits,
+                self._counts,
             )
             hits.append(some[self._hits[:found]])
             total += self._counts

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.hulls import LISTS
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import LISTS
 from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS
 
 Floats = NDArray[np.float64]
@@ -16,7 +16,7 @@ CLIMBED = 200
 
 
 def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
-    """Return the parameters of a hull as ``kernels.hulls`` lays them out.
+    """Return the parameters of a hull as ``kernels.cores.hulls`` lays them out.
 
     ``vertices`` (n, 3) [m] are the corners of the hull, ``triangles`` (m, 3) its surface,
     counter-clockwise from outside.

@@ -9,16 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.narrow_phase import (
+from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
-    COUNTS,
-    POSTPONED,
-    answer_pairs,
     compile_rows,
     table_rows,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, POSTPONED, answer_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
+from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -75,11 +74,20 @@ def _answer(
     """Answer pairs (n, 2) of which nothing is known; return the seconds and what was counted."""
     n = len(pairs)
     slots, hits = np.arange(n), np.empty(n, dtype=np.int64)
-    memory = np.zeros((n, PAIR_WIDTH)), np.full(n, -math.inf), np.full(n, -1), np.zeros(n)
+    memory = empty_memory(np.zeros((n, PAIR_WIDTH)))
     counts = np.zeros(COUNTS, dtype=np.int64)
     start = time.perf_counter()
     answer_pairs(
-        *(ADDRESSES, pairs, slots, memory, world.scene, world.revision),
-        *((gap, cutoff, False), -1, queue, hits, counts),
+        ADDRESSES,
+        pairs,
+        slots,
+        memory,
+        world.scene,
+        world.revision,
+        (gap, cutoff, False),
+        -1,
+        queue,
+        hits,
+        counts,
     )
     return time.perf_counter() - start, counts

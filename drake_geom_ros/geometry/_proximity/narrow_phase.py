@@ -11,46 +11,42 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
+from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
+from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
+    call_at_one_metre,
+    is_extreme,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
-    address_table,
     call_kernel,
-    compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.extremes import (
-    address_at_one_metre,
-    call_at_one_metre,
-    is_extreme,
-)
-from drake_geom_ros.geometry._proximity.kernels.views import part, row
-from drake_geom_ros.geometry._proximity.pair_table import (
-    ALL_ROWS,
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
     CONVEX,
     HALF_SPACE,
-    ROW_OF_TYPES,
+    ITERATIVE,
     SOLID,
-    TYPE_COUNT,
 )
+from drake_geom_ros.geometry._proximity.pair_table import TYPE_COUNT
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import (
     rounding_of_pair,
     size_of_pair,
     tolerance_of_pair,
 )
+from drake_geom_ros.geometry._proximity.records import Memory, Query, Queue, Scene
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     LARGE_SQUARE,
@@ -59,12 +55,6 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     TOUCHING_DEPTH,
 )
 
-_ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
-# Kernels are compiled once a process, whatever scene asked for them.
-ADDRESSES = address_table(len(ALL_ROWS) + 1)
-_AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
-_COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
-
 # What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
 FAR = 0
 CACHED = 1
@@ -72,26 +62,6 @@ POSTPONED = 2
 WIDE = 3
 BY_METHOD = 4
 COUNTS = BY_METHOD + BOUND_ONLY + 1
-
-
-def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the pair table's row of each pair of shape types, in either order; -1: none."""
-    low, high = np.minimum(types_a, types_b), np.maximum(types_a, types_b)
-    rows: NDArray[np.int64] = _ROWS[low * TYPE_COUNT + high]
-    return rows
-
-
-def compile_rows(rows: NDArray[np.int64]) -> list[str]:
-    """Compile the kernels of table rows that are not compiled yet; return their names."""
-    missing = rows[(rows >= 0) & ~_COMPILED[rows]]
-    if len(missing) and not ADDRESSES[_AT_ONE_METRE]:
-        ADDRESSES[_AT_ONE_METRE] = address_at_one_metre()
-    names: dict[str, None] = {}
-    for number in np.unique(missing).tolist():
-        ADDRESSES[number] = compiled_address(ALL_ROWS[number].load_kernel())
-        _COMPILED[number] = True
-        names[ALL_ROWS[number].kernel] = None
-    return list(names)
 
 
 @inlined
@@ -151,19 +121,39 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             out[NORMAL + c] = -out[NORMAL + c]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    address = addresses[_ROWS[_code(types[a], types[b])]]
+    address = addresses[ROWS[_code(types[a], types[b])]]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
+    R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
     if types[b] <= CONVEX and is_extreme(size, p_AB_W):
         call_at_one_metre(
-            *(addresses[_AT_ONE_METRE], address, size),
-            *(types[a], shape_a, row(R_WGs, a), types[b], shape_b, row(R_WGs, b)),
-            *(p_AB_W, tolerance, cutoff, out),
+            addresses[AT_ONE_METRE],
+            address,
+            size,
+            types[a],
+            shape_a,
+            R_WA,
+            types[b],
+            shape_b,
+            R_WB,
+            p_AB_W,
+            tolerance,
+            cutoff,
+            out,
         )
     else:
         call_kernel(
-            *(address, types[a], shape_a, row(R_WGs, a), types[b], shape_b, row(R_WGs, b)),
-            *(p_AB_W, tolerance, cutoff, out),
+            address,
+            types[a],
+            shape_a,
+            R_WA,
+            types[b],
+            shape_b,
+            R_WB,
+            p_AB_W,
+            tolerance,
+            cutoff,
+            out,
         )
     if swapped:
         for c in range(3):
@@ -179,12 +169,10 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
     """Write a pair's answer from bounds alone."""
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    bounding_interval(
-        (types[a], part(pool, starts[a], starts[a + 1]), row(R_WGs, a), inner[a]),
-        (types[b], part(pool, starts[b], starts[b + 1]), row(R_WGs, b), inner[b]),
-        p_AB_W,
-        out,
-    )
+    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
+    A = Posed(types[a], shape_a, row(R_WGs, a), inner[a])
+    B = Posed(types[b], shape_b, row(R_WGs, b), inner[b])
+    bounding_interval(A, B, p_AB_W, out)
 
 
 @inlined
@@ -275,28 +263,30 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 ):
     """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
-    ``memory`` is of ``NearList``: answers, slacks, seen, gaps. ``scene``: types, starts, pool,
-    R_WGs, p_WGs, roundings, half extents, outer and inner radii, travels, stamps.
-    ``query``: gap [m] (infinite: the bounds of now, for to use what is known from before would
-    make the answer depend on what was asked), cutoff [m], and whether only pairs count that
-    overlap by more than touching. ``hits`` gets the numbers of the pairs. A ``first`` that is not
-    negative is where to begin, and then one hit is enough. ``queue``: with room for all pairs,
-    those for which a kernel would run are put there instead, with their certified least distance
-    if there is room for these too; without any, kernels run.
+    ``memory``, ``scene``, ``query`` and ``queue`` are plain tuples of these ``records``. ``hits``
+    gets the numbers of the pairs. A gap that is infinite asks for the bounds of now, for to use
+    what is known from before would make the answer depend on what was asked. A ``first`` that is
+    not negative is where to begin, and then one hit is enough. A queue with room for all pairs
+    gets those for which a kernel would run, with their certified least distance if there is room
+    for these too; without any room, kernels run.
+
+    (The records are taken apart first: to hand that of the scene on made a pair of spheres take 6
+    ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
+    long again, for references are counted. Two tuples in the call itself cost nothing.)
     """
-    # Taken apart here: to hand a tuple of arrays on costs more than a kernel of spheres, and so
-    # does an array a pair.
-    answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, roundings = scene[:6]
-    half_extents, outer, inner, travels, stamps = scene[6:]
-    (gap, cutoff, penetrating), (waiting, distances) = query, queue
+    scene, memory, query, queue = Scene(*scene), Memory(*memory), Query(*query), Queue(*queue)
+    slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
+    types, R_WGs, p_WGs, roundings = scene.types, scene.R_WGs, scene.p_WGs, scene.roundings
+    half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
+    travels, stamps = scene.travels, scene.stamps
+    starts, pool = scene.starts, scene.pool
+    gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
     # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
-    reach = max(cutoff, 0.0)
+    reach, found = max(cutoff, 0.0), 0
     enough, sharpest = (math.inf, gap) if math.isinf(gap) else (reach, 0.0)
     counts[:] = 0
-    found = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -304,8 +294,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         if slacks[s] - travelled > enough:
             counts[FAR] += 1
             continue
-        out = row(answers, s)
-        size = size_of_pair(a, b, types, outer)
+        out, size = row(memory.answers, s), size_of_pair(a, b, types, outer)
         rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and sharpest <= gaps[s] <= gap
         # What stopped at a cutoff says enough about smaller ones only.
         if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(gaps[s])):
@@ -315,11 +304,11 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             if cutoff < math.inf:
                 least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
             near = least <= reach
-            if near and waiting.size > 0:
-                if distances.size > 0:
+            if near and queue.waiting.size > 0:
+                if queue.distances.size > 0:
                     _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
                     least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
-                _postpone(k, least, waiting, distances, counts)
+                _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
@@ -355,9 +344,12 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     widened by what both bodies can have moved since, and its gap that of no question. (Not in
     ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
     """
-    answers, slacks, seen, gaps = memory
-    types, starts, pool, R_WGs, p_WGs, roundings, _, outer, inner, travels, stamps = scene
-    _, cutoff, penetrating = query
+    scene, memory, query = Scene(*scene), Memory(*memory), Query(*query)
+    answers, slacks, seen, gaps = memory.answers, memory.slacks, memory.seen, memory.gaps
+    types, starts, pool = scene.types, scene.starts, scene.pool
+    R_WGs, p_WGs = scene.R_WGs, scene.p_WGs
+    outer, inner, travels, stamps = scene.outer, scene.inner, scene.travels, scene.stamps
+    cutoff, penetrating = query.cutoff, query.penetrating
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
     found = 0
@@ -375,7 +367,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             if _may_leap(out, moved, types[a], types[b]):
                 moved = math.inf
             _take_narrower(out, bounds, moved)
-            rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), roundings)
+            rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), scene.roundings)
             out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
@@ -388,9 +380,11 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
 
 
 @compiled
-def near_pairs(pairs, types, R_WGs, p_WGs, roundings, half_extents, distance, hits):  # type: ignore[no-untyped-def]
+def near_pairs(pairs, scene, distance, hits):  # type: ignore[no-untyped-def]
     """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
-    found = 0
+    scene, found = Scene(*scene), 0
+    types, R_WGs, p_WGs = scene.types, scene.R_WGs, scene.p_WGs
+    roundings, half_extents = scene.roundings, scene.half_extents
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
         gap = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)

@@ -30,8 +30,9 @@ from drake_geom_ros.geometry._proximity.broadphase import (
 )
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.kernels.calling import PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.records import Memory, Plain
 from drake_geom_ros.geometry._proximity.world import World
 
 Indices = NDArray[np.int64]
@@ -67,12 +68,12 @@ class NearList:
         self._sorted_at = 0  # the revision in which the resting ones were sorted
         self._active_when_sorted = 0
         self._made = 0  # the revision of the list
-        # The slots (m,), in use and free.
-        self.answers = np.zeros((0, PAIR_WIDTH))  # the last answer; A is the first of the pair
-        self.slacks = np.zeros(0)  # [m] certified distance plus travels, both of the same time
-        self.seen: Indices = np.zeros(0, dtype=np.int64)  # revision of the answer; -1: none yet
-        self.gaps = np.zeros(0)  # [m] the gap that the answer was computed for
-        self.memory = self.answers, self.slacks, self.seen, self.gaps
+        # The slots (m,), in use and free; see ``Memory``.
+        self.answers = np.zeros((0, PAIR_WIDTH))
+        self.slacks = np.zeros(0)
+        self.seen: Indices = np.zeros(0, dtype=np.int64)
+        self.gaps = np.zeros(0)
+        self.memory: Plain = tuple(Memory(self.answers, self.slacks, self.seen, self.gaps))
         self._free: Indices = np.zeros(0, dtype=np.int64)
         self._free_count = 0
 
@@ -185,10 +186,8 @@ class NearList:
         slots = np.empty_like(codes)
         if len(codes) > len(self.answers):
             self._grow_slots(len(codes) + len(codes) // 4 + 64)
-        self._free_count = _carry(
-            *(self._codes, self.slots, codes, slots),
-            *(self._free, self._free_count, self.answers, self.slacks, self.seen),
-        )
+        free = self._free, self._free_count
+        self._free_count = _carry(self._codes, self.slots, codes, slots, *free, self.memory)
         self._codes, self.slots = codes, slots
         self.pairs = np.column_stack(np.divmod(codes, n)) if n else candidates
 
@@ -203,7 +202,7 @@ class NearList:
         free[:more] = np.arange(capacity - 1, capacity - more - 1, -1)
         free[more : more + self._free_count] = self._free[: self._free_count]
         self._free, self._free_count = free, self._free_count + more
-        self.memory = self.answers, self.slacks, self.seen, self.gaps
+        self.memory = tuple(Memory(self.answers, self.slacks, self.seen, self.gaps))
 
 
 def _idle(world: World) -> NDArray[np.bool_]:
@@ -235,10 +234,10 @@ def _left(since, movable, stamps, p_WGs, half_extents, lowers, uppers):  # type:
 
 @compiled
 def _carry(  # type: ignore[no-untyped-def]
-    old_codes, old_slots, codes, slots, free, free_count, answers, slacks, seen
+    old_codes, old_slots, codes, slots, free, free_count, memory
 ):
     """Give each pair its former slot or a free one; return how many slots are free then."""
-    old = 0
+    memory, old = Memory(*memory), 0
     for k in range(codes.size):
         slots[k] = -1
         while old < old_codes.size and old_codes[old] < codes[k]:
@@ -256,7 +255,7 @@ def _carry(  # type: ignore[no-untyped-def]
             free_count -= 1
             slot = free[free_count]
             slots[k] = slot
-            answers[slot] = 0.0
-            slacks[slot] = -math.inf
-            seen[slot] = -1
+            memory.answers[slot] = 0.0
+            memory.slacks[slot] = -math.inf
+            memory.seen[slot] = -1
     return free_count

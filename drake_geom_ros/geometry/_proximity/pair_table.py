@@ -12,22 +12,29 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-SHAPE_NAMES = {
-    1: 'Sphere',
-    2: 'Box',
-    3: 'Capsule',
-    4: 'Cylinder',
-    5: 'Ellipsoid',
-    6: 'HalfSpace',
-    7: 'Convex',
-    8: 'Mesh',  # as a solid that is not convex; any other counts as Convex
-}
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID = SHAPE_NAMES
-TYPE_COUNT = 1 + max(SHAPE_NAMES)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SOLID,
+    SPHERE,
+    Method,
+)
 
-CLOSED_FORM = 'closed form'
-ITERATIVE = 'iterative'
-TRIANGLES = 'mesh'
+SHAPE_NAMES = {
+    SPHERE: 'Sphere',
+    BOX: 'Box',
+    CAPSULE: 'Capsule',
+    CYLINDER: 'Cylinder',
+    ELLIPSOID: 'Ellipsoid',
+    HALF_SPACE: 'HalfSpace',
+    CONVEX: 'Convex',
+    SOLID: 'Mesh',  # as a solid that is not convex; any other counts as Convex
+}
+TYPE_COUNT = 1 + max(SHAPE_NAMES)
 
 
 _APART = (
@@ -38,31 +45,31 @@ _POLYTOPE = (
     'the width along the normal bounds the depth from above, and the least offset of a closed '
     'surface of points of the Minkowski difference from below'
 )
-# Why the answers of a kernel are certified, in two sentences; those of ``convex`` by the pair too.
+# Why the answers of a kernel are certified, in two sentences; of ``cores.convex`` by the pair too.
 _CERTIFICATES = {
-    'spheres': (
+    'closed_forms.spheres': (
         "The signed distance of the sphere's centre has a closed form in the frame of the other "
         'shape, and the radius is taken off it. Only rounding is in the bound, which grows with '
         'the sizes and the distance.'
     ),
-    'boxes': (
+    'closed_forms.boxes': (
         'Overlapping boxes are as deep as the least of 15 widths, along the normals of all facets '
         'that their Minkowski difference can have, and each bounds the depth by itself; apart, '
         'they are as far as the nearest of 24 edges from the other box. Parallel edges cross '
         'along no direction that a face has not, so leaving them out loses nothing, and only '
         'rounding is in the bound.'
     ),
-    'segments': (
+    'closed_forms.segments': (
         'A capsule is a segment with a radius, and the distance to a segment is the least of a '
         'convex function of one number, whose slope is linear between the planes of faces; where '
         'both overlap it is the largest of six separations, each a bound by itself. Both are '
         'closed forms, so only rounding is in the bound.'
     ),
-    'half_spaces': (
+    'closed_forms.half_spaces': (
         'The normal is that of the half space, and the point of the other shape that is lowest '
         'along it is its support point. Both are closed forms, so only rounding is in the bound.'
     ),
-    'solids': (
+    'solids.pairs': (
         'Apart, two points of the bodies bound the distance from above, and from below it is '
         'bounded by what was left out of the walk over both trees, whose boxes are rounded '
         'outwards. Overlapping, a way out that was found bounds the depth from above and what is '
@@ -92,8 +99,8 @@ _KERNELS = 'drake_geom_ros.geometry._proximity.kernels'
 
 
 def load_kernel(name: str) -> Any:
-    """Import the kernel ``module.function``; only those that a scene needs are ever imported."""
-    module, function = name.split('.')
+    """Import the kernel ``room.module.function``; only those that a scene needs are imported."""
+    module, function = name.rsplit('.', 1)
     return getattr(import_module(f'{_KERNELS}.{module}'), function)
 
 
@@ -103,15 +110,15 @@ class PairRow:
 
     type_a: int
     type_b: int
-    kernel: str  # ``module.function`` under ``kernels``
-    method: str
+    kernel: str  # ``room.module.function`` under ``kernels``
+    method: Method
     worst_error: float  # [m] for bodies of about 0.2 m, kept true by test/accuracy
 
     @property
     def certificate(self) -> str:
         """Why the error bound of an answer holds, in two sentences."""
-        module = self.kernel.split('.')[0]
-        if module != 'convex':
+        module = self.kernel.rpartition('.')[0]
+        if module in _CERTIFICATES:
             return _CERTIFICATES[module]
         pair = {self.type_a, self.type_b}
         if CONVEX in pair:
@@ -125,37 +132,38 @@ class PairRow:
         return load_kernel(self.kernel)
 
 
-_CORES = 'convex.signed_distance_of_cores'
-BY_PAIR_KERNEL = 'to_points.by_pair_kernel'
-_SOLIDS = 'solids.signed_distance_to_solid'
+CLOSED, ITERATIVE, TRIANGLES, _ = Method
+_CORES = 'cores.convex.signed_distance_of_cores'
+BY_PAIR_KERNEL = 'closed_forms.to_points.by_pair_kernel'
+_SOLIDS = 'solids.pairs.signed_distance_to_solid'
 
 PAIR_TABLE = (
-    PairRow(SPHERE, SPHERE, 'spheres.sphere_sphere', CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, BOX, 'spheres.sphere_box', CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, CAPSULE, 'spheres.sphere_capsule', CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, CYLINDER, 'spheres.sphere_cylinder', CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, ELLIPSOID, 'spheres.sphere_ellipsoid', CLOSED_FORM, 1e-14),
-    PairRow(SPHERE, HALF_SPACE, 'spheres.sphere_half_space', CLOSED_FORM, 1e-14),
+    PairRow(SPHERE, SPHERE, 'closed_forms.spheres.sphere_sphere', CLOSED, 1e-14),
+    PairRow(SPHERE, BOX, 'closed_forms.spheres.sphere_box', CLOSED, 1e-14),
+    PairRow(SPHERE, CAPSULE, 'closed_forms.spheres.sphere_capsule', CLOSED, 1e-14),
+    PairRow(SPHERE, CYLINDER, 'closed_forms.spheres.sphere_cylinder', CLOSED, 1e-14),
+    PairRow(SPHERE, ELLIPSOID, 'closed_forms.spheres.sphere_ellipsoid', CLOSED, 1e-14),
+    PairRow(SPHERE, HALF_SPACE, 'closed_forms.spheres.sphere_half_space', CLOSED, 1e-14),
     PairRow(SPHERE, CONVEX, _CORES, ITERATIVE, 1e-12),
-    PairRow(BOX, BOX, 'boxes.box_box', CLOSED_FORM, 1e-14),
-    PairRow(BOX, CAPSULE, 'segments.box_capsule', CLOSED_FORM, 1e-14),
+    PairRow(BOX, BOX, 'closed_forms.boxes.box_box', CLOSED, 1e-14),
+    PairRow(BOX, CAPSULE, 'closed_forms.segments.box_capsule', CLOSED, 1e-14),
     PairRow(BOX, CYLINDER, _CORES, ITERATIVE, 1e-12),
     PairRow(BOX, ELLIPSOID, _CORES, ITERATIVE, 1e-12),
-    PairRow(BOX, HALF_SPACE, 'half_spaces.box_half_space', CLOSED_FORM, 1e-14),
+    PairRow(BOX, HALF_SPACE, 'closed_forms.half_spaces.box_half_space', CLOSED, 1e-14),
     PairRow(BOX, CONVEX, _CORES, ITERATIVE, 1e-12),
-    PairRow(CAPSULE, CAPSULE, 'segments.capsule_capsule', CLOSED_FORM, 1e-14),
+    PairRow(CAPSULE, CAPSULE, 'closed_forms.segments.capsule_capsule', CLOSED, 1e-14),
     PairRow(CAPSULE, CYLINDER, _CORES, ITERATIVE, 1e-12),
     PairRow(CAPSULE, ELLIPSOID, _CORES, ITERATIVE, 1e-11),
-    PairRow(CAPSULE, HALF_SPACE, 'half_spaces.capsule_half_space', CLOSED_FORM, 1e-14),
+    PairRow(CAPSULE, HALF_SPACE, 'closed_forms.half_spaces.capsule_half_space', CLOSED, 1e-14),
     PairRow(CAPSULE, CONVEX, _CORES, ITERATIVE, 1e-12),
     PairRow(CYLINDER, CYLINDER, _CORES, ITERATIVE, 1e-12),
     PairRow(CYLINDER, ELLIPSOID, _CORES, ITERATIVE, 1e-12),
-    PairRow(CYLINDER, HALF_SPACE, 'half_spaces.cylinder_half_space', CLOSED_FORM, 1e-14),
+    PairRow(CYLINDER, HALF_SPACE, 'closed_forms.half_spaces.cylinder_half_space', CLOSED, 1e-14),
     PairRow(CYLINDER, CONVEX, _CORES, ITERATIVE, 1e-11),
     PairRow(ELLIPSOID, ELLIPSOID, _CORES, ITERATIVE, 1e-12),
-    PairRow(ELLIPSOID, HALF_SPACE, 'half_spaces.ellipsoid_half_space', CLOSED_FORM, 1e-14),
+    PairRow(ELLIPSOID, HALF_SPACE, 'closed_forms.half_spaces.ellipsoid_half_space', CLOSED, 1e-14),
     PairRow(ELLIPSOID, CONVEX, _CORES, ITERATIVE, 1e-11),
-    PairRow(HALF_SPACE, CONVEX, 'half_spaces.half_space_convex', CLOSED_FORM, 1e-12),
+    PairRow(HALF_SPACE, CONVEX, 'closed_forms.half_spaces.half_space_convex', CLOSED, 1e-12),
     PairRow(CONVEX, CONVEX, _CORES, ITERATIVE, 1e-12),
 )
 
@@ -167,7 +175,7 @@ SOLID_TABLE = (
     PairRow(CAPSULE, SOLID, _SOLIDS, TRIANGLES, 1e-12),
     PairRow(CYLINDER, SOLID, _SOLIDS, TRIANGLES, 1e-11),
     PairRow(ELLIPSOID, SOLID, _SOLIDS, TRIANGLES, 1e-11),
-    PairRow(HALF_SPACE, SOLID, 'half_spaces.half_space_convex', CLOSED_FORM, 1e-12),
+    PairRow(HALF_SPACE, SOLID, 'closed_forms.half_spaces.half_space_convex', CLOSED, 1e-12),
     PairRow(CONVEX, SOLID, _SOLIDS, TRIANGLES, 1e-12),
     PairRow(SOLID, SOLID, _SOLIDS, TRIANGLES, 1e-12),
 )
@@ -175,12 +183,12 @@ ALL_ROWS = PAIR_TABLE + SOLID_TABLE
 
 # What answers for many points and one shape.
 POINT_KERNELS = {
-    SPHERE: 'to_points.to_sphere',
-    BOX: 'to_points.to_box',
-    CAPSULE: 'to_points.to_capsule',
-    CYLINDER: 'to_points.to_cylinder',
-    ELLIPSOID: 'to_points.to_ellipsoid',
-    HALF_SPACE: 'to_points.to_half_space',
+    SPHERE: 'closed_forms.to_points.to_sphere',
+    BOX: 'closed_forms.to_points.to_box',
+    CAPSULE: 'closed_forms.to_points.to_capsule',
+    CYLINDER: 'closed_forms.to_points.to_cylinder',
+    ELLIPSOID: 'closed_forms.to_points.to_ellipsoid',
+    HALF_SPACE: 'closed_forms.to_points.to_half_space',
     CONVEX: BY_PAIR_KERNEL,
     SOLID: BY_PAIR_KERNEL,
 }

@@ -6,22 +6,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.calling import address_table, compiled_address
-from drake_geom_ros.geometry._proximity.kernels.calling_points import (
+from drake_geom_ros.geometry._proximity.kernel_table import compile_rows, table_rows
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    address_table,
+    compiled_address,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_WIDTH,
     POINTS_SIGNATURE,
+    Ball,
+    Span,
     call_points_kernel,
 )
-from drake_geom_ros.geometry._proximity.kernels.views import part, row
-from drake_geom_ros.geometry._proximity.narrow_phase import compile_rows, table_rows
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.pair_table import (
     BY_PAIR_KERNEL,
     POINT_KERNELS,
-    SPHERE,
     TYPE_COUNT,
     load_kernel,
 )
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
+from drake_geom_ros.geometry._proximity.records import Scene
 
 BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
 # Of the point kernels by shape type, compiled once a process.
@@ -45,31 +51,47 @@ def compile_point_kernels(types: NDArray[np.int64]) -> list[str]:
 
 @compiled
 def point_phase(  # type: ignore[no-untyped-def]
-    addresses, pair_addresses, table, scene, p_WQs, threshold, rows, found, points, ids, counts
+    addresses,
+    pair_addresses,
+    pair_rows,
+    geometry_ids,
+    scene,
+    p_WQs,
+    threshold,
+    rows,
+    found,
+    points,
+    ids,
+    counts,
 ):
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``table`` holds row in the pair table of SPHERE against each geometry, type, id and outer
-    radius, ``scene`` starts, pool, R_WGs, p_WGs and roundings. The first of ``rows`` (m n,
-    POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in the order of points, then ids.
-    ``found`` (m n,) comes in as False, ``counts`` get how many answers there are by each method.
+    ``pair_rows`` (n,) are those of SPHERE against each geometry in the pair table, ``scene`` is
+    the plain tuple of a ``Scene``. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and
+    ``ids`` (m n,) are filled, in the order of points, then ids. ``found`` (m n,) comes in as
+    False, ``counts`` get how many answers there are by each method.
     """
-    pair_rows, types, geometry_ids, outer = table
-    starts, pool, R_WGs, p_WGs, roundings = scene
+    scene = Scene(*scene)
+    types, starts, pool = scene.types, scene.starts, scene.pool
+    R_WGs, p_WGs, roundings, outer = scene.R_WGs, scene.p_WGs, scene.roundings, scene.outer
     m, n = p_WQs.shape[0], types.size
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
         for g in range(n):
             call_points_kernel(
-                *(addresses[types[g]], pair_addresses[pair_rows[g]], types[g]),
-                *(part(pool, starts[g], starts[g + 1]), row(R_WGs, g), row(p_WGs, g)),
-                *(
-                    p_WQs,
-                    threshold,
-                    (outer[g], roundings[g, RADIUS], roundings[g, TILT]),
-                    (first, last, g, n),
-                ),
-                *(rows, found, counts),
+                addresses[types[g]],
+                pair_addresses[pair_rows[g]],
+                types[g],
+                part(pool, starts[g], starts[g + 1]),
+                row(R_WGs, g),
+                row(p_WGs, g),
+                p_WQs,
+                threshold,
+                Ball(outer[g], roundings[g, RADIUS], roundings[g, TILT]),
+                Span(first, last, g, n),
+                rows,
+                found,
+                counts,
             )
     count = 0
     for q in range(m):

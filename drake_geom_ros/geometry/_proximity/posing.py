@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.bounds import HALF_SPACE, box_half_extents
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
-from drake_geom_ros.geometry._proximity.kernels.views import part, row
+from drake_geom_ros.geometry._proximity.kernels.bounds import box_half_extents
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pose_rounding import (
     RADIUS,
     SHIFT,
@@ -229,13 +229,31 @@ def update(  # type: ignore[no-untyped-def]
 ):
     """Pose what moved; return how many frames and geometries did.
 
-    The arrays are those of ``World``. (One by one, for to take a tuple of them apart costs half a
-    microsecond.)
+    The arrays are those of ``World``, in its order. (One by one, for a tuple of them costs half a
+    microsecond more, a record two and a half, and to hand a record on within makes posing 1000
+    balls take 12 microseconds longer, of 80.)
     """
     frames = _pose_frames(moved, parents, R_PFs, p_PFs, R_WFs, p_WFs, frame_roundings)
     bodies = _pose_geometries(
-        *(revision, moved, R_WFs, p_WFs, frame_roundings, movable, on, R_FGs, p_FGs, kept),
-        *(types, starts, pool, R_WGs, p_WGs, roundings, half_extents, stamps, travels),
+        revision,
+        moved,
+        R_WFs,
+        p_WFs,
+        frame_roundings,
+        movable,
+        on,
+        R_FGs,
+        p_FGs,
+        kept,
+        types,
+        starts,
+        pool,
+        R_WGs,
+        p_WGs,
+        roundings,
+        half_extents,
+        stamps,
+        travels,
     )
     moved[:] = False
     return frames, bodies

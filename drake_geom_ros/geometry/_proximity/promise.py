@@ -9,7 +9,7 @@ hold.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 

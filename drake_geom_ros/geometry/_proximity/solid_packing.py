@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.solid_tree import (
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
     AREA,
     AREA_VECTOR,
     CENTRE,
@@ -34,7 +34,7 @@ def solid_parameters(
 ) -> tuple[Floats, Indices]:
     """Return the kernel parameters of a solid and the numbers (n,) of its triangles in them.
 
-    Parameters are laid out as ``kernels.solid_tree`` says. ``hull`` are the parameters of CONVEX;
+    Parameters are laid out as ``kernels.solids.tree`` says. ``hull`` are the parameters of CONVEX;
     ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces`` (c,) a
     triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit normal
     and offset [m].

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.world import World
 
 

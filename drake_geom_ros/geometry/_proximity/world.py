@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
-from drake_geom_ros.geometry._proximity.kernels.supports import SPHERE
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
+from drake_geom_ros.geometry._proximity.records import Plain, Scene
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -93,24 +94,53 @@ class World:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
         self._arguments = (
-            *(self._moved, self.frames.parents),
-            *(self.R_PFs, self.p_PFs, self.R_WFs, self.p_WFs, self._frame_roundings),
-            *(self.movable, table.frames, table.R_FGs, table.p_FGs, self._kept),
-            *(table.types, table.starts, table.pool),
-            *(self.R_WGs, self.p_WGs, self.roundings, self.half_extents),
-            *(self.stamps, self.travels),
+            self._moved,
+            self.frames.parents,
+            self.R_PFs,
+            self.p_PFs,
+            self.R_WFs,
+            self.p_WFs,
+            self._frame_roundings,
+            self.movable,
+            table.frames,
+            table.R_FGs,
+            table.p_FGs,
+            self._kept,
+            table.types,
+            table.starts,
+            table.pool,
+            self.R_WGs,
+            self.p_WGs,
+            self.roundings,
+            self.half_extents,
+            self.stamps,
+            self.travels,
         )
-        # For the narrow phase: shapes, where they are, how large, and how they moved.
-        self.scene = (
-            *(table.types, table.starts, table.pool),
-            *(self.R_WGs, self.p_WGs, self.roundings),
-            *(self.half_extents, self.outer_radii, self.inner_radii, self.travels, self.stamps),
+        self.scene: Plain = tuple(
+            Scene(
+                types=table.types,
+                starts=table.starts,
+                pool=table.pool,
+                R_WGs=self.R_WGs,
+                p_WGs=self.p_WGs,
+                roundings=self.roundings,
+                half_extents=self.half_extents,
+                outer=self.outer_radii,
+                inner=self.inner_radii,
+                travels=self.travels,
+                stamps=self.stamps,
+            )
         )
         # For those who gather results.
         self.posed = (
-            *(table.ids, table.types, table.frames),
-            *(self.R_WGs, self.p_WGs, self.roundings),
-            *(self.p_WFs, self.outer_radii),
+            table.ids,
+            table.types,
+            table.frames,
+            self.R_WGs,
+            self.p_WGs,
+            self.roundings,
+            self.p_WFs,
+            self.outer_radii,
         )
 
     @property

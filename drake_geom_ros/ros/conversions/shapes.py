@@ -18,6 +18,7 @@ from drake_geom_ros.geometry import (
     Mesh,
     MeshData,
     Shape,
+    ShapeKind,
     Sphere,
 )
 from drake_geom_ros.ros.conversions.fields import floats, uint32s
@@ -25,14 +26,13 @@ from drake_geom_ros.ros.conversions.file_access import FileAccess
 
 # Shape.type, the class, and the names of its dimensions in the message's order.
 _PRIMITIVES: tuple[tuple[int, type, tuple[str, ...]], ...] = (
-    (1, Sphere, ('radius',)),
-    (2, Box, ('width', 'depth', 'height')),
-    (3, Capsule, ('radius', 'length')),
-    (4, Cylinder, ('radius', 'length')),
-    (5, Ellipsoid, ('a', 'b', 'c')),
-    (6, HalfSpace, ()),
+    (ShapeKind.SPHERE, Sphere, ('radius',)),
+    (ShapeKind.BOX, Box, ('width', 'depth', 'height')),
+    (ShapeKind.CAPSULE, Capsule, ('radius', 'length')),
+    (ShapeKind.CYLINDER, Cylinder, ('radius', 'length')),
+    (ShapeKind.ELLIPSOID, Ellipsoid, ('a', 'b', 'c')),
+    (ShapeKind.HALF_SPACE, HalfSpace, ()),
 )
-_CONVEX, _MESH = 7, 8
 
 
 def shape_from_message(message: Any, files: FileAccess) -> Shape:
@@ -50,14 +50,14 @@ def shape_from_message(message: Any, files: FileAccess) -> Shape:
                 )
             shape: Shape = shape_class(*map(float, message.dimensions))
             return shape
-    if message.type in (_CONVEX, _MESH):
+    if message.type in (ShapeKind.CONVEX, ShapeKind.SOLID):
         return _mesh_from_message(message, files)
     raise ArgumentError(f'shape.type is {message.type}; it must be a constant of Shape, 1 to 8')
 
 
 def _mesh_from_message(message: Any, files: FileAccess) -> Shape:
     """Return the Convex or Mesh of a Shape message: of its file, or of its vertices."""
-    make = Convex if message.type == _CONVEX else Mesh
+    make = Convex if message.type == ShapeKind.CONVEX else Mesh
     if len(message.dimensions) not in (0, 1, 3):
         raise ArgumentError(
             f'shape.dimensions holds {len(message.dimensions)} numbers; CONVEX and MESH take one '
@@ -74,7 +74,7 @@ def _mesh_from_message(message: Any, files: FileAccess) -> Shape:
     if inline:
         vertices = _rows('vertices', message.vertices, np.float64)
         triangles = _rows('triangles', message.triangles, np.int64)
-        if message.type == _MESH and not len(triangles):
+        if message.type == ShapeKind.SOLID and not len(triangles):
             raise ArgumentError('shape.triangles is empty; a MESH of vertices has triangles')
         return make.FromMeshData(MeshData(vertices, triangles), scale)
     if '://' not in message.mesh_uri and not message.mesh_uri.startswith('/'):
@@ -97,7 +97,7 @@ def fill_shape(message: Any, shape: Shape) -> None:
             message.type = number
             message.dimensions = floats(np.array([getattr(shape, d)() for d in dimensions]))
             return
-    message.type = _CONVEX if isinstance(shape, Convex) else _MESH
+    message.type = ShapeKind.CONVEX if isinstance(shape, Convex) else ShapeKind.SOLID
     assert isinstance(shape, (Convex, Mesh)), f'a shape without a number: {shape!r}'
     scales = shape.scale3()
     message.dimensions = floats(scales[:1] if (scales == scales[0]).all() else scales)

@@ -5,7 +5,9 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE = range(1, 7)
+from drake_geom_ros.geometry import ShapeKind
+
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, *_ = ShapeKind
 # A half space and the top of a table are cut into tiles so that depth sorting works on them.
 _TILE = 0.1  # [m]
 _AROUND = 20

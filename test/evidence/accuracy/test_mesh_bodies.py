@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.evidence.accuracy.mesh_bodies import CUTS, MAKERS, UNIT, mesh_body
-from drake_geom_ros.geometry._proximity.pair_table import SOLID
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._solid_mesh import merged, solid_of, volume
 
 names = pytest.mark.parametrize('name', MAKERS)

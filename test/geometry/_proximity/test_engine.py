@@ -7,32 +7,31 @@ import pytest
 from oracles.filters import filters_of
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 
-from drake_geom_ros.geometry._proximity import narrow_phase
+from drake_geom_ros.geometry._proximity import kernel_table
 from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     METHOD,
     NORMAL,
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling_points import POINT_DISTANCE
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_DISTANCE
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
 def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
     asked = []
-    nothing = np.zeros_like(narrow_phase._COMPILED)
-    monkeypatch.setattr(narrow_phase, '_COMPILED', nothing)
+    nothing = np.zeros_like(kernel_table._COMPILED)
+    monkeypatch.setattr(kernel_table, '_COMPILED', nothing)
     monkeypatch.setattr(
-        narrow_phase, 'compiled_address', lambda kernel: asked.append(kernel.__name__) or 0
+        kernel_table, 'compiled_address', lambda kernel: asked.append(kernel.__name__) or 0
     )
-    monkeypatch.setattr(narrow_phase, 'ADDRESSES', narrow_phase.ADDRESSES.copy())
+    monkeypatch.setattr(kernel_table, 'ADDRESSES', kernel_table.ADDRESSES.copy())
     spheres = random_world(np.random.default_rng(0), 5, types=(SPHERE,))
-    assert Engine().prepare(spheres) == ['spheres.sphere_sphere']
+    assert Engine().prepare(spheres) == ['closed_forms.spheres.sphere_sphere']
     assert asked == ['sphere_sphere']
     mixed = random_world(np.random.default_rng(1), 30, types=(1, 4))
     assert len(Engine().prepare(mixed)) == 2

@@ -10,8 +10,7 @@ from oracles.worlds import random_world, shuffle
 from drake_geom_ros.geometry._proximity import engine as engine_module
 from drake_geom_ros.geometry._proximity.budget import LONGEST_BLOCK, SHORTEST_BLOCK
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,
@@ -19,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
 
 PLENTY, NOTHING = 1e6, 1e-12  # [s]
 

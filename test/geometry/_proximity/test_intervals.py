@@ -18,8 +18,7 @@ from oracles.worlds import (
 )
 
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     METHOD,
@@ -27,10 +26,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, BOX, CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
-BOX, CONVEX, SOLID = 2, 7, 8
 TYPES = (1, 2, 3, 4, 5, 6, CONVEX, SOLID)
 NOTHING = 1e-12  # [s]
 BODIES, SEEDS, CYCLES = (8, 2, 3) if config.DISABLE_JIT else (16, 12, 30)

@@ -8,7 +8,7 @@ from oracles.worlds import random_world
 
 from drake_geom_ros.geometry._proximity import level_costs
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, CLOSED_FORM
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CLOSED_FORM
 from drake_geom_ros.geometry._proximity.level_costs import LAPS, TRIALS, seconds_a_pair
 from drake_geom_ros.geometry._proximity.narrow_phase import BY_METHOD
 

@@ -6,19 +6,25 @@ import numpy as np
 import pytest
 from oracles.worlds import geometry_table
 
-from drake_geom_ros.geometry._proximity import narrow_phase
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
-    CLOSED_FORM,
+from drake_geom_ros.geometry._proximity import kernel_table, narrow_phase
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    ITERATIVE,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    BOX,
+    CLOSED_FORM,
+    ELLIPSOID,
+    HALF_SPACE,
+    ITERATIVE,
+    SPHERE,
 )
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
@@ -27,10 +33,10 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     FAR,
     POSTPONED,
 )
+from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
-SPHERE, BOX, ELLIPSOID, HALF_SPACE = 1, 2, 5, 6
 AT_ONCE = np.empty(0, dtype=np.int64), np.empty(0)
 
 
@@ -45,9 +51,9 @@ class Loop:
         self.pairs = np.column_stack(np.triu_indices(n, k=1)).astype(np.int64)
         self.slots = np.arange(len(self.pairs))[::-1].copy()  # no number is taken for another
         m = len(self.pairs)
-        self.memory = np.zeros((m, PAIR_WIDTH)), np.full(m, -math.inf), np.full(m, -1), np.zeros(m)
-        rows = narrow_phase.table_rows(*self.world.geometries.types[self.pairs].T)
-        narrow_phase.compile_rows(rows)
+        self.memory = empty_memory(np.zeros((m, PAIR_WIDTH)))
+        rows = kernel_table.table_rows(*self.world.geometries.types[self.pairs].T)
+        kernel_table.compile_rows(rows)
 
     def pose(self, bodies, ps):
         frames = np.array(bodies) + 1
@@ -59,7 +65,7 @@ class Loop:
         """Return the numbers of the hits and {name: count} of what was done."""
         hits, counts = np.empty(len(self.pairs), dtype=np.int64), np.empty(COUNTS, dtype=np.int64)
         found = narrow_phase.answer_pairs(
-            *(narrow_phase.ADDRESSES, self.pairs, self.slots, self.memory, self.world.scene),
+            *(kernel_table.ADDRESSES, self.pairs, self.slots, self.memory, self.world.scene),
             *(self.world.revision, (gap, cutoff, penetrating), first, queue, hits, counts),
         )
         names = {FAR: 'far', CACHED: 'cached', POSTPONED: 'postponed'}
@@ -79,7 +85,7 @@ def row_of_balls():
 
 def test_a_row_of_the_table_in_either_order():
     types = np.array([SPHERE, BOX, HALF_SPACE])
-    rows = narrow_phase.table_rows(types[:, None], types[None, :])
+    rows = kernel_table.table_rows(types[:, None], types[None, :])
     np.testing.assert_array_equal(rows, rows.T)
     assert rows[2, 2] == -1
     assert len({*rows.ravel().tolist()}) == 6
@@ -256,10 +262,8 @@ def test_near_pairs_are_those_whose_boxes_are_and_planes_have_their_own_gap():
     types, parameters = [HALF_SPACE, BOX, SPHERE], [[], [0.1, 0.2, 0.3], [0.25]]
     loop = Loop(types, parameters, [[9, 9, 1.0], [0, 0, 2.0], [0, 0, 3.0]])
     world = loop.world
-    arguments = (world.geometries.types, world.R_WGs, world.p_WGs, world.roundings)
-    arguments += (world.half_extents,)
     for distance, expected in ((0.4, []), (0.5, [2]), (0.75, [0, 2]), (1.8, [0, 1, 2])):
         for pairs in (loop.pairs, loop.pairs[:, ::-1].copy()):
             hits = np.empty(3, dtype=np.int64)
-            count = narrow_phase.near_pairs(pairs, *arguments, distance, hits)
+            count = narrow_phase.near_pairs(pairs, world.scene, distance, hits)
             assert hits[:count].tolist() == expected

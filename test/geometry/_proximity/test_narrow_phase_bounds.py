@@ -8,14 +8,13 @@ import pytest
 from oracles.worlds import random_world
 
 from drake_geom_ros.geometry._proximity import narrow_phase
-from drake_geom_ros.geometry._proximity.kernels.calling import (
-    BOUND_ONLY,
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    ITERATIVE,
     METHOD,
     PAIR_WIDTH,
 )
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, ITERATIVE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 

@@ -7,8 +7,8 @@ import pytest
 from oracles.filters import filters_of
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.near_list import PATIENCE, NearList
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 

@@ -23,16 +23,15 @@ from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import (
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     NORMAL,
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
 from drake_geom_ros.geometry._proximity.pair_table import (
-    CLOSED_FORM,
-    CONVEX,
     PAIR_TABLE,
     SHAPE_NAMES,
 )

@@ -6,11 +6,11 @@ from oracles.exact_poses import composed, length, mp
 from oracles.worlds import geometry_table, random_rotations
 
 from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
+from drake_geom_ros.geometry._proximity.kinds import BOX, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT, taken_roundings
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 from drake_geom_ros.math.batched import rotations_from_quaternions
 
-SPHERE, BOX, HALF_SPACE = 1, 2, 6
 HALF = [0.3, 0.2, 0.1]
 
 

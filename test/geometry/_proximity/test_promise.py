@@ -9,8 +9,8 @@ from oracles.worlds import geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.batches import PROMISED
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, ERROR_BOUND
-from drake_geom_ros.geometry._proximity.pair_table import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.promise import promised_bound, tolerance_of_pair
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import FrameTable, World

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.geometry import mesh_source
-from drake_geom_ros.geometry._proximity import narrow_phase
+from drake_geom_ros.geometry import ShapeKind, mesh_source
+from drake_geom_ros.geometry._proximity import kernel_table
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
@@ -24,7 +24,7 @@ geometries:
   - {name: seen, source: s, frame: b, shape: {type: cylinder, radius: 0.1, length: 0.2},
      roles: {illustration: {}}}
 """
-SPHERE, BOX, CONVEX = 1, 2, 7
+SPHERE, BOX, CONVEX = ShapeKind.SPHERE, ShapeKind.BOX, ShapeKind.CONVEX
 ROBOT = (
     '<robot name="r"><link name="l"><collision><geometry><box size="1 1 1"/></geometry>'
     '</collision></link></robot>'
@@ -97,7 +97,7 @@ def is_free(lock):
 def watched(live, monkeypatch):
     """Return the list of (what took long, whether the lock was free then)."""
     events = []
-    compile_kernel, parse_mesh = narrow_phase.compiled_address, mesh_source.parse_mesh
+    compile_kernel, parse_mesh = kernel_table.compiled_address, mesh_source.parse_mesh
 
     def compiling(kernel):
         events.append((kernel.__name__, is_free(live._lock)))
@@ -107,10 +107,10 @@ def watched(live, monkeypatch):
         events.append(('load', is_free(live._lock)))
         return parse_mesh(*args, **kwargs)
 
-    spheres = np.zeros_like(narrow_phase._COMPILED)
+    spheres = np.zeros_like(kernel_table._COMPILED)
     spheres[0] = True  # as if the process had only compiled what the live scene called for
-    monkeypatch.setattr(narrow_phase, '_COMPILED', spheres)
-    monkeypatch.setattr(narrow_phase, 'compiled_address', compiling)
+    monkeypatch.setattr(kernel_table, '_COMPILED', spheres)
+    monkeypatch.setattr(kernel_table, 'compiled_address', compiling)
     monkeypatch.setattr(mesh_source, 'parse_mesh', loading)
     return events
 

@@ -14,7 +14,7 @@ tolerance  gap [m] between the certified bounds at which an iteration may stop;
            a closed form ignores it
 cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
            its lower bound with BOUND_ONLY as method; infinity: never
-out        one row of PAIR_WIDTH numbers, see ``calling``. On entry its normal is a *hint*:
+out        one row of PAIR_WIDTH numbers, see ``calling.pairs``. On entry its normal is a *hint*:
            nhat_BA_W of an earlier answer of the same pair, or zeros
 ========== ========================================================================
 
@@ -43,8 +43,30 @@ CYLINDER   radius, half_length           axis z
 ELLIPSOID  a, b, c                       semi-axes
 HALF_SPACE (none)                        occupies z <= 0
 CONVEX     n, then n x 3 vertices, ...   in the geometry's frame, scaled; see ``hulls``
-SOLID      those of CONVEX, then a tree  see ``solid_tree``
+SOLID      those of CONVEX, then a tree  see ``solids.tree``
 ========== ============================= ==========================================
+
+Words, as in the literature (C. Ericson, *Real-Time Collision Detection*, 2005; G. van den Bergh,
+*Collision Detection in Interactive 3D Environments*, 2003):
+
+support function   h(n), how far a body reaches along the unit n; its *support point* is extreme
+                   along n, the *width* of an overlap is the support value of its difference
+witness points     Ca and Cb, the points that attain a distance or a depth
+penetration depth  -phi of bodies that overlap: the least translation that separates
+Minkowski          D = {a - b}, which holds the origin where A and B overlap; the ball about the
+difference         origin that just fits into D has the depth as radius
+core               what is left of a body when the ball that it is grown by is taken away
+separating axis    a direction along which a slab between the bodies is empty
+certificate        two numbers that phi is between: a pair of points above, a slab below
+GJK                walks with a *simplex*, up to four points of D, to the one nearest to the origin
+EPA                grows a *polytope* in D at the face nearest to the origin; the new vertex sees
+                   some faces, and the edges around these are its *horizon*
+curvature          radii of curvature of the surface of D, which tell a minimum of h from a saddle
+kink, crease       where h has no derivative: n is at right angles to a segment that D is a sum of
+ring               directions about an axis that are almost as good as the best
+warm start         to begin at the answer of a pose before, the *hint*
+branch and bound   to go down two trees of boxes, without what is farther than the best so far
+winding number     1 in a closed surface and 0 outside: the solid angles of its triangles over 4 pi
 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on
 the heap that grows with its input. 3-vectors are tuples of three floats (``vectors``).

@@ -1,21 +1,18 @@
 """Bounds of one shape: its box in World axes, the ball around it and the ball inside it."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling import BOUND_ONLY, write
-from drake_geom_ros.geometry._proximity.kernels.hulls import farthest_vertex, hull_defect
-from drake_geom_ros.geometry._proximity.kernels.supports import (
-    BOX,
-    CAPSULE,
-    CONVEX,
-    CYLINDER,
-    ELLIPSOID,
-    SPHERE,
-    bounding_radius,
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
+    farthest_vertex,
+    hull_defect,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -27,11 +24,31 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
     unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SOLID,
+    SPHERE,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
-HALF_SPACE = 6
-SOLID = 8
+Floats = NDArray[np.float64]
+
+
+class Posed(NamedTuple):
+    """A shape, its orientation, and the radius [m] of a ball about Go that lies in it."""
+
+    kind: int
+    shape: Floats
+    R_WG: Floats
+    inner_radius: float
 
 
 @inlined
@@ -119,38 +136,37 @@ def point_inside(shape_type, shape, R_WG, n_W):
 def bounding_interval(A, B, p_AB_W, out):
     """Write the middle and the half width of a certified interval of phi from bounds alone.
 
-    ``A`` and ``B`` are (type, shape, R_WG, inner radius). For every unit n,
-    ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or along the normal of
-    a half space, for which this is the exact value. Above, phi is at most the distance of the
-    balls inside, that of a hull being its vertex towards the other. The witness points lie on the
-    two supporting planes, above Ao.
+    For every unit n, ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or
+    along the normal of a half space, for which this is the exact value. Above, phi is at most the
+    distance of the balls inside, that of a hull being its vertex towards the other. The witness
+    points lie on the two supporting planes, above Ao.
     """
-    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
-    flat = A[0] == HALF_SPACE or B[0] == HALF_SPACE
-    if A[0] == HALF_SPACE:
-        n_AB_W = column(A[2], 2)
-    elif B[0] == HALF_SPACE:
-        n_AB_W = scale(-1.0, column(B[2], 2))
+    p = vector_at(p_AB_W, 0)
+    flat = A.kind == HALF_SPACE or B.kind == HALF_SPACE
+    if A.kind == HALF_SPACE:
+        n_AB_W = column(A.R_WG, 2)
+    elif B.kind == HALF_SPACE:
+        n_AB_W = scale(-1.0, column(B.R_WG, 2))
     else:
         n_AB_W = unit(p)
         if dot(n_AB_W, n_AB_W) == 0.0:
-            n_AB_W = column(A[2], 0)
+            n_AB_W = column(A.R_WG, 0)
     h_A, h_B = 0.0, 0.0
-    if A[0] != HALF_SPACE:
-        h_A = support_value(A[0], A[1], unrotate(A[2], n_AB_W))
-    if B[0] != HALF_SPACE:
-        h_B = support_value(B[0], B[1], scale(-1.0, unrotate(B[2], n_AB_W)))
+    if A.kind != HALF_SPACE:
+        h_A = support_value(A.kind, A.shape, unrotate(A.R_WG, n_AB_W))
+    if B.kind != HALF_SPACE:
+        h_B = support_value(B.kind, B.shape, scale(-1.0, unrotate(B.R_WG, n_AB_W)))
     lower = dot(n_AB_W, p) - h_A - h_B
     upper = lower
     if not flat:
-        a = point_inside(A[0], A[1], A[2], n_AB_W)
-        b = point_inside(B[0], B[1], B[2], scale(-1.0, n_AB_W))
-        upper = max(lower, norm(sub(add(p, b), a)) - A[3] - B[3])
+        a = point_inside(A.kind, A.shape, A.R_WG, n_AB_W)
+        b = point_inside(B.kind, B.shape, B.R_WG, scale(-1.0, n_AB_W))
+        upper = max(lower, norm(sub(add(p, b), a)) - A.inner_radius - B.inner_radius)
     distance = lower + 0.5 * (upper - lower)
     p_ACa_W = scale(h_A, n_AB_W)
     p_ACb_W = add_scaled(p_ACa_W, distance, n_AB_W)
     rounding = 8.0 * EPS * (norm(p) + h_A + h_B)
-    for kind, shape in ((A[0], A[1]), (B[0], B[1])):
+    for kind, shape in ((A.kind, A.shape), (B.kind, B.shape)):
         if has_hull(kind):  # its support value is rounded up by as much
             rounding += hull_defect(shape)
     bound = 0.5 * (upper - lower) + rounding

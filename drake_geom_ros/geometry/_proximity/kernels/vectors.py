@@ -1,9 +1,28 @@
 """Three-vectors as tuples: small, allocation free, and the same compiled or not."""
 
 import math
+from typing import TypeAlias
+
+import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
+
+Vector: TypeAlias = tuple[float, float, float]
+
+
+@inlined
+def vector_at(numbers, k):
+    """Return three numbers of an array (n,) from place k on."""
+    return numbers[k], numbers[k + 1], numbers[k + 2]
+
+
+@inlined
+def vector_in(rows, k, column=0):
+    """Return three numbers of row k of an array (n, m) from a column on."""
+    # Unsigned numbers: the test for negative ones would take as long as the rest.
+    k, column = np.uint64(k), np.uint64(column)
+    return rows[k, column], rows[k, column + np.uint64(1)], rows[k, column + np.uint64(2)]
 
 
 @inlined

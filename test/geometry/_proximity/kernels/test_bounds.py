@@ -5,10 +5,13 @@ import pytest
 from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
-from drake_geom_ros.geometry._proximity.kernels.bounds import bounding_interval, shape_radii
-from drake_geom_ros.geometry._proximity.kernels.calling import DISTANCE, ERROR_BOUND, PAIR_WIDTH
-
-CONVEX, SPHERE = 7, 1
+from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval, shape_radii
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    PAIR_WIDTH,
+)
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SPHERE
 
 
 def inner_radius(kind, shape):
@@ -24,8 +27,8 @@ def test_a_hull_beside_its_origin(beside):
         R, p = random_rotation(rng), rng.uniform(-0.02, 0.02, 3)
         out = np.zeros(PAIR_WIDTH)
         bounding_interval(
-            (SPHERE, ball, np.eye(3), inner_radius(SPHERE, ball)),
-            (CONVEX, hull, R, inner_radius(CONVEX, hull)),
+            Posed(SPHERE, ball, np.eye(3), inner_radius(SPHERE, ball)),
+            Posed(CONVEX, hull, R, inner_radius(CONVEX, hull)),
             p,
             out,
         )

@@ -1,0 +1,39 @@
+"""The kernels of the pair table by their addresses, compiled once a process, when first needed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import address_at_one_metre
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    address_table,
+    compiled_address,
+)
+from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
+
+ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
+# Kernels are compiled once a process, whatever scene asked for them.
+ADDRESSES = address_table(len(ALL_ROWS) + 1)
+AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
+_COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
+
+
+def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the pair table's row of each pair of shape types, in either order; -1: none."""
+    low, high = np.minimum(types_a, types_b), np.maximum(types_a, types_b)
+    rows: NDArray[np.int64] = ROWS[low * TYPE_COUNT + high]
+    return rows
+
+
+def compile_rows(rows: NDArray[np.int64]) -> list[str]:
+    """Compile the kernels of table rows that are not compiled yet; return their names."""
+    missing = rows[(rows >= 0) & ~_COMPILED[rows]]
+    if len(missing) and not ADDRESSES[AT_ONE_METRE]:
+        ADDRESSES[AT_ONE_METRE] = address_at_one_metre()
+    names: dict[str, None] = {}
+    for number in np.unique(missing).tolist():
+        ADDRESSES[number] = compiled_address(ALL_ROWS[number].load_kernel())
+        _COMPILED[number] = True
+        names[ALL_ROWS[number].kernel] = None
+    return list(names)

@@ -1,0 +1,1 @@
+"""How kernels are called: signatures, addresses, rows of results; pairs of extreme sizes."""

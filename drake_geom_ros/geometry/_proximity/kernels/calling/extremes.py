@@ -1,0 +1,79 @@
+"""Pairs so small or so large that products of their lengths leave float64, brought to about 1 m.
+
+A power of two changes no digit of a length, and the signed distance scales with the lengths.
+"""
+
+import math
+from typing import Any
+
+from numba import types
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    PAIR_SIGNATURE,
+    WITNESS_A,
+    WITNESS_B,
+    call_kernel,
+    caller,
+    compiled_address,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
+
+# That of ``at_one_metre``: a kernel's address and the size of its pair come first.
+_SIGNATURE = types.void(types.intp, types.float64, *PAIR_SIGNATURE.args)
+call_at_one_metre = caller(_SIGNATURE)
+
+
+@inlined
+def is_extreme(size, p_AB_W):
+    """Tell whether products of a few lengths of a pair may leave float64.
+
+    ``size`` [m] is that of its shapes, ``p_AB_W`` what is between them.
+    """
+    x, y, z = abs(p_AB_W[0]), abs(p_AB_W[1]), abs(p_AB_W[2])
+    return not SMALL_SIZE < size + x + y + z < LARGE_SIZE
+
+
+@compiled
+def resized(kind, shape, exponent):
+    """Return a copy of a shape's parameters with its lengths times 2^exponent."""
+    copy = shape.copy()
+    first, last = 0, shape.size
+    if kind == CONVEX:
+        # Behind the number of the vertices their coordinates, and of a large hull its defect.
+        first, last = 1, min(shape.size, 3 * int(shape[0]) + 2)
+    for k in range(first, last):
+        copy[k] = math.ldexp(copy[k], exponent)
+    return copy
+
+
+@compiled
+def at_one_metre(
+    address, size, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Call the kernel at an address for the pair brought to about 1 m.
+
+    Itself called through its address: a copy of a shape may fail, and to Numba that made every
+    other pair of the narrow phase take 100 ns more.
+    """
+    largest = max(size, norm(vector_at(p_AB_W, 0)))
+    e = -math.frexp(largest)[1]
+    p = p_AB_W.copy()
+    for k in range(3):
+        p[k] = math.ldexp(p[k], e)
+    pair = kind_A, resized(kind_A, shape_A, e), R_WA, kind_B, resized(kind_B, shape_B, e), R_WB, p
+    call_kernel(address, *pair, math.ldexp(tolerance, e), math.ldexp(cutoff, e), out)
+    for k in (DISTANCE, ERROR_BOUND):
+        out[k] = math.ldexp(out[k], -e)
+    for k in range(3):
+        out[WITNESS_A + k] = math.ldexp(out[WITNESS_A + k], -e)
+        out[WITNESS_B + k] = math.ldexp(out[WITNESS_B + k], -e)
+
+
+def address_at_one_metre() -> Any:
+    """Compile ``at_one_metre`` and return its address."""
+    return compiled_address(at_one_metre, _SIGNATURE)

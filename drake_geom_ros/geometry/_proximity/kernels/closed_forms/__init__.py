@@ -1,0 +1,1 @@
+"""Pairs with a closed form, and points: spheres, boxes, capsules, half spaces."""

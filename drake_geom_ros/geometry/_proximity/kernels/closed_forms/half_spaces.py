@@ -1,0 +1,129 @@
+"""Box, capsule, cylinder, ellipsoid and convex hull against a half space.
+
+The half space is B, but A against a convex hull, which has the higher type number. The normal is
+along the z axis of the half space, always; the distance is that of the other's lowest point, which
+the support function gives. Where that stands on a face or lies on an edge, the witness is the
+midpoint of the lowest face or edge.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    column,
+    dot,
+    norm,
+    rotate,
+    scale,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
+
+
+@compiled
+def _lowest(n, half):
+    """Return where on [-half, half] an axis that rises by n a metre is lowest: mid if level."""
+    if n > RIGHT_ANGLE:
+        return -half
+    if n < -RIGHT_ANGLE:
+        return half
+    return 0.0
+
+
+@compiled
+def _write(out, R_WA, R_WB, p_AB_W, size, depth, p_ACa):
+    """Fill the row, A's lowest point Ca (in A) being ``depth`` [m] below Ao."""
+    nhat_BA_W = column(R_WB, 2)
+    p_AB_W = vector_at(p_AB_W, 0)
+    distance = -dot(p_AB_W, nhat_BA_W) - depth
+    p_ACa_W = rotate(R_WA, p_ACa)
+    p_ACb_W = add_scaled(p_ACa_W, -distance, nhat_BA_W)
+    bound = CLOSED_FORM_ROUNDING * (size + norm(p_AB_W))
+    write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, bound, True, CLOSED_FORM)
+
+
+@compiled
+def box_half_space(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of a box and a half space."""
+    n = unrotate(R_WA, column(R_WB, 2))
+    h = vector_at(shape_A, 0)
+    depth = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
+    p_ACa = (_lowest(n[0], h[0]), _lowest(n[1], h[1]), _lowest(n[2], h[2]))
+    _write(out, R_WA, R_WB, p_AB_W, norm(h), depth, p_ACa)
+
+
+@compiled
+def capsule_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Signed distance of a capsule and a half space."""
+    n = unrotate(R_WA, column(R_WB, 2))
+    radius, half = shape_A[0], shape_A[1]
+    p_ACa = (-radius * n[0], -radius * n[1], _lowest(n[2], half) - radius * n[2])
+    depth = half * abs(n[2]) + radius
+    _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
+
+
+@compiled
+def cylinder_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Signed distance of a cylinder and a half space."""
+    n = unrotate(R_WA, column(R_WB, 2))
+    radius, half = shape_A[0], shape_A[1]
+    across = math.sqrt(n[0] * n[0] + n[1] * n[1])
+    reach = radius / across if across > RIGHT_ANGLE else 0.0
+    p_ACa = (-reach * n[0], -reach * n[1], _lowest(n[2], half))
+    depth = half * abs(n[2]) + radius * across
+    _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
+
+
+@compiled
+def ellipsoid_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Signed distance of an ellipsoid and a half space."""
+    n = unrotate(R_WA, column(R_WB, 2))
+    e = vector_at(shape_A, 0)
+    v = (e[0] * n[0], e[1] * n[1], e[2] * n[2])
+    depth = norm(v)
+    p_ACa = (-e[0] * (v[0] / depth), -e[1] * (v[1] / depth), -e[2] * (v[2] / depth))
+    _write(out, R_WA, R_WB, p_AB_W, max(e), depth, p_ACa)
+
+
+@compiled
+def half_space_convex(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Signed distance of a half space (A) and a hull or solid (B): that of its lowest vertices.
+
+    The witness is the mean of the vertices that are lowest to rounding; of a solid it is the first
+    of them, for between them there may be a hole.
+    """
+    z_W = column(R_WA, 2)
+    n = unrotate(R_WB, z_W)
+    count = int(shape_B[0])
+    lowest, size = math.inf, 0.0
+    for k in range(1, 3 * count + 1, 3):
+        v = vector_at(shape_B, k)
+        lowest = min(lowest, dot(n, v))
+        size = max(size, norm(v))
+    mean, level = (0.0, 0.0, 0.0), 0
+    for k in range(1, 3 * count + 1, 3):
+        v = vector_at(shape_B, k)
+        if dot(n, v) <= lowest + RIGHT_ANGLE * size:
+            mean = add_scaled(mean, 1.0, v)
+            level += 1
+            if kind_B != CONVEX:
+                break
+    mean = scale(1.0 / level, mean)
+    p = vector_at(p_AB_W, 0)
+    distance = dot(p, z_W) + lowest
+    p_ACb_W = add_scaled(p, 1.0, rotate(R_WB, mean))
+    p_ACa_W = add_scaled(p_ACb_W, -distance, z_W)
+    bound = CLOSED_FORM_ROUNDING * (size + norm(p))
+    write(out, distance, scale(-1.0, z_W), p_ACa_W, p_ACb_W, bound, True, CLOSED_FORM)

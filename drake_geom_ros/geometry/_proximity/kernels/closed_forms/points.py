@@ -1,0 +1,210 @@
+"""Signed distance from a point to a primitive shape, in the shape's own frame G.
+
+``<shape>_point(lengths, q, slack)`` returns an ``ellipsoid_point.Nearest``. ``slack`` [m] is the
+rounding that the coordinates of q carry: candidates that differ by less count as equal, and then
+the choice is
+
+- centre of a sphere, axis of a capsule or cylinder: +x;
+- equally near faces: the face of the lowest axis, on it the positive side; a cylinder's
+  barrel before its caps;
+- mirror images on an ellipsoid: the positive side of the shortest axis (of the first of them).
+
+``at_box_edge`` and ``at_cylinder_rim`` return such a result with another gradient where q lies on
+an edge, a corner or a rim, within ``near`` [m]: the mean of the outward normals that adjoin there,
+at unit length. (Drake's documentation of ``QueryObject`` says so for boxes.)
+
+``near_<shape>(shape, q)`` takes the parameters of a kernel, and returns the size of the pair
+[m], sizes plus distance of the origins, and the same with the rounding of that.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
+    Nearest,
+    ellipsoid_point,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit, vector_at
+from drake_geom_ros.geometry._proximity.tolerances import TIE
+
+
+@inlined
+def length_and_direction(v):
+    """Return |v| and v / |v|; the direction of the zero vector is +x."""
+    length = norm(v)
+    if length == 0.0:
+        return 0.0, (1.0, 0.0, 0.0)
+    return length, unit(v)
+
+
+@inlined
+def clamp(x, limit):
+    """Return the number nearest to x in [-limit, limit]."""
+    return min(max(x, -limit), limit)
+
+
+@inlined
+def excess(h, v):
+    """Return v minus its nearest point of the box with half sizes h: zero inside."""
+    return v[0] - clamp(v[0], h[0]), v[1] - clamp(v[1], h[1]), v[2] - clamp(v[2], h[2])
+
+
+@inlined
+def along(k, s):
+    """Return s times the k-th unit vector."""
+    return s if k == 0 else 0.0, s if k == 1 else 0.0, s if k == 2 else 0.0
+
+
+@inlined
+def sphere_point(radius, q, slack):
+    """Signed distance to a sphere."""
+    rho, grad = length_and_direction(q)
+    return Nearest(rho - radius, grad, scale(radius, grad), rho > slack)
+
+
+@inlined
+def box_point(h, q, slack):
+    """Signed distance to a box with half sizes h."""
+    beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
+    if max(beyond) > 0.0:
+        gap = excess(h, q)
+        distance, grad = length_and_direction(gap)
+        faces = 0
+        for k in range(3):
+            if beyond[k] >= -slack:
+                faces += 1
+        return Nearest(distance, grad, sub(q, gap), distance > slack or faces == 1)
+    k = 0
+    for i in range(1, 3):
+        if beyond[i] > beyond[k] + slack:
+            k = i
+    unique = abs(q[k]) > slack
+    for i in range(3):
+        if i != k and beyond[i] >= beyond[k] - slack:
+            unique = False
+    side = -1.0 if q[k] < -slack else 1.0
+    distance = side * q[k] - h[k]
+    grad = along(k, side)
+    face = side * h[k]
+    p_GN = (face if k == 0 else q[0], face if k == 1 else q[1], face if k == 2 else q[2])
+    return Nearest(distance, grad, p_GN, unique)
+
+
+@inlined
+def at_no_edge(shape, q, near, nearest):
+    """Return the nearest point of a shape that has no edge."""
+    return nearest
+
+
+@inlined
+def at_box_edge(shape, q, near, nearest):
+    """Return the nearest point of a box with the gradient of an edge or a corner, if on one."""
+    if not abs(nearest.distance) <= near:
+        return nearest
+    x, y, z = _side(q[0], shape[0], near), _side(q[1], shape[1], near), _side(q[2], shape[2], near)
+    faces = abs(x) + abs(y) + abs(z)
+    if faces < 2.0:
+        return nearest
+    grad = scale(1.0 / math.sqrt(faces), (x, y, z))
+    return Nearest(nearest.distance, grad, nearest.p_GN, False)
+
+
+@inlined
+def _side(x, half, near):
+    """Return the side, 1 or -1, on whose face a coordinate lies; 0: on neither."""
+    if abs(x) < half - near:
+        return 0.0
+    return -1.0 if x < 0.0 else 1.0
+
+
+@inlined
+def capsule_point(radius, half_length, q, slack):
+    """Signed distance to a capsule: a segment along z, grown by the radius."""
+    z = clamp(q[2], half_length)
+    rho, grad = length_and_direction((q[0], q[1], q[2] - z))
+    p_GN = (radius * grad[0], radius * grad[1], radius * grad[2] + z)
+    return Nearest(rho - radius, grad, p_GN, rho > slack)
+
+
+@inlined
+def cylinder_point(radius, half_length, q, slack):
+    """Signed distance to a cylinder: a rectangle in the plane of the axis and the point."""
+    rho, radial = length_and_direction((q[0], q[1], 0.0))
+    barrel = rho - radius
+    cap = abs(q[2]) - half_length
+    if barrel > 0.0 or cap > 0.0:
+        side = -1.0 if q[2] < 0.0 else 1.0
+        distance, (dr, dz, _) = length_and_direction((max(barrel, 0.0), max(cap, 0.0), 0.0))
+        grad = (dr * radial[0], dr * radial[1], side * dz)
+        z = clamp(q[2], half_length)
+        p_GN = (radius * radial[0], radius * radial[1], z) if barrel > 0.0 else (q[0], q[1], z)
+        unique = distance > slack or barrel < -slack or cap < -slack
+        return Nearest(distance, grad, p_GN, unique)
+    if barrel >= cap - slack:
+        p_GN = (radius * radial[0], radius * radial[1], q[2])
+        return Nearest(barrel, radial, p_GN, rho > slack and barrel > cap + slack)
+    side = -1.0 if q[2] < -slack else 1.0
+    p_GN = (q[0], q[1], side * half_length)
+    return Nearest(side * q[2] - half_length, (0.0, 0.0, side), p_GN, abs(q[2]) > slack)
+
+
+@inlined
+def at_cylinder_rim(shape, q, near, nearest):
+    """Return the nearest point of a cylinder with the gradient of a rim, if on one."""
+    if not abs(nearest.distance) <= near:
+        return nearest
+    rho, radial = length_and_direction((q[0], q[1], 0.0))
+    if rho < shape[0] - near or abs(q[2]) < shape[1] - near:
+        return nearest
+    side = -1.0 if q[2] < 0.0 else 1.0
+    grad = scale(math.sqrt(0.5), (radial[0], radial[1], side))
+    return Nearest(nearest.distance, grad, nearest.p_GN, False)
+
+
+@inlined
+def half_space_point(q):
+    """Signed distance to the half space z <= 0."""
+    return Nearest(q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True)
+
+
+@inlined
+def near_sphere(shape, q):
+    """Return the size of the pair and the nearest point of a sphere."""
+    extent = shape[0] + norm(q)
+    return extent, sphere_point(shape[0], q, TIE * extent)
+
+
+@inlined
+def near_box(shape, q):
+    """Return the size of the pair and the nearest point of a box."""
+    h = vector_at(shape, 0)
+    extent = norm(h) + norm(q)
+    return extent, box_point(h, q, TIE * extent)
+
+
+@inlined
+def near_capsule(shape, q):
+    """Return the size of the pair and the nearest point of a capsule."""
+    extent = shape[0] + shape[1] + norm(q)
+    return extent, capsule_point(shape[0], shape[1], q, TIE * extent)
+
+
+@inlined
+def near_cylinder(shape, q):
+    """Return the size of the pair and the nearest point of a cylinder."""
+    extent = shape[0] + shape[1] + norm(q)
+    return extent, cylinder_point(shape[0], shape[1], q, TIE * extent)
+
+
+@inlined
+def near_ellipsoid(shape, q):
+    """Return the size of the pair and the nearest point of an ellipsoid."""
+    e = vector_at(shape, 0)
+    extent = max(e) + norm(q)
+    return extent, ellipsoid_point(e, q, TIE * extent)
+
+
+@inlined
+def near_half_space(shape, q):
+    """Return the size of the pair and the nearest point of a half space."""
+    return norm(q), half_space_point(q)

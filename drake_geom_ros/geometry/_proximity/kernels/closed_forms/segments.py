@@ -1,0 +1,236 @@
+"""Capsule against capsule, and box against capsule: a segment against a box, less the radii.
+
+The core of a capsule is a segment, and a segment is also a box without width and depth. So both
+pairs are one problem: a segment ``c + t d, |t| <= half_length`` in the frame of a box with half
+sizes h. There the square of the distance is a convex, piecewise quadratic function of t alone; its
+slope is piecewise linear, with a break where the segment crosses a face's plane. The root of that
+is found without a case for each pair of features, and without the determinant that makes the
+textbook solution of two lines lose digits when they are nearly parallel.
+
+Where segment and box overlap, the least translation is along a facet of their Minkowski
+difference: a face of the box, or an edge of it crossed with the segment. Equal ones: a face before
+a crossed edge, the lowest axis first, towards its positive side if both are equal. Where parallels
+face each other, the witness points are in the middle of the stretch that they share.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
+    along,
+    clamp,
+    excess,
+    length_and_direction,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    column,
+    cross,
+    dot,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.tolerances import (
+    CLOSED_FORM_ROUNDING,
+    DISTINCT_NORMALS,
+    RIGHT_ANGLE,
+    SHORT_GAP,
+    TIE,
+)
+
+
+@compiled
+def _slope(h, c, d, t, on_face):
+    """Return half the slope of the squared distance at t; axis ``on_face`` has none there.
+
+    Nor has one that is on a face but for rounding, which could drown the others' small slopes.
+    """
+    slope = 0.0
+    for k in range(3):
+        if k != on_face and d[k] != 0.0:
+            along_d = t * d[k]
+            beyond = c[k] + along_d - clamp(c[k] + along_d, h[k])
+            if abs(beyond) > TIE * (abs(c[k]) + abs(along_d) + h[k]):
+                slope += d[k] * beyond
+    return slope
+
+
+@compiled
+def nearest_parameter(h, c, d, half_length):
+    """Return the t [m] at which the segment c + t d is nearest to the box with half sizes h.
+
+    The middle of the stretch where it is equally near for long, also if it runs inside the box.
+    """
+    d = (
+        d[0] if abs(d[0]) > RIGHT_ANGLE else 0.0,
+        d[1] if abs(d[1]) > RIGHT_ANGLE else 0.0,
+        d[2] if abs(d[2]) > RIGHT_ANGLE else 0.0,
+    )
+    low, high = -half_length, half_length
+    slope_low, slope_high = _slope(h, c, d, low, -1), _slope(h, c, d, high, -1)
+    if slope_low > 0.0:
+        return low
+    if slope_high < 0.0:
+        return high
+    # The stretch of slope 0 found so far: empty while first > last.
+    first, last = half_length, -half_length
+    if slope_low == 0.0:
+        first, last = low, low
+    if slope_high == 0.0:
+        first, last = min(first, high), high
+    for k in range(3):
+        if d[k] == 0.0:
+            continue
+        for face in (-h[k], h[k]):
+            t = (face - c[k]) / d[k]
+            if low < t < high:
+                slope = _slope(h, c, d, t, k)
+                if slope < 0.0:
+                    low, slope_low = t, slope
+                elif slope > 0.0:
+                    high, slope_high = t, slope
+                else:
+                    first, last = min(first, t), max(last, t)
+    if first <= last:
+        return 0.5 * (first + last)
+    return low - slope_low * ((high - low) / (slope_high - slope_low))
+
+
+@compiled
+def _axis(d, m):
+    """Return candidate m of 6 for the separating axis: a unit vector, or 0 if there is none."""
+    if m < 3:
+        return along(m, 1.0)
+    n = cross(along(m - 3, 1.0), d)
+    sine = math.sqrt(dot(n, n))
+    # Complete without it, as for boxes (``boxes._axis``): a segment along an edge is a point to
+    # the rectangle across it, and turning it by so little is within CLOSED_FORM_ROUNDING.
+    if sine <= RIGHT_ANGLE:
+        return 0.0, 0.0, 0.0
+    return scale(1.0 / sine, n)
+
+
+@compiled
+def _separation(h, c, d, half_length, n, slack):
+    """Return the gap between box and segment along n or -n, whichever is larger, and its sign."""
+    side = -1.0 if dot(c, n) < -slack else 1.0
+    box = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
+    return side * dot(c, n) - box - half_length * abs(dot(d, n)), side
+
+
+@compiled
+def _separating_axis(h, c, d, half_length, slack):
+    """Return the largest separation over 6 axes, its unit normal out of the box, uniqueness."""
+    phi, n, tie = -math.inf, (1.0, 0.0, 0.0), False
+    for m in range(6):
+        axis = _axis(d, m)
+        if dot(axis, axis) > 0.0:
+            separation, side = _separation(h, c, d, half_length, axis, slack)
+            if separation > phi + slack:
+                tie = separation <= phi + 2.0 * slack
+                phi, n = separation, scale(side, axis)
+            elif separation >= phi - slack and norm(cross(axis, n)) > DISTINCT_NORMALS:
+                tie = True
+    return phi, n, not tie and abs(dot(c, n)) > slack
+
+
+@compiled
+def _turned(gap, d, slack):
+    """Return gap at right angles to d if that moves it by no more than rounding, else gap."""
+    square = dot(d, d)
+    if square <= RIGHT_ANGLE * RIGHT_ANGLE:
+        return gap
+    error = scale(dot(gap, d) / square, d)
+    if norm(error) > min(4.0 * slack, 0.5 * norm(gap)):
+        return gap
+    return sub(gap, error)
+
+
+@compiled
+def _across(gap, p, h, d, slack):
+    """Return the gap vector from a box to p on a segment along d, at right angles to d again.
+
+    Rounding, of up to ``slack`` [m], has turned a short one. Coordinates in which p is between two
+    faces are 0 and stay so; one in which p is on a face but for rounding may leave it outwards.
+    """
+    free = (
+        d[0] if abs(p[0]) >= h[0] - slack else 0.0,
+        d[1] if abs(p[1]) >= h[1] - slack else 0.0,
+        d[2] if abs(p[2]) >= h[2] - slack else 0.0,
+    )
+    turned = _turned(gap, free, slack)
+    for k in range(3):
+        if h[k] > slack and turned[k] * p[k] < 0.0:
+            outside = (
+                d[0] if gap[0] != 0.0 else 0.0,
+                d[1] if gap[1] != 0.0 else 0.0,
+                d[2] if gap[2] != 0.0 else 0.0,
+            )
+            return _turned(gap, outside, slack)
+    return turned
+
+
+@compiled
+def segment_to_box(h, c, d, half_length, slack):
+    """Return (phi, n, p, unique) of a segment c + t d, |t| <= half_length, from a box.
+
+    All in the box's frame; d is unit. phi [m]: signed distance; n: unit, out of the box; p: the
+    segment's point, so that p - phi n is the box's. ``slack`` [m]: rounding in the coordinates.
+    """
+    t = nearest_parameter(h, c, d, half_length)
+    p = add_scaled(c, t, d)
+    gap = excess(h, p)
+    distance, n = length_and_direction(gap)
+    if distance > SHORT_GAP * (half_length + norm(h)):
+        return distance, n, p, True
+    phi, axis, unique = _separating_axis(h, c, d, half_length, slack)
+    apart = distance > slack
+    if apart and norm(sub(gap, scale(phi, axis))) > 4.0 * slack:
+        if abs(t) < half_length or t * dot(gap, d) > 0.0:
+            _, n = length_and_direction(_across(gap, p, h, d, slack))
+        return distance, n, p, True
+    # The segment, moved until it touches the box, shares the point with it.
+    moved = add_scaled(c, -phi, axis)
+    t = nearest_parameter(h, moved, d, half_length)
+    return phi, axis, add_scaled(c, t, d), apart or unique
+
+
+@compiled
+def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
+    """Fill the row for a box with half sizes h and a segment, each grown by its radius."""
+    c = unrotate(R_WA, p_AB_W)
+    d = unrotate(R_WA, column(R_WB, 2))
+    extent = norm(h) + half_length_B + norm(c)
+    phi, n, p, unique = segment_to_box(h, c, d, half_length_B, TIE * extent)
+    p_ACa = add_scaled(p, radius_A - phi, n)
+    p_ACb = add_scaled(p, -radius_B, n)
+    write(
+        out,
+        phi - radius_A - radius_B,
+        rotate(R_WA, scale(-1.0, n)),
+        rotate(R_WA, p_ACa),
+        rotate(R_WA, p_ACb),
+        CLOSED_FORM_ROUNDING * (extent + radius_A + radius_B),
+        unique,
+        CLOSED_FORM,
+    )
+
+
+@compiled
+def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of two capsules."""
+    h = (0.0, 0.0, shape_A[1])
+    _write(out, R_WA, shape_A[0], h, shape_B[0], R_WB, shape_B[1], p_AB_W)
+
+
+@compiled
+def box_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of a box and a capsule."""
+    h = vector_at(shape_A, 0)
+    _write(out, R_WA, 0.0, h, shape_B[0], R_WB, shape_B[1], p_AB_W)

@@ -1,0 +1,85 @@
+"""Sphere against everything: the signed distance of its centre, less its radius.
+
+The nearest point and the choices where it is not unique are those of ``points``; for two
+concentric spheres the normal is the x axis of B.
+"""
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
+    near_box,
+    near_capsule,
+    near_cylinder,
+    near_ellipsoid,
+    near_half_space,
+    near_sphere,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    rotate,
+    scale,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING
+
+
+@inlined
+def _centre(R_WB, p_AB_W):
+    """Return p_BA in B."""
+    return unrotate(R_WB, (-p_AB_W[0], -p_AB_W[1], -p_AB_W[2]))
+
+
+@inlined
+def _write(out, radius, R_WB, p_AB_W, size, nearest):
+    """Fill the row from the point query of A's centre in B's frame."""
+    distance, nhat_BA_W = nearest.distance - radius, rotate(R_WB, nearest.grad)
+    p_ACb_W = add(vector_at(p_AB_W, 0), rotate(R_WB, nearest.p_GN))
+    bound = CLOSED_FORM_ROUNDING * (size + radius)
+    p_ACa_W = scale(-radius, nhat_BA_W)
+    write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, bound, nearest.unique, CLOSED_FORM)
+
+
+@compiled
+def sphere_sphere(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of two spheres."""
+    size, nearest = near_sphere(shape_B, _centre(R_WB, p_AB_W))
+    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+
+
+@compiled
+def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of a sphere and a box."""
+    size, nearest = near_box(shape_B, _centre(R_WB, p_AB_W))
+    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+
+
+@compiled
+def sphere_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of a sphere and a capsule."""
+    size, nearest = near_capsule(shape_B, _centre(R_WB, p_AB_W))
+    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+
+
+@compiled
+def sphere_cylinder(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of a sphere and a cylinder."""
+    size, nearest = near_cylinder(shape_B, _centre(R_WB, p_AB_W))
+    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+
+
+@compiled
+def sphere_ellipsoid(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+    """Signed distance of a sphere and an ellipsoid."""
+    size, nearest = near_ellipsoid(shape_B, _centre(R_WB, p_AB_W))
+    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+
+
+@compiled
+def sphere_half_space(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Signed distance of a sphere and a half space."""
+    size, nearest = near_half_space(shape_B, _centre(R_WB, p_AB_W))
+    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)

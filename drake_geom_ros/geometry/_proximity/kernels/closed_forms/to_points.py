@@ -1,0 +1,146 @@
+"""A geometry against many points: kernels that hold the loop over the points.
+
+Their arguments stand in ``calling.points``. A call a point takes as long as the closed form of a
+sphere or box, and hides one point's divisions from the next's; so does turning the witness from G
+into World and back.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    NORMAL,
+    PAIR_WIDTH,
+    UNIQUE,
+    WITNESS_B,
+    call_kernel,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.points import put_point, seen, take
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
+    at_box_edge,
+    at_cylinder_rim,
+    at_no_edge,
+    near_box,
+    near_capsule,
+    near_cylinder,
+    near_ellipsoid,
+    near_half_space,
+    near_sphere,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import sub, unrotate, vector_at
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.tolerances import TIE
+
+
+@inlined
+def _each(
+    near_shape,
+    at_edge,
+    tilt,
+    shape,
+    R_WG,
+    p_WG,
+    p_WQs,
+    threshold,
+    ball,
+    span,
+    rows,
+    found,
+    counts,
+):
+    """Answer for the points by ``points.near_<shape>`` and ``at_edge``, if it has any.
+
+    ``tilt`` [-] is of a half space.
+    """
+    for k in range(span.first, span.last):
+        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
+        if near:
+            size, nearest = near_shape(shape, q)
+            nearest = at_edge(shape, q, TIE * size + rounding, nearest)
+            if tilt > 0.0:
+                rounding += tilt * size
+            at = k * span.n + span.g
+            take(rows, found, counts, at, R_WG, threshold, size, rounding, nearest)
+
+
+@compiled
+def to_sphere(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
+    """Signed distance of points to a sphere."""
+    how = near_sphere, at_no_edge, 0.0
+    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+
+
+@compiled
+def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
+    """Signed distance of points to a box."""
+    how = near_box, at_box_edge, 0.0
+    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+
+
+@compiled
+def to_capsule(
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+):
+    """Signed distance of points to a capsule."""
+    how = near_capsule, at_no_edge, 0.0
+    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+
+
+@compiled
+def to_cylinder(
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+):
+    """Signed distance of points to a cylinder."""
+    how = near_cylinder, at_cylinder_rim, 0.0
+    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+
+
+@compiled
+def to_ellipsoid(
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+):
+    """Signed distance of points to an ellipsoid."""
+    how = near_ellipsoid, at_no_edge, 0.0
+    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+
+
+@compiled
+def to_half_space(
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+):
+    """Signed distance of points to a half space."""
+    how = near_half_space, at_no_edge, ball.tilt
+    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+
+
+@compiled
+def by_pair_kernel(
+    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
+):
+    """Signed distance of points to a shape without a closed form: spheres without radius."""
+    nothing, identity = np.zeros(1), np.eye(3)
+    p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
+    for k in range(span.first, span.last):
+        near, _, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
+        if not near:
+            continue
+        for c in range(3):
+            p_QG_W[c] = p_WG[c] - p_WQs[k, c]
+            out[NORMAL + c] = 0.0
+        pair = SPHERE, nothing, identity, kind, shape, R_WG, p_QG_W
+        call_kernel(address, *pair, 0.0, math.inf, out)
+        if out[DISTANCE] <= threshold:
+            # The witness on G is measured from the point.
+            p_QN_W = vector_at(out, WITNESS_B)
+            p_GN = unrotate(R_WG, sub(p_QN_W, vector_at(p_QG_W, 0)))
+            grad_W = vector_at(out, NORMAL)
+            bound, unique = out[ERROR_BOUND] + rounding, out[UNIQUE] > 0.0
+            at = k * span.n + span.g
+            put_point(rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
+            found[at] = True
+            counts[int(out[METHOD])] += 1

@@ -1,0 +1,45 @@
+"""The axes of two shapes as normals: where symmetric positions have their least depth.
+
+Among the axes of A and of B and their cross products is the answer of most aligned pairs, which
+are the ones where an iteration finds several equal minima, or a difference without volume. Any
+normal bounds the depth from above (``phi = max over n`` in the conventions), so nothing is lost by
+trying, and nothing is claimed: this set is not called complete, and the bound from below stays.
+"""
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.vectors import column, cross, dot, scale, sub, unit
+from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
+
+
+@compiled
+def candidate(R_WA, R_WB, k):
+    """Return the k-th of 15 normals: axes of A, of B, cross products; (0, 0, 0) for parallels."""
+    if k < 3:
+        return column(R_WA, k)
+    if k < 6:
+        return column(R_WB, k - 3)
+    return unit(cross(column(R_WA, (k - 6) // 3), column(R_WB, (k - 6) % 3)))
+
+
+@compiled
+def least_along_axes(pair, best):
+    """Return (h, n, a, b): the least width of the overlap along an axis, if below ``best``.
+
+    Points a and b are midpoints of what is extreme along n. Where no axis does better h is
+    ``best``.
+    """
+    R_WA, R_WB = pair.R_WA, pair.R_WB
+    h, normal = best, (0.0, 0.0, 0.0)
+    for k in range(15):
+        m = candidate(R_WA, R_WB, k)
+        if dot(m, m) < 0.5:
+            continue
+        for turn in range(2):
+            n = scale(1.0 - 2.0 * turn, m)
+            a, b = support_points(pair, n, 0.0)
+            width = dot(sub(a, b), n)
+            if width < h:
+                h, normal = width, n
+    a, b = support_points(pair, normal, RIGHT_ANGLE)
+    return h, normal, a, b

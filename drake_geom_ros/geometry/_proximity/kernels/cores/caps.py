@@ -1,0 +1,89 @@
+"""How far around a minimum of h nothing is less: a whole cap of directions, certified at once.
+
+On a great circle from n, ``g'' + g = rho`` where g is h and rho >= 0 the radius of
+curvature (a measure: kinks only add to it). If ``rho >= rho_0`` within the angle C, then there
+``g >= g(0) cos + g'(0) sin + rho_0 (1 - cos)``, and ``rho_0 >= g(0)`` makes that at least g(0) but
+for the square of the slope that Newton left. The ellipsoid ``y = |E n|`` has ``rho = const / y^3``
+on the circle and ``y <= y_0 + |E| C``, so ``rho_0 = rho (y_0 / (y_0 + |E| C))^3``. So a whole cap
+of directions is certified at once, where a polytope would need faces by the dozen.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import CREASE, FLAT, SMOOTH
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    AXES_A,
+    AXES_B,
+    LENGTH,
+    SEGMENT,
+    SHARE,
+    curvature,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    perpendicular,
+    scale,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
+
+WIDEST_CAP = 0.8  # [rad]; wider ones would save no faces
+CAPS = 10  # how often a cap that cannot be proven is halved
+# h rises in a cap with the cosine of the angle; this share of what it rises with, less what the
+# other terms take of it at most, is left where another normal would count as clearly another one.
+CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
+
+
+@compiled
+def sharpness(terms, radius, n, e, f, cap):
+    """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see above)."""
+    m11, m12, m22 = -radius, 0.0, -radius
+    for axes in (AXES_A, AXES_B):
+        y, _, _, k11, k12, k22 = curvature(terms, axes, n, e, f)
+        if y > 0.0:
+            longest = max(terms[axes, LENGTH], terms[axes + 1, LENGTH], terms[axes + 2, LENGTH])
+            q = y / (y + longest * cap)
+            q = q * q * q
+            m11, m12, m22 = m11 + q * k11, m12 + q * k12, m22 + q * k22
+    return m11, m12, m22
+
+
+@compiled
+def is_cap(terms, last, radius, found, cap, enough):
+    """Tell whether no h within ``cap`` [rad] of the minimum ``found`` is less than it."""
+    kind, n, h, margin = found
+    half = math.tan(0.5 * cap)
+    e = (0.0, 0.0, 0.0)
+    for k in range(SEGMENT, last):
+        if kind == CREASE and abs(terms[k, SHARE]) < 1.0:
+            e = scale(1.0 / terms[k, LENGTH], vector_in(terms, k))
+    if kind == SMOOTH:
+        e = perpendicular(n)
+    f = cross(n, e)
+    m11, m12, m22 = sharpness(terms, radius, n, e, f, cap)
+    m11, m22 = m11 - h, m22 - h
+    if kind == SMOOTH:
+        # The least eigenvalue.
+        rise = 0.5 * (m11 + m22) - math.hypot(0.5 * (m11 - m22), m12)
+        return rise * CLEAR >= enough
+    if min(margin, m22) * CLEAR < enough:
+        return False
+    return margin >= 2.0 * half * (2.0 * m12 * m12 / m22 - m11)
+
+
+@compiled
+def widest_cap(difference, found, enough):
+    """Return the angle [rad] of a cap around the minimum ``found``, 0 if none is known."""
+    terms, _, last, r_A, r_B = difference
+    cap = WIDEST_CAP
+    if found.kind == FLAT:
+        h, margin = found.h, found.margin
+        if margin * CLEAR < enough:
+            return 0.0
+        return min(cap, 2.0 * math.atan(0.5 * margin / max(h, 0.5 * margin)))
+    for _ in range(CAPS):
+        if is_cap(terms, last, r_A + r_B, found, cap, enough):
+            return cap
+        cap *= 0.5
+    return 0.0

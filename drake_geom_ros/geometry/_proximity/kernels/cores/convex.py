@@ -1,0 +1,328 @@
+"""Signed distance of convex pairs that have no closed form, by the cheapest way that is certain.
+
+One function, ``signed_distance_of_cores``, serves every pair and is compiled once. The cores are
+those of ``supports``. In this order, each only where the one before could not certify its answer:
+
+1. the slab along the hint, or along the line of centres, is wider than the cutoff: BOUND_ONLY;
+2. Newton's method on the normal (``normals``): apart, its two witness points are the certificate;
+3. overlapping: ``depths``, which starts from what Newton's method found;
+4. ``gjk`` from the best normal so far, and ``epa`` for what that leaves open.
+
+Hulls have no derivatives and start at 3 with a hint, at 4 without.
+
+Where the answer is not unique (UNIQUE is 0) the direction is the one that was come to first, which
+depends on the poses and the hint alone: the same call gives the same answer. UNIQUE is 1 where the
+bounds exclude every direction more than 8 degrees away, so with a loose tolerance it may be 0 for
+an answer that is unique.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    NORMAL,
+    PAIR_WIDTH,
+    write,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
+from drake_geom_ros.geometry._proximity.kernels.cores.depths import depth_and_bounds
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
+    BEYOND_CUTOFF,
+    CLOSED,
+    OVERLAP,
+    distance_of_cores,
+    support_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_defect
+from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_of_point
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
+    NOTHING,
+    hold,
+    nearby_minimum,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    difference_of,
+    difference_of_edges,
+    likely_normal,
+    width,
+    witness_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
+    bounding_radius,
+    core_radius,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
+    add,
+    add_scaled,
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+    unrotate,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    ITERATIVE,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    LOOSE_SLOPE,
+    NEAR_TOUCH,
+    ROUNDING,
+    SHARPER,
+    SHARPER_DEPTH,
+)
+
+
+class Bounds(NamedTuple):
+    """Bounds of the signed distance phi of two cores: ``lower <= phi <= upper`` [m].
+
+    ``distance`` [m] is the answer; ``b - a = distance n`` for points a of A and b of B, on the
+    surface if it is negative, each to within ``miss`` [m].
+    """
+
+    end: int
+    distance: float
+    upper: float
+    lower: float
+    n: Vector
+    a: Vector
+    b: Vector
+    miss: float
+    unique: bool
+
+
+@compiled
+def hint_of(out, p):
+    """Return (n, hinted): a unit vector out of A by the hint in a result row, else along p."""
+    n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
+    if dot(n, n) > 0.5:
+        return n, True
+    n = unit(p)
+    return (n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)), False
+
+
+@compiled
+def by_newton(difference, n, noise, tolerance, cutoff):
+    """Return the gap of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
+
+    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative.
+    """
+    terms, _, last, r_A, r_B = difference
+    lower = -width(terms, last, r_A + r_B, n)
+    if lower > cutoff:
+        hold(terms, last, n)
+        a, b = witness_points(difference, n)
+        return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b)
+    kind, n, h, _ = nearby_minimum(difference, n, noise)
+    if kind == NOTHING:
+        return Gap(OVERLAP, np.inf, np.inf, n, vector_in(terms, 0), vector_in(terms, 0))
+    a, b = witness_points(difference, n)
+    upper = norm(sub(a, b))
+    if -h > cutoff:
+        return Gap(BEYOND_CUTOFF, upper, -h, n, a, b)
+    end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
+    return Gap(end, upper, -h, n, a, b)
+
+
+@compiled
+def is_strict(difference, n, noise):
+    """Tell whether touching cores have no normal but n.
+
+    Normals of a point of a convex body make a cone: one that is alone around itself is alone, but
+    for its opposite where the body is flat.
+    """
+    terms, _, last, r_A, r_B = difference
+    if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
+        return False
+    return widest_cap(difference, nearby_minimum(difference, n, noise), noise) > 0.0
+
+
+@compiled
+def gap_along(pair, n):
+    """Return the gap between the supporting planes along n: at most the signed distance."""
+    a, b = support_points(pair, n, 0.0)
+    return dot(sub(b, a), n)
+
+
+@compiled
+def drawn_to(distance, n, a, b):
+    """Return (a, b, miss): a and b moved by ``miss``, the least with ``b - a = distance n``."""
+    centre, away = scale(0.5, add(a, b)), 0.5 * distance
+    miss = 0.5 * norm(add_scaled(sub(b, a), -distance, n))
+    return add_scaled(centre, -away, n), add_scaled(centre, away, n), miss
+
+
+@compiled
+def witnesses_of_depth(pair, n, depth, size, a, b, aside):
+    """Return (a, b, miss): points of A and B with ``a - b = depth n``, off the cores by ``miss``.
+
+    Those given are ``aside`` [m] of one another. Where that is more than Newton's method leaves,
+    GJK looks for points that touch once B has moved out by the depth: the bodies then are apart
+    by the square of what the normal is off.
+    """
+    if aside > LOOSE_SLOPE * ROUNDING * EPS * size:
+        kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+        moved = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
+        _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
+        if gap < aside:
+            a, b, aside = x, add_scaled(y, -depth, n), gap
+    a, b, miss = drawn_to(-depth, n, a, b)
+    return a, b, max(miss, 0.5 * aside)
+
+
+@compiled
+def is_polytope(kind):
+    """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
+    return kind != CYLINDER and kind != ELLIPSOID
+
+
+@compiled
+def sharpened(pair, difference, n, found, noise, tolerance):
+    """Return (closed, distance, lower, n, a, b): the last digits, by Newton's method, from near n.
+
+    Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
+    may be tells the slab along the normal. Two polytopes are left with bounds as close as
+    ``found`` [m] if that is rounding; beside a round body the normal is not as good then.
+    """
+    hulls = difference.last == 0
+    if hulls:
+        if found <= noise and is_polytope(pair.kind_A) and is_polytope(pair.kind_B):
+            return False, np.inf, -np.inf, n, n, n
+        difference = difference_of_edges(pair, n)
+    end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
+    if hulls:
+        lower = min(lower, gap_along(pair, n))
+        closed = end == CLOSED and distance - lower <= max(found, noise)
+        return closed, distance, lower, n, a, b
+    return end == CLOSED, distance, lower, n, a, b
+
+
+@compiled
+def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
+    """Return the bounds of the signed distance of two cores."""
+    noise = ROUNDING * EPS * size
+    depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
+    difference = difference_of(pair)
+    if difference.last > 0:
+        if not hinted:
+            n = likely_normal(difference, n)
+        end, upper, lower, n, a, b = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+        if end == BEYOND_CUTOFF:
+            return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
+        if end == CLOSED:
+            distance = upper if lower > 0.0 else lower
+            unique = lower > noise or is_strict(difference, n, noise)
+            a, b, miss = drawn_to(distance, n, a, b)
+            return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
+        overlap = lower < 0.0
+    else:
+        a, b = support_points(pair, n, 0.0)
+        overlap = hinted and dot(sub(a, b), n) > noise
+    if overlap:  # or so it seems: that they do is certain when a ball is in the difference
+        # (Not the literal True: for that Numba would compile all of EPA once more.)
+        depth, least, n_in, a, b, aside, unique = depth_and_bounds(
+            pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
+        )
+        overlap = least > 0.0
+        if overlap:
+            a, b, miss = witnesses_of_depth(pair, n_in, depth, size, a, b, aside)
+            return Bounds(CLOSED, -depth, -least, -depth, n_in, a, b, miss, unique)
+    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
+    distance, unique = upper, True
+    near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
+    if end == BEYOND_CUTOFF:
+        return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
+    if end == CLOSED and not near:
+        sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
+        if sharper[0]:
+            _, distance, lower, n, a, b = sharper
+            a, b, miss = drawn_to(distance, n, a, b)
+            return Bounds(end, distance, distance, lower, n, a, b, miss, True)
+        return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
+    depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
+        pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
+    )
+    gap, upper, miss = upper - lower, min(upper, -least), 0.0
+    if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
+        distance, lower, n = -depth, max(lower, -depth), n_in
+        unique = unique_in or distance > noise
+        # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+        apart = norm(sub(sub(a, b), scale(depth, n)))
+        if aside <= apart:
+            a, b, apart = a_in, b_in, aside
+        a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
+    elif gap_along(pair, n) < -depth:
+        # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
+        n, unique = n_in, unique_in or distance > noise
+        a, b, miss = drawn_to(distance, n, a, b)
+    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+
+
+@compiled
+def off_surfaces(pair, n, a, b, miss):
+    """Return how far [m] points a and b, which were moved by ``miss``, are off both surfaces."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
+    q_A = unrotate(R_WA, add_scaled(a, r_A, n))
+    q_B = unrotate(R_WB, add_scaled(sub(b, p), -r_B, n))
+    off_A = abs(depth_of_point(kind_A, shape_A, q_A, 0.0)[0] + r_A)
+    off_B = abs(depth_of_point(kind_B, shape_B, q_B, 0.0)[0] + r_B)
+    # Of a hull no closed form tells it.
+    return max(min(off_A, miss), min(off_B, miss))
+
+
+@inlined
+def width_of(found):
+    """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
+    return max(found.upper - found.lower, found.miss)
+
+
+@compiled
+def signed_distance_of_cores(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Write the result row of two convex shapes, given by type number and parameters."""
+    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
+    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
+    n, hinted = hint_of(out, p)
+    noise = ROUNDING * EPS * size
+    pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
+    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
+    if hinted and width_of(found) > 4.0 * max(tolerance, noise) and found.end != BEYOND_CUTOFF:
+        # A bad hint can lead where nothing better is found than bounds that are far apart.
+        n, _ = hint_of(np.zeros(PAIR_WIDTH), p)
+        other = bounds_of_cores(pair, n, False, size, tolerance, cutoff + r_A + r_B)
+        if width_of(other) < width_of(found):
+            found = other
+    end, distance, upper, lower, n, a, b, miss, unique = found
+    method = ITERATIVE
+    if end == BEYOND_CUTOFF:
+        method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
+    error_bound = max(upper - distance, distance - lower) + noise
+    if miss > error_bound:
+        error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
+    if kind_A == CONVEX:
+        error_bound += hull_defect(shape_A)
+    if kind_B == CONVEX:
+        error_bound += hull_defect(shape_B)
+    write(
+        out,
+        distance - r_A - r_B,
+        scale(-1.0, n),
+        add_scaled(a, r_A, n),
+        add_scaled(b, -r_B, n),
+        error_bound,
+        unique,
+        method,
+    )

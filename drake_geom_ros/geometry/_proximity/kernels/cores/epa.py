@@ -1,0 +1,339 @@
+"""EPA: the depth of two overlapping cores, between certified bounds.
+
+Van den Bergh (*Proximity queries and penetration depth computation on 3D game objects*, Game
+Developers Conference 2001) grows a polytope P of points of the Minkowski difference D = A - B at
+the face nearest to the origin. Three things are done differently here.
+
+*The polytope need not start around the origin.* Faces have signed offsets and the most negative
+one is expanded first, so no enclosing simplex is asked of GJK, and touching shapes, whose
+difference has the origin on its surface, are the normal case.
+
+*It starts at the answer, where that can be guessed.* Newton's method (see ``normals``) finds the
+local minimum next to a hint, and a cap of directions in which there is nothing less. Faces are
+only asked to be farther away than that minimum, outside its cap: a dozen vertices do, and the last
+digits of the distance and of the normal cost nothing.
+
+*The bounds do not trust the planes.* Above: ``h_D(n)``, the width of the overlap along the unit n,
+holds for any n. Below: a triangle with vertices v_i is no nearer to the origin than
+``min_i (n . v_i)``, for any unit n, be the triangle a sliver or not. The triangles form a closed
+surface in D by the way they are linked. When all these offsets are positive, all triangles are
+seen from inside, so their solid angles add up to 4 pi or more, the surface winds around the
+origin, and the ball of the least offset lies within D. Neither convexity of P nor an exact
+visibility test is needed for that. D must have a volume: see ``revolution`` for the pairs of cores
+that have none.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put, support_points
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
+    NOTHING,
+    nearby_minimum,
+    onto_kink,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
+    ALIVE,
+    FACE_WIDTH,
+    OFFSET,
+    PLANE_WIDTH,
+    add_faces,
+    expand,
+    is_corner,
+    link_tetrahedron,
+    pop_living,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
+from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
+    closest_on_triangle,
+    weighted,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    difference_of_edges,
+    witness_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
+    add,
+    add_scaled,
+    cross,
+    dot,
+    norm,
+    perpendicular,
+    scale,
+    sub,
+    unit,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    FOLD,
+    ROUNDING,
+    SAME_DIRECTION,
+    SLIVER,
+)
+
+LEAST_TILT = 0.1  # [rad]
+COS_120 = (1.0, -0.5, -0.5)
+SIN_120 = (0.0, math.sqrt(0.75), -math.sqrt(0.75))
+
+
+class Known(NamedTuple):
+    """The best direction n so far: the width [m] along it, and points a and b extreme along it.
+
+    Where it is exact it is a minimum, nothing is less within the angle ``cap`` [rad] of it, and a
+    minimum's points are one over the other along n.
+    """
+
+    exact: bool
+    width: float
+    n: Vector
+    a: Vector
+    b: Vector
+    cap: float
+
+
+@compiled
+def first_points(pair, n, points):
+    """Fill in support points 1 to 3, so that they span a volume with point 0, extreme along n."""
+    along = n
+    m = scale(-1.0, n)
+    for k in range(1, 4):
+        best = -1.0
+        for turn in range(2 if k > 1 else 1):
+            a, b = support_points(
+                pair,
+                scale(1.0 - 2.0 * turn, m),
+                0.0,
+            )
+            rise = abs(dot(sub(sub(a, b), vector_in(points, 0)), m))
+            if rise > best:
+                best = rise
+                put(points, k, a, b)
+        if k == 1:
+            along = unit(sub(vector_in(points, 1), vector_in(points, 0)))
+            m = perpendicular(along)
+        if k == 2:
+            m = unit(cross(along, sub(vector_in(points, 2), vector_in(points, 0))))
+
+
+@compiled
+def ring_points(pair, n, tilt, points):
+    """Fill in four support points: three around n, at the angle ``tilt`` from it, and opposite."""
+    e = perpendicular(n)
+    f = cross(n, e)
+    along, aside = math.cos(tilt), math.sin(tilt)
+    for k in range(4):
+        m = scale(-1.0, n)
+        if k > 0:
+            around = add_scaled(scale(COS_120[k - 1], e), SIN_120[k - 1], f)
+            m = add_scaled(scale(along, n), aside, around)
+        a, b = support_points(pair, m, 0.0)
+        put(points, k, a, b)
+
+
+@compiled
+def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
+    """Return (a, b, aside): points on the supporting planes of A and B with a - b = upper n.
+
+    They come from the point of the polytope nearest to upper n, moved out to the planes. On a flat
+    of the difference it may be in any face, and not in the one that was expanded. ``aside`` is how
+    far that point is from upper n: as far, at most, a and b were put off their surfaces.
+    """
+    foot = scale(upper, n)
+    a, b, least = s_A, s_B, np.inf
+    for f in range(total):
+        if faces[f, ALIVE] == 0 or planes[f, OFFSET] > rival:
+            continue
+        if dot((planes[f, 0], planes[f, 1], planes[f, 2]), n) < SAME_DIRECTION:
+            continue
+        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+        x = sub(vector_in(points, i), foot)
+        y, z = sub(vector_in(points, j), foot), sub(vector_in(points, k), foot)
+        t = closest_on_triangle(x, y, z)
+        away = norm(weighted(x, y, z, t))
+        if away < least:
+            least = away
+            a = weighted(
+                vector_in(points, i, 3), vector_in(points, j, 3), vector_in(points, k, 3), t
+            )
+            b = weighted(
+                vector_in(points, i, 6), vector_in(points, j, 6), vector_in(points, k, 6), t
+            )
+    rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
+    centre = scale(0.5, add_scaled(add(a, b), rise, n))
+    return (
+        add_scaled(centre, 0.5 * upper, n),
+        add_scaled(centre, -0.5 * upper, n),
+        least,
+    )
+
+
+@compiled
+def growth_arrays(most_vertices):
+    """Return what a polytope of so many vertices grows in (see ``polytope``).
+
+    They are handed on one by one: as a record they made EPA take an eighth longer.
+    """
+    rows = 8 * most_vertices
+    return (
+        np.empty((most_vertices, 9)),
+        np.empty((rows, FACE_WIDTH), dtype=np.int32),
+        np.empty((rows, PLANE_WIDTH)),
+        np.empty((rows, 3), dtype=np.int32),
+        np.empty(rows, dtype=np.int32),
+        np.full(most_vertices, -1, dtype=np.int32),
+        np.empty(rows, dtype=np.int32),
+    )
+
+
+@inlined
+def is_in_cap(m, offset, n, rival, cap):
+    """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
+
+    A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later.
+    """
+    if cap == 0.0 or offset <= 0.0:
+        return False
+    away = math.acos(min(max(dot(m, n), -1.0), 1.0))
+    return away + math.acos(min(offset / rival, 1.0)) <= cap
+
+
+@compiled
+def nearest_known(pair, difference, n, width, a, b, enough, noise):
+    """Return (exact, width, n, a, b, cap): the minimum next to n, or what was given if none is.
+
+    ``a`` and ``b`` are the points extreme along n; a minimum's are one over the other along it.
+    Of hulls it is that of the edges next to n, where the hulls reach no farther; their h is
+    nowhere less than that of the edges, so that the cap is theirs, too.
+    """
+    hulls, start = difference.last == 0, n
+    if hulls:
+        difference = difference_of_edges(pair, n)
+        start = onto_kink(difference, n)
+    found = nearby_minimum(difference, start, noise)
+    if found.kind == NOTHING or found.h > width + noise:
+        return Known(False, width, n, a, b, 0.0)
+    if hulls:
+        s_A, s_B = support_points(pair, found.n, 0.0)
+        if dot(sub(s_A, s_B), found.n) > found.h + noise:
+            return Known(False, width, n, a, b, 0.0)
+    a, b = witness_points(difference, found.n)
+    return Known(True, found.h, found.n, a, b, widest_cap(difference, found, enough))
+
+
+@compiled
+def is_flat(points, size):
+    """Tell whether vertices 0 to 3 span no volume to speak of."""
+    a, b, c, d = (
+        vector_in(points, 0),
+        vector_in(points, 1),
+        vector_in(points, 2),
+        vector_in(points, 3),
+    )
+    n = cross(sub(b, a), sub(c, a))
+    return abs(dot(sub(d, a), n)) <= SLIVER * size * max(norm(n), SLIVER * size * size)
+
+
+@compiled
+def start(pair, known, near, growth, size, noise):
+    """Make the first polytope, around a minimum that has a cap; return (count, total, waiting).
+
+    They are the numbers of vertices, of faces, and of those on the heap. ``near`` tells that the n
+    that is known is thought to be near the answer.
+    """
+    points, faces, planes, horizon, stack, starting_at, heap = growth
+    n, a, b, cap = known.n, known.a, known.b, known.cap
+    if cap > 0.0 or near:
+        ring_points(pair, n, max(0.5 * cap, LEAST_TILT), points)
+    if not (cap > 0.0 or near) or is_flat(points, size):
+        put(points, 0, a, b)
+        first_points(pair, n, points)
+    link_tetrahedron(points, faces)
+    waiting = add_faces(points, faces, planes, heap, 0, 4, 0, size)
+    total = 4
+    for f in range(4):
+        m = planes[f, 0], planes[f, 1], planes[f, 2]
+        above = dot(sub(a, b), m) > planes[f, OFFSET] + noise
+        if cap > 0.0 and total == 4 and above and dot(m, n) > 0.5:
+            total = expand(points, faces, planes, horizon, stack, starting_at, f, a, b, 4, 4, size)
+            waiting = add_faces(points, faces, planes, heap, 4, total, waiting, size)
+    return (4 if total == 4 else 5), total, waiting
+
+
+@compiled
+def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
+    """Return the depth of two overlapping or touching cores.
+
+    ``pair`` is that of ``support_points``, ``difference`` that of ``sums``, and n any direction to
+    start from: the better it is, the less there is to do, and ``near`` tells that it may be good
+    and that the cores are thought to overlap. ``upper`` is the width of the overlap
+    along the unit n (from A to B). ``lower`` is the radius of a ball around the origin in the
+    Minkowski difference, or minus a length within which the difference has a point. Points a and
+    b, from Ao, have ``a - b = upper n``; ``aside`` is of ``witness``. ``unique`` tells that the
+    bounds exclude every clearly different direction: once they have met, faces turned elsewhere go
+    on growing until none is as near. Cores that are no hulls and turn out to be apart end the
+    growth, with a negative ``upper``.
+    """
+    growth = growth_arrays(most_vertices)
+    points, faces, planes, horizon, stack, starting_at, heap = growth
+    noise = ROUNDING * EPS * size
+    enough = max(tolerance, noise)
+    a, b = support_points(pair, n, 0.0)
+    known = nearest_known(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
+    count, total, waiting = start(pair, known, near, growth, size, noise)
+    exact, best, n, a, b, cap = known
+    lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
+    while True:
+        f, waiting = pop_living(faces, planes, heap, waiting)
+        if f < 0 or (settled and planes[f, OFFSET] > best + enough):
+            lower = lower if settled else best  # all that is left is in the cap
+            unique = True
+            break
+        m, offset = (planes[f, 0], planes[f, 1], planes[f, 2]), planes[f, OFFSET]
+        if is_in_cap(m, offset, n, best + enough, cap):
+            least_in_cap = min(least_in_cap, offset)
+            continue
+        if not settled and lower > 0.0 and offset < min(lower, least_in_cap) - FOLD * size:
+            break
+        lower = lower if settled else max(lower, offset)
+        settled = settled or (exact and lower >= best - enough)
+        if settled and dot(m, n) >= SAME_DIRECTION:
+            continue
+        s_A, s_B = support_points(pair, m, 0.0)
+        width = dot(sub(s_A, s_B), m)
+        if settled and width <= best + 2.0 * enough:
+            break
+        closed = not settled and width - lower <= enough
+        if closed or (not settled and width < best - noise):
+            known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
+            exact, best, n, a, b, cap = known
+            if exact and dot(sub(a, b), m) > offset + noise:
+                s_A, s_B = a, b
+        if closed:
+            settled = True
+            continue
+        if near and best < -noise:
+            break
+        # A corner again: rounding has nothing more to offer here.
+        grown = total
+        if count < most_vertices and not is_corner(points, faces, f, sub(s_A, s_B)):
+            grown = expand(
+                points, faces, planes, horizon, stack, starting_at, f, s_A, s_B, count, total, size
+            )
+            waiting = add_faces(points, faces, planes, heap, total, grown, waiting, size)
+        if grown == total:
+            break
+        count, total = count + 1, grown
+    aside = 0.0
+    if exact:
+        lower = min(lower, best)
+    else:
+        a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
+    if lower <= 0.0:
+        lower = -(abs(best) + aside)
+    return Depth(best, lower, n, a, b, aside, unique)

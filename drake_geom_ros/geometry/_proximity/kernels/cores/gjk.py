@@ -1,0 +1,157 @@
+"""GJK: the distance of two disjoint cores, with the points that attain it.
+
+Gilbert, Johnson, Keerthi (IEEE Journal of Robotics and Automation 4 (2), 1988): a simplex of
+points ``w = a - b`` of the Minkowski difference walks to the point closest to the origin. Both
+ends of the answer are certified, whatever rounding does to the walk: ``|v|`` is the distance of
+two points of the cores, and ``f(n) = -h_A(n) - h_B(-n)`` is the width of an empty slab between
+them.
+"""
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap
+from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
+    closest_on_segment,
+    closest_on_tetrahedron,
+    closest_on_triangle,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import support
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    INSIDE,
+    RIGHT_ANGLE,
+    ROUNDING,
+)
+
+# How a walk ended.
+CLOSED = 0  # the bounds met, to tolerance or to rounding
+BEYOND_CUTOFF = 1
+OVERLAP = 2  # the origin is in the Minkowski difference, or on it to rounding
+
+# Ordinary pairs take 5 to 20 steps; needles and near touches are left to EPA beyond this.
+GJK_STEPS = 64
+WEIGHT = 9  # column of a simplex row: w, a, b, weight
+
+
+@inlined
+def support_points(pair, n, right_angle):
+    """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB = pair
+    a = support(kind_A, shape_A, R_WA, n, right_angle)
+    b = add(p_AB, support(kind_B, shape_B, R_WB, scale(-1.0, n), right_angle))
+    return a, b
+
+
+@inlined
+def put(points, k, a, b):
+    """Store w = a - b, a and b in row k, at the columns 0, 3 and 6."""
+    for i in range(3):
+        points[k, i] = a[i] - b[i]
+        points[k, 3 + i] = a[i]
+        points[k, 6 + i] = b[i]
+
+
+@compiled
+def closest_weights(points, count):
+    """Return the weights of up to four simplex points, 0 for those beyond count."""
+    if count == 1:
+        return 1.0, 0.0, 0.0, 0.0
+    if count == 2:
+        s = closest_on_segment(vector_in(points, 0), vector_in(points, 1))
+        return s[0], s[1], 0.0, 0.0
+    if count == 3:
+        t = closest_on_triangle(vector_in(points, 0), vector_in(points, 1), vector_in(points, 2))
+        return t[0], t[1], t[2], 0.0
+    return closest_on_tetrahedron(
+        vector_in(points, 0), vector_in(points, 1), vector_in(points, 2), vector_in(points, 3)
+    )
+
+
+@compiled
+def reduce_simplex(points, count):
+    """Keep the points that hold the one closest to the origin, with weights; return how many."""
+    weights = closest_weights(points, count)
+    kept = 0
+    for k in range(count):
+        if weights[k] > 0.0:
+            for i in range(9):
+                points[kept, i] = points[k, i]
+            points[kept, WEIGHT] = weights[k]
+            kept += 1
+    return kept
+
+
+@compiled
+def combine(points, count, column):
+    """Return the weighted sum of three columns of the simplex points."""
+    x, y, z = 0.0, 0.0, 0.0
+    for k in range(count):
+        x += points[k, WEIGHT] * points[k, column]
+        y += points[k, WEIGHT] * points[k, column + 1]
+        z += points[k, WEIGHT] * points[k, column + 2]
+    return x, y, z
+
+
+@inlined
+def is_known(points, count, w):
+    """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
+    for k in range(count):
+        if points[k, 0] == w[0] and points[k, 1] == w[1] and points[k, 2] == w[2]:
+            return True
+    return False
+
+
+@compiled
+def distance_of_cores(pair, n, size, tolerance, cutoff):
+    """Return the gap of two cores, walking from the unit n, with points a and b from Ao.
+
+    With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
+    direction tried. ``size`` [m] is the scale to which rounding is relative.
+    """
+    points = np.empty((4, WEIGHT + 1))
+    noise = ROUNDING * EPS * size
+    a, b = support_points(pair, n, RIGHT_ANGLE)
+    v = sub(a, b)
+    put(points, 0, a, b)
+    points[0, WEIGHT] = 1.0
+    count = 1
+    upper = norm(v)
+    lower = dot(scale(-1.0, v), n)
+    for _ in range(GJK_STEPS):
+        if upper <= noise:
+            return Gap(OVERLAP, upper, lower, n, a, b)
+        n = scale(-1.0 / upper, v)
+        s_A, s_B = support_points(pair, n, RIGHT_ANGLE)
+        w = sub(s_A, s_B)
+        slab = -dot(w, n)
+        gained = slab > lower
+        lower = max(lower, slab)
+        if lower > cutoff:
+            return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
+        # A gap g at distance d leaves the direction an angle sqrt(2 g / d): short ones need more.
+        enough = max(tolerance * min(1.0, upper / size), noise)
+        if upper - lower <= enough or is_known(points, count, w):
+            break
+        put(points, count, s_A, s_B)
+        count = reduce_simplex(points, count + 1)
+        v = combine(points, count, 0)
+        closer = norm(v)
+        inside = count == 4 and closer <= INSIDE * size
+        # The length is flat in its last digits while the direction still improves.
+        if not inside and (count == 4 or (closer >= upper and not gained)):
+            break
+        upper = closer
+        a, b = combine(points, count, 3), combine(points, count, 6)
+        if inside:  # as far as rounding lets a thin simplex tell
+            return Gap(OVERLAP, upper, lower, n, a, b)
+    return Gap(CLOSED, upper, lower, unit(sub(b, a)), a, b)

@@ -1,0 +1,389 @@
+"""The normal of a contact by Newton's method, and how far around it nothing is nearer.
+
+Where two cores are apart or overlap least, the support function h of their Minkowski difference D
+(see ``sums``) has a local minimum on the sphere of directions. There the point of D that is
+extreme along n is on the line of n itself; what it is aside of it is the gradient of h, and
+``M - h`` is the Hessian, where M are the radii of curvature of D. Newton's method doubles the
+digits of n at each step. Kinks are followed: a step that would cross one stops on it, and goes on
+along it until the subgradient says that the minimum is not there. Three kinds of minima remain:
+SMOOTH; CREASE, with parallel segments held and n on a circle; FLAT, on a face of D that holds the
+foot of the origin.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Minimum
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    AXES_A,
+    AXES_B,
+    LEAN_A,
+    LEAN_B,
+    LENGTH,
+    SEGMENT,
+    SHARE,
+    curvature,
+    ellipsoid_support,
+    width,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    norm,
+    perpendicular,
+    scale,
+    unit,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    ALMOST_RIGHT_ANGLE,
+    EPS,
+    LAST_STEP,
+    LOOSE_SLOPE,
+    RIGHT_ANGLE,
+)
+
+# What was found.
+NOTHING = 0
+SMOOTH = 1
+CREASE = 2
+FLAT = 3
+
+STEPS = 16  # 3 to 6 are usual, some more where kinks are met
+ZERO = (0.0, 0.0, 0.0)
+LONGEST_STEP = 0.5  # tangent of the angle
+TURNS = 4  # two are enough for two segments
+INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
+
+
+@compiled
+def hold(terms, last, n):
+    """Set the shares of the segments at n: their ends, 0 for those at right angles."""
+    for k in range(SEGMENT, last):
+        d = dot(vector_in(terms, k), n)
+        terms[k, SHARE] = 0.0
+        if abs(d) > RIGHT_ANGLE * terms[k, LENGTH]:
+            terms[k, SHARE] = 1.0 if d > 0.0 else -1.0
+
+
+@compiled
+def onto_kink(difference, n):
+    """Return n, or, where it is almost at right angles to a segment, the direction that is so."""
+    terms, _, last, _, _ = difference
+    for k in range(SEGMENT, last):
+        d = dot(vector_in(terms, k), n) / terms[k, LENGTH]
+        if abs(d) <= ALMOST_RIGHT_ANGLE:
+            return unit(add_scaled(n, -d / terms[k, LENGTH], vector_in(terms, k)))
+    return n
+
+
+@compiled
+def held_line(terms, last):
+    """Return (e, reach, flat): direction and half length of held segments, if not in one line."""
+    e, reach, flat = (0.0, 0.0, 0.0), 0.0, False
+    for k in range(SEGMENT, last):
+        if terms[k, SHARE] == 0.0:
+            d = scale(1.0 / terms[k, LENGTH], vector_in(terms, k))
+            if reach == 0.0:
+                e = d
+            flat = flat or norm(cross(d, e)) > RIGHT_ANGLE
+            reach += terms[k, LENGTH]
+    return e, reach, flat
+
+
+@compiled
+def release(terms, last, e, slope):
+    """Let held segments go to the end that lowers h against a slope along e."""
+    for k in range(SEGMENT, last):
+        if terms[k, SHARE] == 0.0:
+            terms[k, SHARE] = -1.0 if slope * dot(vector_in(terms, k), e) > 0.0 else 1.0
+
+
+@compiled
+def held_sum(terms, last):
+    """Return the sum of -p and the segments' ends."""
+    base = scale(-1.0, vector_in(terms, 0))
+    for k in range(SEGMENT, last):
+        base = add_scaled(base, terms[k, SHARE], vector_in(terms, k))
+    return base
+
+
+@compiled
+def part_before_kink(terms, last, n, step):
+    """Return the part of a step up to the first kink, and hold the segments whose kink that is."""
+    part, first = 1.0, -1
+    for k in range(SEGMENT, last):
+        here = max(terms[k, SHARE] * dot(vector_in(terms, k), n), 0.0)
+        change = terms[k, SHARE] * dot(vector_in(terms, k), step)
+        if terms[k, SHARE] != 0.0 and here + part * change < 0.0:
+            part, first = here / -change, k
+    if first >= 0:
+        terms[first, SHARE] = 0.0
+        for k in range(SEGMENT, last):
+            there = dot(vector_in(terms, k), add_scaled(n, part, step))
+            if abs(there) <= RIGHT_ANGLE * terms[k, LENGTH]:
+                terms[k, SHARE] = 0.0
+    return part, first >= 0
+
+
+@compiled
+def at_disk(terms, n, axes):
+    """Tell whether n is along the axis of a disk."""
+    return (
+        terms[axes, LENGTH] > 0.0
+        and norm(
+            (
+                dot(vector_in(terms, axes), n),
+                dot(vector_in(terms, axes + 1), n),
+                dot(vector_in(terms, axes + 2), n),
+            )
+        )
+        <= RIGHT_ANGLE * terms[axes, LENGTH]
+    )
+
+
+@compiled
+def face_normal(terms, last, n):
+    """Return the unit normal, on the side of n, of two held segments or of a disk at its axis."""
+    best, m = 0.0, n
+    for i in range(SEGMENT, last):
+        for j in range(i + 1, last):
+            if terms[i, SHARE] == 0.0 and terms[j, SHARE] == 0.0:
+                c = cross(vector_in(terms, i), vector_in(terms, j))
+                area = norm(c)
+                sine = area / (terms[i, LENGTH] * terms[j, LENGTH])
+                if sine > best:
+                    best, m = sine, scale(1.0 / area, c)
+    if best <= RIGHT_ANGLE:
+        axes = AXES_A if at_disk(terms, n, AXES_A) else AXES_B
+        m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
+    return m if dot(m, n) > 0.0 else scale(-1.0, m)
+
+
+@compiled
+def shares_on_face(terms, last, n, x):
+    """Let two held segments balance x in the face normal to n; return the margin left.
+
+    Where they cannot, the margin is -1 and a segment that would have to be longer is released.
+    """
+    first, second, area = -1, -1, 0.0
+    for i in range(SEGMENT, last):
+        for j in range(i + 1, last):
+            if terms[i, SHARE] == 0.0 and terms[j, SHARE] == 0.0:
+                c = dot(cross(vector_in(terms, i), vector_in(terms, j)), n)
+                if abs(c) > abs(area):
+                    first, second, area = i, j, c
+    if area == 0.0:  # at the face's own normal only one of them is held
+        return -1.0
+    s, t = vector_in(terms, first), vector_in(terms, second)
+    u, v = dot(cross(t, x), n) / area, dot(cross(x, s), n) / area
+    margin = math.inf
+    for k in range(SEGMENT, last):
+        if terms[k, SHARE] == 0.0:
+            d = scale(1.0 / terms[k, LENGTH], cross(n, vector_in(terms, k)))
+            room = -abs(dot(x, d))
+            for m in range(SEGMENT, last):
+                if terms[m, SHARE] == 0.0:
+                    room += abs(dot(vector_in(terms, m), d))
+            margin = min(margin, room)
+    if abs(u) <= 1.0 and abs(v) <= 1.0:
+        terms[first, SHARE], terms[second, SHARE] = u, v
+        return max(margin, 0.0)
+    if abs(u) > abs(v):
+        terms[first, SHARE] = 1.0 if u > 0.0 else -1.0
+    else:
+        terms[second, SHARE] = 1.0 if v > 0.0 else -1.0
+    return -1.0
+
+
+@compiled
+def lean_on_disks(terms, n, x):
+    """Let the disks whose axis is along n balance x; return the margin left, negative if none."""
+    on_A, on_B = at_disk(terms, n, AXES_A), at_disk(terms, n, AXES_B)
+    r_A, r_B = (
+        (terms[AXES_A, LENGTH] if on_A else 0.0),
+        (terms[AXES_B, LENGTH] if on_B else 0.0),
+    )
+    margin = r_A + r_B - norm(x)
+    if margin >= 0.0 and r_A + r_B > 0.0:
+        for i in range(3):
+            terms[LEAN_A, i] = -x[i] * (r_A / (r_A + r_B))
+            terms[LEAN_B, i] = -x[i] * (r_B / (r_A + r_B))
+    return margin
+
+
+@compiled
+def on_face(terms, last, radius, n, flat):
+    """Return (n, h, margin, step) at the face normal next to n.
+
+    Where the face does not hold the foot of the origin the margin is negative: a segment was
+    released, or ``step`` leads away from the axis of a disk.
+    """
+    n = face_normal(terms, last, n)
+    hold(terms, last, n)
+    point = add(
+        held_sum(terms, last),
+        add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)),
+    )
+    along = dot(point, n)
+    x = add_scaled(point, -along, n)
+    h = along - radius
+    disks = at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B)
+    if flat:
+        margin = shares_on_face(terms, last, n, x)
+        if margin >= 0.0:
+            return n, h, margin, ZERO
+    margin = lean_on_disks(terms, n, x)
+    if margin >= 0.0 or not disks:
+        return n, h, (margin if disks else -1.0), ZERO
+    tangent = -margin / -h if h < 0.0 else LONGEST_STEP
+    return n, h, -1.0, scale(-min(tangent, LONGEST_STEP) / norm(x), x)
+
+
+@compiled
+def slope_and_bend(terms, last, radius, n, e, f):
+    """Return h at n, its two slopes along e and f, and its three second derivatives."""
+    base = held_sum(terms, last)
+    y, x_A, z_A, m11, m12, m22 = curvature(terms, AXES_A, n, e, f)
+    y_B, x_B, z_B, k11, k12, k22 = curvature(terms, AXES_B, n, e, f)
+    h = dot(base, n) + y + y_B - radius
+    x, z = dot(base, e) + x_A + x_B, dot(base, f) + z_A + z_B
+    return h, x, z, m11 + k11 - radius - h, m12 + k12, m22 + k22 - radius - h
+
+
+@compiled
+def descend(difference, n, noise):
+    """Return what ``nearby_minimum`` does, with h by the shares."""
+    terms, _, last, r_A, r_B = difference
+    radius = r_A + r_B
+    if last == 0:
+        return Minimum(NOTHING, n, math.inf, 0.0)
+    for k in range(3):
+        terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
+    hold(terms, last, n)
+    length = math.inf
+    for _ in range(STEPS):
+        e, reach, flat = held_line(terms, last)
+        if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
+            n, h, margin, step = on_face(terms, last, radius, n, flat)
+            if margin >= 0.0:
+                return Minimum(FLAT, n, h, margin)
+            if step == ZERO and not flat:
+                return Minimum(NOTHING, n, h, 0.0)
+            part, _ = part_before_kink(terms, last, n, step)
+            n = unit(add_scaled(n, part, step))
+            continue
+        if reach > 0.0:
+            f = unit(cross(n, e))
+            n = cross(e, f)
+        else:
+            e = perpendicular(n)
+            f = cross(n, e)
+        h, x, z, m11, m12, m22 = slope_and_bend(terms, last, radius, n, e, f)
+        if reach > 0.0:
+            if abs(x) > reach + noise:
+                release(terms, last, e, x)
+                continue
+            if m22 <= 0.0:
+                return Minimum(NOTHING, n, h, 0.0)
+            if abs(z) <= noise or (length <= LAST_STEP and abs(z) <= LOOSE_SLOPE * noise):
+                share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
+                return Minimum(CREASE, n, h, max(reach - abs(x), 0.0))
+            step = scale(-z / m22, f)
+        else:
+            det = m11 * m22 - m12 * m12
+            if m11 <= 0.0 or det <= 0.0:
+                return Minimum(NOTHING, n, h, 0.0)
+            aside = abs(x) + abs(z)
+            if aside <= noise or (length <= LAST_STEP and aside <= LOOSE_SLOPE * noise):
+                return Minimum(SMOOTH, n, h, 0.0)
+            step = add_scaled(scale((m12 * z - m22 * x) / det, e), (m12 * x - m11 * z) / det, f)
+        length = norm(step)
+        if length > LONGEST_STEP:
+            step = scale(LONGEST_STEP / length, step)
+        part, crossed = part_before_kink(terms, last, n, step)
+        n = unit(add_scaled(n, part, step))
+        if crossed:
+            length = math.inf
+    return Minimum(NOTHING, n, math.inf, 0.0)
+
+
+@compiled
+def share_out(terms, last, e, share):
+    """Put the support point of held parallel segments at the same share of each."""
+    for k in range(SEGMENT, last):
+        if terms[k, SHARE] == 0.0:
+            terms[k, SHARE] = share if dot(vector_in(terms, k), e) > 0.0 else -share
+
+
+@compiled
+def nearby_minimum(difference, n, noise):
+    """Return a local minimum near n, and set the shares to those there."""
+    kind, n, h, margin = descend(difference, n, noise)
+    terms, _, last, r_A, r_B = difference
+    if kind != NOTHING:
+        truth = width(terms, last, r_A + r_B, n)
+        if abs(truth - h) > noise:
+            return Minimum(NOTHING, n, truth, 0.0)
+    return Minimum(kind, n, h, margin)
+
+
+@compiled
+def settle(difference, n):
+    """Set the shares at n to where the points extreme along it are least aside of one another.
+
+    For an n whose h is known to be least, or almost, but where Newton's method found no minimum:
+    on a ring of almost equal values it has no curvature to go by.
+    """
+    terms, _, last, r_A, r_B = difference
+    for k in range(3):
+        terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
+    hold(terms, last, n)
+    e, reach, flat = held_line(terms, last)
+    if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
+        on_face(terms, last, r_A + r_B, n, flat)
+    elif reach > 0.0:
+        f = unit(cross(n, e))
+        _, x, _, _, _, _ = slope_and_bend(terms, last, r_A + r_B, cross(e, f), e, f)
+        share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
+
+
+@compiled
+def settle_by_turns(difference, n):
+    """Do what ``settle`` does where held segments are almost parallel, and where it finds nothing.
+
+    The face that such segments span is narrow, and rounding may put the foot of the origin beside
+    it. The two that span most are solved for together, then each in turn takes what is left.
+    """
+    terms, _, last, _, _ = difference
+    for k in range(3):
+        terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
+    hold(terms, last, n)
+    aside = add(
+        held_sum(terms, last),
+        add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)),
+    )
+    aside = add_scaled(aside, -dot(aside, n), n)
+    first, second, area = -1, -1, 0.0
+    for i in range(SEGMENT, last):
+        for j in range(i + 1, last):
+            if abs(terms[i, SHARE]) < 1.0 and abs(terms[j, SHARE]) < 1.0:
+                c = dot(cross(vector_in(terms, i), vector_in(terms, j)), n)
+                if abs(c) > abs(area):
+                    first, second, area = i, j, c
+    if area != 0.0:
+        s, t = vector_in(terms, first), vector_in(terms, second)
+        terms[first, SHARE] = clamp(dot(cross(t, aside), n) / area, INNER)
+        terms[second, SHARE] = clamp(dot(cross(aside, s), n) / area, INNER)
+        aside = add_scaled(aside, terms[first, SHARE], s)
+        aside = add_scaled(aside, terms[second, SHARE], t)
+    for _ in range(TURNS):
+        for k in range(SEGMENT, last):
+            if abs(terms[k, SHARE]) < 1.0:
+                s, before = vector_in(terms, k), terms[k, SHARE]
+                more = -dot(aside, s) / (terms[k, LENGTH] * terms[k, LENGTH])
+                terms[k, SHARE] = clamp(before + more, INNER)
+                aside = add_scaled(aside, terms[k, SHARE] - before, s)

@@ -1,0 +1,215 @@
+"""The growing polytope of EPA: triangles linked to a closed surface, and a heap of their offsets.
+
+A face is a row of integers (three vertices, the faces across its edges 01, 12 and 20, whether it
+is alive) and a row of numbers (its plane: a unit normal out of the polytope and the least offset
+of its vertices along it). Dead faces keep their row. Vertices are the rows of ``gjk.put``.
+"""
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
+from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
+    closest_on_triangle,
+    weighted,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    dot,
+    perpendicular,
+    scale,
+    sub,
+    unit,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SLIVER
+
+ACROSS = 3
+ALIVE = 6
+FACE_WIDTH = 7
+OFFSET = 3
+PLANE_WIDTH = 4
+ZERO = (0.0, 0.0, 0.0)
+
+
+@inlined
+def normal(a, b, c):
+    """Return the unit normal of a triangle from its two shorter edges, 0 for corners in a row.
+
+    The angle between the longer two of a thin triangle is mostly rounding.
+    """
+    ab, bc, ca = sub(b, a), sub(c, b), sub(a, c)
+    x, y, z = dot(ab, ab), dot(bc, bc), dot(ca, ca)
+    if y >= x and y >= z:
+        return unit(cross(ca, ab))
+    if z >= x:
+        return unit(cross(ab, bc))
+    return unit(cross(bc, ca))
+
+
+@compiled
+def set_plane(faces, planes, points, f, size):
+    """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
+    a, b, c = (
+        vector_in(points, faces[f, 0]),
+        vector_in(points, faces[f, 1]),
+        vector_in(points, faces[f, 2]),
+    )
+    n = normal(a, b, c)
+    x, y, z = dot(n, a), dot(n, b), dot(n, c)
+    offset = min(x, y, z)
+    if n == ZERO or max(x, y, z) - offset > SLIVER * size:
+        nearest = weighted(a, b, c, closest_on_triangle(a, b, c))
+        # A face that the origin is in front of has its nearest point behind itself.
+        m = scale(1.0 if dot(nearest, n) >= 0.0 else -1.0, unit(nearest))
+        if m == ZERO and n == ZERO:
+            m = perpendicular(unit(sub(b, a) if b != a else sub(c, a)))
+        if m == ZERO and n == ZERO:
+            m = (1.0, 0.0, 0.0)
+        away = min(dot(m, a), dot(m, b), dot(m, c))
+        if n == ZERO or (m != ZERO and away > offset):
+            n, offset = m, away
+    for k in range(3):
+        planes[f, k] = n[k]
+    planes[f, OFFSET] = offset
+
+
+@inlined
+def is_corner(points, faces, f, w):
+    """Tell whether w is a vertex of face f."""
+    i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
+    return vector_in(points, i) == w or vector_in(points, j) == w or vector_in(points, k) == w
+
+
+@compiled
+def link_tetrahedron(points, faces):
+    """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
+    a, b, c, d = (
+        vector_in(points, 0),
+        vector_in(points, 1),
+        vector_in(points, 2),
+        vector_in(points, 3),
+    )
+    i, j = (1, 2) if dot(sub(d, a), cross(sub(b, a), sub(c, a))) <= 0.0 else (2, 1)
+    corners = ((0, i, j), (0, 3, i), (0, j, 3), (i, 3, j))
+    across = ((1, 3, 2), (2, 3, 0), (0, 3, 1), (1, 2, 0))
+    for f in range(4):
+        for k in range(3):
+            faces[f, k] = corners[f][k]
+            faces[f, ACROSS + k] = across[f][k]
+        faces[f, ALIVE] = 1
+
+
+@compiled
+def cut_visible(faces, planes, f, w, thickness, stack, horizon):
+    """Kill the faces that see w, from f outwards, and fill in their horizon; return its length.
+
+    A row of the horizon is an edge (from, to) of a killed face and the living face across it. A
+    face sees w if w is above its plane by more than ``thickness``: faces in one plane with w would
+    else be killed as rounding falls, and a cone over such a horizon folds back on itself.
+    """
+    faces[f, ALIVE] = 0
+    stack[0] = f
+    waiting, edges = 1, 0
+    while waiting > 0:
+        waiting -= 1
+        g = stack[waiting]
+        for k in range(3):
+            other = faces[g, ACROSS + k]
+            if faces[other, ALIVE] == 0:
+                continue
+            n = planes[other, 0], planes[other, 1], planes[other, 2]
+            if dot(n, w) > planes[other, OFFSET] + thickness:
+                faces[other, ALIVE] = 0
+                stack[waiting] = other
+                waiting += 1
+            else:
+                horizon[edges, 0] = faces[g, k]
+                horizon[edges, 1] = faces[g, (k + 1) % 3]
+                horizon[edges, 2] = other
+                edges += 1
+    return edges
+
+
+@compiled
+def link_cone(faces, horizon, edges, apex, total, starting_at):
+    """Link a new face from each horizon edge to the vertex apex; return the new number of faces.
+
+    ``starting_at`` is scratch, -1 for a new vertex: the new face whose first vertex is a given
+    one. A horizon that comes to a vertex twice, which only rounding can make, is not linked: then
+    the old number of faces is returned, and the surface is no longer closed.
+    """
+    for i in range(edges):
+        start, end, other = horizon[i, 0], horizon[i, 1], horizon[i, 2]
+        if starting_at[start] >= total:
+            return total
+        f = total + i
+        faces[f, 0], faces[f, 1], faces[f, 2] = start, end, apex
+        faces[f, ACROSS], faces[f, ALIVE] = other, 1
+        for k in range(3):
+            if faces[other, k] == end and faces[other, (k + 1) % 3] == start:
+                faces[other, ACROSS + k] = f
+        starting_at[start] = f
+    for f in range(total, total + edges):
+        after = starting_at[faces[f, 1]]
+        faces[f, ACROSS + 1] = after
+        faces[after, ACROSS + 2] = f
+    return total + edges
+
+
+@inlined
+def push(heap, count, planes, f):
+    """Add face f to the heap of offsets."""
+    k = count
+    while k > 0:
+        parent = (k - 1) // 2
+        if planes[heap[parent], OFFSET] <= planes[f, OFFSET]:
+            break
+        heap[k] = heap[parent]
+        k = parent
+    heap[k] = f
+
+
+@compiled
+def pop_living(faces, planes, heap, waiting):
+    """Take the living face of least offset off the heap; return it or -1, and how many wait."""
+    least = -1
+    while waiting > 0 and least < 0:
+        if faces[heap[0], ALIVE] == 1:
+            least = heap[0]
+        waiting -= 1
+        last = heap[waiting]
+        k, child = 0, 1
+        while child < waiting:
+            right = child + 1
+            if right < waiting and planes[heap[right], OFFSET] < planes[heap[child], OFFSET]:
+                child = right
+            if planes[last, OFFSET] <= planes[heap[child], OFFSET]:
+                break
+            heap[k] = heap[child]
+            k, child = child, 2 * child + 1
+        heap[k] = last
+    return least, waiting
+
+
+@compiled
+def add_faces(points, faces, planes, heap, first, total, waiting, size):
+    """Set the planes of the faces from first to total and add them to the heap."""
+    for f in range(first, total):
+        set_plane(faces, planes, points, f, size)
+        push(heap, waiting, planes, f)
+        waiting += 1
+    return waiting
+
+
+@compiled
+def expand(points, faces, planes, horizon, stack, starting_at, f, a, b, count, total, size):
+    """Make a - b vertex number count, in place of the faces that see it, among them f.
+
+    Return the new number of faces: not grown where the surface could not be closed again, for no
+    more room, or a horizon that rounding spoilt.
+    """
+    put(points, count, a, b)
+    w = vector_in(points, count)
+    edges = cut_visible(faces, planes, f, w, COPLANAR * EPS * size, stack, horizon)
+    if total + edges > faces.shape[0]:
+        return total
+    return link_cone(faces, horizon, edges, count, total, starting_at)

@@ -1,0 +1,318 @@
+"""The Minkowski difference of two cores, of a hull one edge, as a sum with derivatives.
+
+Such a core is a sum of segments (a box of three, a capsule or cylinder of its axis) and at most
+one ellipsoid (a cylinder's disk is a flat one), less a ball (see ``supports``). So is the
+difference D = A - B: its support function is
+
+    h(n) = sum |s . n| + |E_A n| + |E_B n| - r - p . n
+
+smooth but where n is at right angles to a segment or along the axis of a disk, with known
+curvature. The rows of E are the semi-axes. The least h is minus the signed distance of the cores.
+
+A hull is not such a sum; an edge of it is, off the hull's origin. The difference with the edge
+lies in that with the hull, so its h is nowhere more, and where it is as much what is known of
+its minimum is true of the hull's.
+
+``terms`` holds a row for p, four for segments, three for the semi-axes of A and of B, one for
+the point of A's and of B's disk where n is along its axis, and one for the middle of A's edge,
+from Ao: p then is from there to B or to the middle of B's. Column LENGTH is that of the row.
+Column SHARE of a segment tells where on it the support point is: at an end, -1 or 1, or anywhere
+between where n is at right angles to it and h has a kink; the segment is *held* there.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest_edge
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unit,
+    unrotate,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+)
+from drake_geom_ros.geometry._proximity.tolerances import LEAST_LENGTH, RIGHT_ANGLE
+
+SEGMENT = 1
+MOST_SEGMENTS = 4
+AXES_A = 5
+AXES_B = 8
+LEAN_A = 11
+LEAN_B = 12
+ORIGIN = 13
+ROWS = 14
+SHARE = 3
+LENGTH = 4
+
+
+class Curvature(NamedTuple):
+    """A support function at n along e and f: value and slopes, radii of curvature ee, ef, ff."""
+
+    y: float
+    along_e: float
+    along_f: float
+    ee: float
+    ef: float
+    ff: float
+
+
+@inlined
+def _put(terms, k, s, R, axis):
+    """Store s times an axis of R in row k, with its length; a vanishing one as the least."""
+    s = max(s, LEAST_LENGTH)
+    for i in range(3):
+        terms[k, i] = s * R[i, axis]
+    terms[k, LENGTH] = s
+
+
+@compiled
+def _put_shape(terms, kind, shape, R, segment, axes):
+    """Store the terms of one core; return the row of the next segment."""
+    if kind == BOX:
+        for k in range(3):
+            _put(terms, segment + k, shape[k], R, k)
+        return segment + 3
+    if kind == ELLIPSOID:
+        for k in range(3):
+            _put(terms, axes + k, shape[k], R, k)
+        return segment
+    if kind == CYLINDER:
+        _put(terms, axes, shape[0], R, 0)
+        _put(terms, axes + 1, shape[0], R, 1)
+    if kind == CAPSULE or kind == CYLINDER:
+        _put(terms, segment, shape[1], R, 2)
+        return segment + 1
+    return segment
+
+
+@compiled
+def difference_of(pair):
+    """Return the Minkowski difference of the two cores of a pair."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    terms = np.zeros((ROWS, 5))
+    for i in range(3):
+        terms[0, i] = p[i]
+    first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
+    last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
+    if kind_A == CONVEX or kind_B == CONVEX:
+        last = 0
+    return Difference(
+        terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+    )
+
+
+@inlined
+def _taken_away(kind, shape):
+    """Return the radius [m] of the ball that the core of a shape lacks of its terms."""
+    return core_radius(kind, shape) if kind == ELLIPSOID else 0.0
+
+
+@compiled
+def _put_edge(terms, shape, R, n, segment):
+    """Store the edge of a hull next to the unit n; return its middle, from Go in World axes."""
+    x, y, z = unrotate(R, n)
+    u, v = farthest_edge(shape, x, y, z)
+    half = rotate(R, scale(0.5, sub(v, u)))
+    for i in range(3):
+        terms[segment, i] = half[i]
+    terms[segment, LENGTH] = max(norm(half), LEAST_LENGTH)
+    return rotate(R, scale(0.5, add(u, v)))
+
+
+@compiled
+def difference_of_edges(pair, n):
+    """Return ``difference_of`` a pair with hulls, of which it takes but the edges next to n."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    terms = np.zeros((ROWS, 5))
+    first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
+    if kind_A == CONVEX:
+        middle = _put_edge(terms, shape_A, R_WA, n, SEGMENT)
+        first, p = SEGMENT + 1, sub(p, middle)
+        for i in range(3):
+            terms[ORIGIN, i] = middle[i]
+    last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
+    if kind_B == CONVEX:
+        p = add(p, _put_edge(terms, shape_B, R_WB, scale(-1.0, n), first))
+        last = first + 1
+    for i in range(3):
+        terms[0, i] = p[i]
+    return Difference(
+        terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
+    )
+
+
+@inlined
+def _stretch(terms, axes, n):
+    """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
+    x, y, z = (
+        dot(vector_in(terms, axes), n),
+        dot(vector_in(terms, axes + 1), n),
+        dot(vector_in(terms, axes + 2), n),
+    )
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@inlined
+def width(terms, last, radius, n):
+    """Return h(n) [m] for the unit n."""
+    h = -radius - dot(vector_in(terms, 0), n)
+    for k in range(SEGMENT, last):
+        h += abs(dot(vector_in(terms, k), n))
+    return h + _stretch(terms, AXES_A, n) + _stretch(terms, AXES_B, n)
+
+
+@compiled
+def likely_normal(difference, n):
+    """Return n or what separates better: faces, crossed edges and axes of the two cores."""
+    terms, _, last, r_A, r_B = difference
+    radius = r_A + r_B
+    least = width(terms, last, radius, n)
+    for i in range(SEGMENT, last):
+        for j in range(i + 1, last):
+            m = unit(cross(vector_in(terms, i), vector_in(terms, j)))
+            n, least = _better(terms, last, radius, m, n, least)
+    for axes in (AXES_A, AXES_B):
+        m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
+        n, least = _better(terms, last, radius, m, n, least)
+        if terms[axes + 2, LENGTH] > 0.0:
+            for k in range(2):
+                m = scale(1.0 / terms[axes + k, LENGTH], vector_in(terms, axes + k))
+                n, least = _better(terms, last, radius, m, n, least)
+    return n
+
+
+@inlined
+def _better(terms, last, radius, m, n, least):
+    """Return (m, h(m)), or (-m, h(-m)), if that is less than (n, least), else (n, least)."""
+    if dot(m, m) == 0.0:
+        return n, least
+    if dot(m, vector_in(terms, 0)) < 0.0:
+        m = scale(-1.0, m)
+    h = width(terms, last, radius, m)
+    return (m, h) if h < least else (n, least)
+
+
+@compiled
+def curvature(terms, axes, n, e, f):
+    """Return the slopes and the curvature at n of the support function ``y = |E n|``.
+
+    For the unit n and e, f at right angles to it and to each other. The radii of curvature are
+    ``(|E e x E n|^2, (E e x E n) . (E f x E n), |E f x E n|^2) / y^3`` [m]. At the axis of a disk,
+    where y has no derivative, all are 0.
+    """
+    a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
+    u = (dot(a, n), dot(b, n), dot(c, n))
+    y = math.sqrt(dot(u, u))
+    if y <= RIGHT_ANGLE * terms[axes, LENGTH]:
+        return Curvature(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    v = (dot(a, e), dot(b, e), dot(c, e))
+    w = (dot(a, f), dot(b, f), dot(c, f))
+    v_, w_ = cross(v, u), cross(w, u)
+    s = 1.0 / (y * y * y)
+    return Curvature(
+        y,
+        dot(u, v) / y,
+        dot(u, w) / y,
+        s * dot(v_, v_),
+        s * dot(v_, w_),
+        s * dot(w_, w_),
+    )
+
+
+@inlined
+def ellipsoid_support(terms, axes, n):
+    """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
+    a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
+    u = (dot(a, n), dot(b, n), dot(c, n))
+    y = math.sqrt(dot(u, u))
+    if y <= RIGHT_ANGLE * terms[axes, LENGTH]:
+        return 0.0, 0.0, 0.0
+    return add_scaled(add_scaled(scale(u[0] / y, a), u[1] / y, b), u[2] / y, c)
+
+
+@inlined
+def ends_at(terms, last, n):
+    """Return the sum of -p and of the segments' ends that are extreme along n."""
+    base = scale(-1.0, vector_in(terms, 0))
+    for k in range(SEGMENT, last):
+        s = vector_in(terms, k)
+        base = add_scaled(base, 1.0 if dot(s, n) >= 0.0 else -1.0, s)
+    return base
+
+
+@compiled
+def witness_points(difference, n):
+    """Return the points (a, b), from Ao, of the cores, extreme along n and -n by the shares."""
+    terms, first, last, r_A, r_B = difference
+    a = add_scaled(add(ellipsoid_support(terms, AXES_A, n), vector_in(terms, LEAN_A)), -r_A, n)
+    a = add(a, vector_in(terms, ORIGIN))
+    b = add_scaled(add(ellipsoid_support(terms, AXES_B, n), vector_in(terms, LEAN_B)), -r_B, n)
+    for k in range(SEGMENT, first):
+        a = add_scaled(a, terms[k, SHARE], vector_in(terms, k))
+    for k in range(first, last):
+        b = add_scaled(b, terms[k, SHARE], vector_in(terms, k))
+    return a, sub(add(vector_in(terms, ORIGIN), vector_in(terms, 0)), b)
+
+
+@compiled
+def is_point_of(kind, shape, q):
+    """Tell whether q, in the shape's frame, is a point of a core that is a solid."""
+    if kind == BOX:
+        return abs(q[0]) <= shape[0] and abs(q[1]) <= shape[1] and abs(q[2]) <= shape[2]
+    if kind == CYLINDER:
+        return q[0] * q[0] + q[1] * q[1] <= shape[0] * shape[0] and abs(q[2]) <= shape[1]
+    return False
+
+
+@compiled
+def nearest_to(kind, shape, q):
+    """Return a point of a box or of the axis of a cylinder or capsule that is near to q, in G."""
+    if kind == BOX:
+        return clamp(q[0], shape[0]), clamp(q[1], shape[1]), clamp(q[2], shape[2])
+    return 0.0, 0.0, clamp(q[2], shape[1])
+
+
+@compiled
+def share_a_point(pair, a, b):
+    """Tell whether a box, cylinder or capsule is seen to have a point in common with a cylinder B.
+
+    ``a`` is a point of A and ``b`` one of B, from Ao. Tried are they, the point of each core that
+    is nearest to the other's origin, and the middles of the two: a and b may be on the surface,
+    where rounding decides.
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    a, b = unrotate(R_WA, a), unrotate(R_WB, sub(b, p))
+    near_A = nearest_to(kind_A, shape_A, unrotate(R_WA, p))
+    near_B = nearest_to(kind_B, shape_B, unrotate(R_WB, scale(-1.0, p)))
+    for share in (0.0, 0.5, 1.0):
+        x = rotate(R_WA, add_scaled(a, share, sub(near_A, a)))
+        y = add(p, rotate(R_WB, add_scaled(b, share, sub(near_B, b))))
+        if is_point_of(kind_B, shape_B, unrotate(R_WB, sub(x, p))):
+            return True
+        if is_point_of(kind_A, shape_A, unrotate(R_WA, y)):
+            return True
+        z = scale(0.5, add(x, y))
+        if is_point_of(kind_A, shape_A, unrotate(R_WA, z)) and is_point_of(
+            kind_B, shape_B, unrotate(R_WB, sub(z, p))
+        ):
+            return True
+    return False

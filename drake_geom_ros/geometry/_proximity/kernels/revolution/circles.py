@@ -1,0 +1,320 @@
+"""The least h on a great circle of directions, with a proof: arcs between support points.
+
+On a circle about the unit e the support function h of the Minkowski difference D (see ``sums``)
+satisfies ``h'' + h = rho`` in the angle, where rho is the radius of curvature of D: a measure,
+with a mass at each *kink*, where n is at right angles to a segment. Arcs end at kinks, so that
+within one rho is a function. Of an arc of width w (at most a right angle) two things bound h from
+below, and the larger counts:
+
+- the *chord*: u and v, the support points at the ends, are points of D, so ``h(n) >= max(u . n,
+  v . n)``. Where they are positive both are concave, so the least of their maximum is at an end or
+  where they cross: at the normal of the chord. This is a polygon that grows, and proves a strict
+  minimum in a few steps;
+- the *bend*: ``h'' + h <= rho`` for the largest rho, and ``y = rho - (rho - g) cos t / cos(w /
+  2)`` for the lesser of the values at the ends, g, and the angle t from the middle of the arc,
+  solves ``y'' + y = rho``. So ``(h - y)'' + (h - y) <= 0``, and h - y is not negative at the ends
+  of an arc shorter than a half turn: then it is not negative within (Sturm). The least of y is at
+  an end if g >= rho, else at the middle. Where D is almost round about e, rho - g is almost
+  nothing: so a ring of almost equal values is proven by a few arcs, where a polygon needs
+  thousands.
+
+An arc whose bound exceeds the best h found so far is done; others are split. Newton's method takes
+the last digits of a minimum, and the cap that it proves (see ``normals``) ends the splitting.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING, nearby_minimum
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    AXES_A,
+    AXES_B,
+    LENGTH,
+    MOST_SEGMENTS,
+    SEGMENT,
+    ellipsoid_support,
+    ends_at,
+    width,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    cross,
+    dot,
+    norm,
+    perpendicular,
+    scale,
+    sub,
+    unit,
+    vector_at,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE, SAME_DIRECTION, TIE
+
+MOST_ARCS = 64
+MOST_SPLITS = 600
+MOST_KINKS = 2 * MOST_SEGMENTS + 2
+NO_CAP = 2.0
+BORDER = 0.01  # [rad]
+# Columns of an arc: its two directions and its two support points.
+START, END, START_POINT, END_POINT = 0, 3, 6, 9
+ARC_WIDTH = 12
+
+
+@compiled
+def put_arc(arc, start, end, start_point, end_point):
+    """Store an arc."""
+    for k in range(3):
+        arc[START + k], arc[END + k] = start[k], end[k]
+        arc[START_POINT + k], arc[END_POINT + k] = start_point[k], end_point[k]
+
+
+@compiled
+def turn_of(x, y):
+    """Return a number in [-2, 2] that grows with the angle of (x, y)."""
+    t = x / (abs(x) + abs(y))
+    return 1.0 - t if y >= 0.0 else t - 1.0
+
+
+@inlined
+def across(n, e):
+    """Return the unit n with what rounding left of it along the unit e taken off.
+
+    A vector product of almost parallel vectors is at right angles to neither.
+    """
+    return unit(add_scaled(n, -dot(n, e), e))
+
+
+@compiled
+def put_kink(kinks, count, n, x, y):
+    """Put the direction n among ``count`` others by its angle in the plane of x and y."""
+    turn = turn_of(dot(n, x), dot(n, y))
+    at = count
+    while at > 0 and kinks[at - 1, 3] > turn:
+        for c in range(4):
+            kinks[at, c] = kinks[at - 1, c]
+        at -= 1
+    kinks[at, 0], kinks[at, 1], kinks[at, 2], kinks[at, 3] = n[0], n[1], n[2], turn
+    return count + 1
+
+
+@compiled
+def kinks_on_circle(terms, last, e, kinks):
+    """Fill in the directions at right angles to e and a segment, in turn; return how many.
+
+    Where they leave arcs wider than a right angle, directions without a kink are put between
+    them. That is only where all segments are in one plane with e: the axes of a box, as they stand
+    on the plane across e, are not all within a right angle of one another, for the sum of their
+    squares is the same in each of its directions.
+    """
+    x = perpendicular(e)
+    y = cross(e, x)
+    count = 0
+    for k in range(SEGMENT, last):
+        m = cross(e, vector_in(terms, k))
+        # A segment along e but for rounding has no kink: what its ends differ by is rounding too.
+        if norm(m) > RIGHT_ANGLE * terms[k, LENGTH]:
+            n = across(unit(m), e)
+            count = put_kink(kinks, count, n, x, y)
+            count = put_kink(kinks, count, scale(-1.0, n), x, y)
+    if count == 0:
+        count = put_kink(kinks, count, x, x, y)
+        count = put_kink(kinks, count, scale(-1.0, x), x, y)
+    if count == 2:
+        n = unit(cross(e, vector_at(kinks[0], 0)))
+        count = put_kink(kinks, count, n, x, y)
+        count = put_kink(kinks, count, scale(-1.0, n), x, y)
+    return count
+
+
+@compiled
+def may_reach(start, end, e, q, reach, noise):
+    """Tell whether q . n may be as large as ``reach`` on an arc of the circle about e.
+
+    q . n is largest at an end of the arc, or along q, where it is the length of q, if that is on
+    the arc. Each of the three is compared with ``noise`` [m], the rounding of q, to spare, so an
+    arc that reaches is never left out; one that does not may be kept.
+    """
+    if dot(start, q) >= reach - noise or dot(end, q) >= reach - noise:
+        return True
+    inside = dot(cross(start, q), e) >= -noise and dot(cross(q, end), e) >= -noise
+    return inside and norm(q) >= reach - noise
+
+
+@compiled
+def first_arcs(terms, last, e, reach, noise, arcs, kinks):
+    """Fill in the arcs between the kinks of the circle about e; return how many.
+
+    Arcs on which p . n is certain to be below ``reach`` [m] are left out. On the circle p . n is
+    q . n for the part q of p that is at right angles to e.
+    """
+    p = vector_in(terms, 0)
+    q = add_scaled(p, -dot(p, e), e)
+    if norm(q) < reach - noise:
+        return 0
+    count = kinks_on_circle(terms, last, e, kinks)
+    arc = 0
+    for k in range(count):
+        start, end = vector_at(kinks[k], 0), vector_at(kinks[(k + 1) % count], 0)
+        if may_reach(start, end, e, q, reach, noise):
+            base = ends_at(terms, last, add(start, end))
+            put_arc(
+                arcs[arc],
+                start,
+                end,
+                point_on_arc(terms, base, start),
+                point_on_arc(terms, base, end),
+            )
+            arc += 1
+    return arc
+
+
+@inlined
+def point_on_arc(terms, base, n):
+    """Return the support point at n of an arc on which the segments' ends add up to ``base``."""
+    return add(base, add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)))
+
+
+@compiled
+def largest_radius(terms, e):
+    """Return a bound of the radius of curvature [m] of disks and ellipsoids on the circle about e.
+
+    There ``|E n|`` is the support function of an ellipse, whose semi-axes a >= b have the
+    eigenvalues of E^T E in the plane across e as squares; its largest radius is a^2 / b. Infinite
+    for a disk that is seen from its edge.
+    """
+    x = perpendicular(e)
+    y = cross(e, x)
+    radius = 0.0
+    for axes in (AXES_A, AXES_B):
+        if terms[axes, LENGTH] > 0.0:
+            xx, yy, xy = 0.0, 0.0, 0.0
+            for k in range(3):
+                u, v = dot(vector_in(terms, axes + k), x), dot(vector_in(terms, axes + k), y)
+                xx, yy, xy = xx + u * u, yy + v * v, xy + u * v
+            mean, spread = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+            least = mean - spread - TIE * mean
+            if least <= 0.0:
+                return math.inf
+            radius += (mean + spread + TIE * mean) / math.sqrt(least)
+    return radius
+
+
+@compiled
+def improved(difference, n, h, enough, noise):
+    """Return (n, h, cosine of its cap) of the minimum near n, or of n if there is none."""
+    found = nearby_minimum(difference, n, noise)
+    if found.kind == NOTHING or found.h > h + noise:
+        return n, h, NO_CAP
+    cap = widest_cap(difference, found, enough)
+    return found.n, found.h, math.cos(cap) if cap > 0.0 else NO_CAP
+
+
+@compiled
+def chord_normal(arc, e):
+    """Return the unit normal of an arc's chord on the circle about e, or 0 if beyond the arc."""
+    start, end = vector_at(arc, START), vector_at(arc, END)
+    m = across(unit(cross(sub(vector_at(arc, END_POINT), vector_at(arc, START_POINT)), e)), e)
+    if dot(m, add(start, end)) < 0.0:
+        m = scale(-1.0, m)
+    if dot(cross(start, m), e) <= 0.0 or dot(cross(m, end), e) <= 0.0:
+        return 0.0, 0.0, 0.0
+    return m
+
+
+@compiled
+def least_on_arc(arc, m, radius, rho):
+    """Return a lower bound of h [m] on an arc with the chord's normal m (see *chord*, *bend*).
+
+    ``radius`` [m] is that of the balls that are taken away, ``rho`` what no radius of curvature of
+    the rest exceeds.
+    """
+    start, end = vector_at(arc, START), vector_at(arc, END)
+    u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
+    ends = min(dot(u, start), dot(v, end))
+    least = min(dot(u, m), dot(v, m), ends)
+    if rho < math.inf:
+        bent = ends
+        if ends < rho:
+            bent = rho - (rho - ends) / (0.5 * norm(add(start, end)))
+        least = max(least, bent)
+    return least - radius
+
+
+@inlined
+def is_away(from_n, to_n, span):
+    """Tell whether any of an arc of width ``span`` [rad] is clearly another direction than n.
+
+    The cosines of its ends with n are given. An arc across the border of what counts as another
+    direction does not: there nothing need be proven to the last degree.
+    """
+    across_border = max(from_n, to_n) >= SAME_DIRECTION and span <= BORDER
+    return min(from_n, to_n) < SAME_DIRECTION and not across_border
+
+
+@compiled
+def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
+    """Return (complete, best) for the circle of directions at right angles to the unit e.
+
+    ``best`` is (n, h, cosine, unique, floor): the best direction so far, the cosine of the angle
+    around it in which nothing is less, whether nothing clearly elsewhere is as good, and what no h
+    looked at so far is below. Within ``inner`` [m] of their centres both cores are solid.
+    Not complete where the splitting of arcs did not come to an end.
+
+    Arcs left out by ``first_arcs`` hold nothing as good: the cores are symmetric, so ``h(n) >=
+    inner - p . n``, and h(-n) is less than h(n) by -2 p . n.
+    """
+    terms, _, last, r_A, r_B = difference
+    n, h, cosine, unique, floor = best
+    reach = max(inner - h, 0.0) - 2.0 * enough
+    waiting = first_arcs(terms, last, e, reach, noise, arcs, kinks)
+    radius, rho = r_A + r_B, largest_radius(terms, e)
+    for _ in range(MOST_SPLITS):
+        if waiting == 0:
+            return True, (n, h, cosine, unique, floor)
+        waiting -= 1
+        arc = arcs[waiting]
+        start, end = vector_at(arc, START), vector_at(arc, END)
+        u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
+        from_n, to_n = dot(start, n), dot(end, n)
+        if min(from_n, to_n) >= cosine:
+            continue
+        away = is_away(from_n, to_n, norm(sub(end, start)))
+        if from_n < SAME_DIRECTION and dot(u, start) - radius <= h + 2.0 * enough:
+            unique = False
+        m = chord_normal(arc, e)
+        ends = min(dot(u, start), dot(v, end)) - radius
+        if ends < h - noise:
+            m = start if dot(u, start) < dot(v, end) else end
+            n, h, cosine = improved(difference, m, ends, enough, noise)
+            unique = unique and not away
+            waiting += 1  # once more, with what is known now
+            continue
+        if dot(m, m) == 0.0:  # the least of the arc is at an end
+            floor = min(floor, ends)
+            continue
+        # Where no cap is known the minimum is so flat that only its tolerance can be proven.
+        limit = h - (enough if cosine == NO_CAP else noise)
+        if unique and away:
+            limit = h + 2.0 * enough
+        least = least_on_arc(arc, m, radius, rho)
+        if least >= limit:
+            floor = min(floor, least)
+            continue
+        width_m = width(terms, last, radius, m)
+        if width_m < h - noise:
+            before = n, h
+            n, h, cosine = improved(difference, m, width_m, enough, noise)
+            far = dot(before[0], n) < SAME_DIRECTION
+            unique = before[1] > h + 2.0 * enough if far else unique
+        elif width_m <= h + 2.0 * enough and dot(m, n) < SAME_DIRECTION:
+            unique = False
+        if waiting + 2 > MOST_ARCS:
+            break
+        base = ends_at(terms, last, m)
+        w = point_on_arc(terms, base, m)
+        put_arc(arcs[waiting], start, m, u, w)
+        put_arc(arcs[waiting + 1], m, end, w, v)
+        waiting += 2
+    return False, (n, h, cosine, unique, floor)

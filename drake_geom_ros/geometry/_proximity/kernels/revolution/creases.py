@@ -1,0 +1,76 @@
+"""Depth of a box or capsule in a cylinder: the least of all kinds of normals that there are.
+
+The support function h of the Minkowski difference D of two overlapping cores (see ``sums``) has a
+local minimum at n only where D has no radius of curvature below h(n): a radius rho along some
+great circle through n makes ``h'' = rho - h`` there. Where n is at right angles to no segment and
+not along the axis of the disk, only the disk is curved, and along one direction: across it rho is
+0, h is positive, so n is no minimum. What is left is on
+
+- a *crease*: n at right angles to a segment. All of the circle of each segment is searched (see
+  ``circles``), its crossings with other circles too, which are the faces of two segments;
+- a *face of a disk*: n along its axis, where h is known (``likely_normal``).
+
+So the least of these is the depth. Nothing is left out by a comparison that rounding could turn:
+those of ``circles`` keep what is in doubt.
+"""
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    AXES_A,
+    AXES_B,
+    LENGTH,
+    SEGMENT,
+    likely_normal,
+    width,
+)
+from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
+    ARC_WIDTH,
+    MOST_ARCS,
+    MOST_KINKS,
+    improved,
+    least_on_circle,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, unit, vector_in
+from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
+
+
+@compiled
+def inner_radius(terms, first, last, axes):
+    """Return the radius [m] of a ball in the core whose segments are from first to last."""
+    if terms[axes, LENGTH] > 0.0:
+        return min(terms[axes, LENGTH], terms[first, LENGTH])
+    if last - first < 3:
+        return 0.0
+    return min(terms[first, LENGTH], terms[first + 1, LENGTH], terms[first + 2, LENGTH])
+
+
+@compiled
+def least_on_creases(difference, n, enough, noise):
+    """Return the least h over all faces and creases, and where.
+
+    ``n`` is any direction to start from, and ``floor`` what no h is below. Not complete where the
+    splitting of arcs did not come to an end. It is the depth if the cores overlap: h is positive
+    then.
+    """
+    terms, first, last, r_A, r_B = difference
+    inner = inner_radius(terms, SEGMENT, first, AXES_A) + inner_radius(terms, first, last, AXES_B)
+    arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
+    n = likely_normal(difference, n)
+    n, h, cosine = improved(difference, n, width(terms, last, r_A + r_B, n), enough, noise)
+    best = n, h, cosine, True, h
+    complete = True
+    for i in range(SEGMENT, last):
+        e = scale(1.0 / terms[i, LENGTH], vector_in(terms, i))
+        done, best = least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks)
+        complete = complete and done
+    n, h, cosine, unique, floor = best
+    axes = AXES_A if terms[AXES_A, LENGTH] > 0.0 else AXES_B
+    axis = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
+    for side in (-1.0, 1.0):
+        m = scale(side, axis)
+        if dot(m, n) < SAME_DIRECTION and width(terms, last, r_A + r_B, m) <= h + 2.0 * enough:
+            unique = False
+    return Least(complete, h, min(floor, h), n, unique)

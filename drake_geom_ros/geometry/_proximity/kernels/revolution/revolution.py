@@ -1,0 +1,257 @@
+"""Depth of two bodies of revolution whose axes are parallel: one angle instead of two.
+
+Coaxial cylinders, capsules and spheroids have rings of equally good directions. EPA would have to
+cover the whole ring with faces to certify one of them; but the Minkowski difference is a body of
+revolution too, so a nearest point of its surface lies in the half plane through its axis and the
+origin, and there the polygon that EPA grows has corners on one arc only.
+
+That one half plane, and of it the quarter with both numbers positive, is enough. Across the half
+plane of the origin the width of a body of revolution is ``h = f(s, c) - p . n``, with f even in s
+and c: of all n with one s and c, and of their mirror images, the one toward p is least. On the
+quarter every arc between two corners is kept with the lower bound of its chord (``set_chord``),
+none is left out by a comparison, and the least of these bounds is what is returned.
+
+Axes that are almost parallel, and an ellipsoid with two semi-axes almost equal, count too where
+turning the one and rounding the other moves no point farther than the tolerance: the move is taken
+off the lower bound, the upper one is measured on the shapes as they are.
+
+Where the origin is on the axis and all directions about it are as good, the normal out of B is the
+one nearest to the x axis of B.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
+    bounding_radius,
+    core_radius,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    column,
+    cross,
+    dot,
+    norm,
+    scale,
+    sub,
+    unit,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+)
+from drake_geom_ros.geometry._proximity.tolerances import (
+    COPLANAR,
+    EPS,
+    ROUNDING,
+    SAME_DIRECTION,
+)
+
+MOST_CORNERS = 64  # a corner halves its arc, and an arc of 1e-8 is flat to rounding
+# Columns of a corner: direction (s, c), point (radial, axial), width along the direction; and of
+# the chord to the next corner: its normal, the bound of the widths over its arc.
+WIDTH = 4
+CHORD = 5
+OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of the angle that makes a clear difference
+
+
+@compiled
+def axis_of_revolution(kind, shape):
+    """Return (k, move): the axis of the core, and how far [m] its surface is from round about it.
+
+    ``move`` is infinite for shapes with no axis.
+    """
+    if kind == BOX or kind == CONVEX:
+        return 2, np.inf
+    if kind != ELLIPSOID:
+        return 2, 0.0
+    ab, bc, ca = (
+        abs(shape[0] - shape[1]),
+        abs(shape[1] - shape[2]),
+        abs(shape[2] - shape[0]),
+    )
+    if ab <= bc and ab <= ca:
+        return 2, ab
+    if bc <= ca:
+        return 0, bc
+    return 1, ca
+
+
+@compiled
+def common_axis(pair):
+    """Return (u, move): an axis both cores are round about when their surfaces move so far.
+
+    The smaller core is turned; one that is a point, of a ball, is round about any axis.
+    """
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, _ = pair
+    k_A, move_A = axis_of_revolution(kind_A, shape_A)
+    k_B, move_B = axis_of_revolution(kind_B, shape_B)
+    u_A, u_B = column(R_WA, k_A), column(R_WB, k_B)
+    if move_A + move_B == np.inf:
+        return u_A, np.inf  # the radius of a hull is a look at every vertex
+    reach_A = bounding_radius(kind_A, shape_A) - core_radius(kind_A, shape_A)
+    reach_B = bounding_radius(kind_B, shape_B) - core_radius(kind_B, shape_B)
+    move = move_A + move_B + 2.0 * norm(cross(u_A, u_B)) * min(reach_A, reach_B)
+    return u_B if reach_A < reach_B else u_A, move
+
+
+@compiled
+def profile(kind, shape, s, c):
+    """Return (radial, axial) of the core's profile where its normal is (s, c), both >= 0."""
+    if kind == CAPSULE:
+        return 0.0, shape[1]
+    if kind == CYLINDER:
+        return shape[0], shape[1]
+    if kind != ELLIPSOID:
+        return 0.0, 0.0
+    k, _ = axis_of_revolution(kind, shape)
+    x, z = 0.5 * (shape[(k + 1) % 3] + shape[(k + 2) % 3]), shape[k]
+    h = math.sqrt((x * s) * (x * s) + (z * c) * (z * c))
+    r = core_radius(kind, shape)
+    return s * (x * (x / h) - r), c * (z * (z / h) - r)
+
+
+@compiled
+def put_corner(corners, k, pair, radial, axial, s, c):
+    """Store direction, point of the difference and width along (s, c) in row k."""
+    a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
+    corners[k, 0], corners[k, 1] = s, c
+    corners[k, 2], corners[k, 3] = a[0] + b[0] - radial, a[1] + b[1] - axial
+    corners[k, WIDTH] = s * corners[k, 2] + c * corners[k, 3]
+
+
+@compiled
+def set_chord(corners, k, following):
+    """Store the normal of the chord from corner k to the following one and the width at it.
+
+    A width between the two is at least the larger of those of the two points. Both are sinusoids,
+    concave where positive, so the least is at an end of the arc or where they cross: at the normal
+    of the chord, if that is within the arc; else there is no chord and its width is infinite.
+    """
+    x, y = corners[k, 2] - corners[following, 2], corners[following, 3] - corners[k, 3]
+    length = math.sqrt(x * x + y * y)
+    corners[k, CHORD + 2] = np.inf
+    if x > 0.0 and y > 0.0:
+        s, c = y / length, x / length
+        corners[k, CHORD], corners[k, CHORD + 1] = s, c
+        corners[k, CHORD + 2] = min(
+            s * corners[k, 2] + c * corners[k, 3],
+            s * corners[following, 2] + c * corners[following, 3],
+        )
+
+
+@compiled
+def touching_points(corners, after, best, pair, radial, axial):
+    """Return (radial, axial) of a point of each profile, one over the other along the best normal.
+
+    The best corner's points are aside of each other by ``aside``. Its neighbour on the other side
+    has the opposite sign; at the ends of the quarter that is its own mirror image.
+    """
+    s, c = corners[best, 0], corners[best, 1]
+    aside = s * corners[best, 3] - c * corners[best, 2]
+    other, mirror_radial, mirror_axial = best, 1.0, 1.0
+    if aside < 0.0 and after[best] >= 0:
+        other = after[best]
+    elif aside < 0.0:
+        mirror_radial = -1.0
+    elif best == 0:
+        mirror_axial = -1.0
+    else:
+        other = 0
+        while after[other] != best:
+            other = after[other]
+    a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
+    a_, b_ = (
+        profile(pair.kind_A, pair.shape_A, corners[other, 0], corners[other, 1]),
+        profile(pair.kind_B, pair.shape_B, corners[other, 0], corners[other, 1]),
+    )
+    a_, b_ = (
+        (mirror_radial * a_[0], mirror_axial * a_[1]),
+        (mirror_radial * b_[0], mirror_axial * b_[1]),
+    )
+    aside_ = s * (a_[1] + b_[1] - axial) - c * (a_[0] + b_[0] - radial)
+    t = 0.0 if aside == aside_ else min(max(aside / (aside - aside_), 0.0), 1.0)
+    return (
+        (a[0] + t * (a_[0] - a[0]), a[1] + t * (a_[1] - a[1])),
+        (radial - b[0] - t * (b_[0] - b[0]), axial - b[1] - t * (b_[1] - b[1])),
+    )
+
+
+@compiled
+def planar_depth(pair, radial, axial, enough, noise):
+    """Return (lower, s, c, a, b, unique): the least width over directions s, c >= 0, and where.
+
+    ``unique`` tells that no direction of the quarter that is clearly another one is as good.
+    """
+    corners = np.empty((MOST_CORNERS, CHORD + 3))
+    after = np.empty(MOST_CORNERS, dtype=np.int32)
+    put_corner(corners, 0, pair, radial, axial, 1.0, 0.0)
+    put_corner(corners, 1, pair, radial, axial, 0.0, 1.0)
+    after[0], after[1], count = 1, -1, 2
+    set_chord(corners, 0, 1)
+    best = 0 if corners[0, WIDTH] <= corners[1, WIDTH] else 1
+    arc, lower = 0, min(corners[best, WIDTH], corners[0, CHORD + 2])
+    while corners[best, WIDTH] - lower > enough and count < MOST_CORNERS:
+        s, c = corners[arc, CHORD], corners[arc, CHORD + 1]
+        put_corner(corners, count, pair, radial, axial, s, c)
+        after[count] = after[arc]
+        after[arc] = count
+        set_chord(corners, arc, count)
+        set_chord(corners, count, after[count])
+        if corners[count, WIDTH] < corners[best, WIDTH] - noise:
+            best = count
+        count += 1
+        lower = corners[best, WIDTH]
+        for k in range(count):
+            if after[k] >= 0 and corners[k, CHORD + 2] < lower:
+                arc, lower = k, corners[k, CHORD + 2]
+    s, c, rival = corners[best, 0], corners[best, 1], corners[best, WIDTH] + enough
+    unique = True
+    for k in range(count):
+        if after[k] >= 0 and corners[k, CHORD + 2] <= rival:
+            cosine = corners[k, CHORD] * s + corners[k, CHORD + 1] * c
+            unique = unique and cosine >= SAME_DIRECTION
+        if corners[k, WIDTH] <= rival:
+            cosine = corners[k, 0] * s + corners[k, 1] * c
+            unique = unique and cosine >= SAME_DIRECTION
+    a, b = touching_points(corners, after, best, pair, radial, axial)
+    return lower, s, c, a, b, unique
+
+
+@compiled
+def depth_of_revolution(pair, u, move, size, tolerance):
+    """Return the depth of two cores that are round about the common axis u."""
+    enough = max(0.5 * tolerance, ROUNDING * EPS * size)
+    u = unit(u)  # orientations are rotations to rounding only
+    axial = dot(pair.p_AB, u)
+    if axial < 0.0:
+        axial, u = -axial, scale(-1.0, u)
+    across = add_scaled(pair.p_AB, -axial, u)
+    radial = norm(across)
+    e = unit(across)
+    e = unit(add_scaled(e, -dot(e, u), u))
+    if radial <= 4.0 * EPS * size:  # all rounding: any direction about the axis is as good
+        side = cross(u, column(pair.R_WB, 0))
+        e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(pair.R_WB, 1))))
+        radial = 0.0
+    lower, s, c, a, b, unique = planar_depth(pair, radial, axial, enough, COPLANAR * EPS * size)
+    n = unit(add_scaled(scale(s, e), c, u))
+    s_A, s_B = support_points(pair, n, 0.0)
+    upper = dot(sub(s_A, s_B), n)
+    a, b = add_scaled(scale(a[0], e), a[1], u), add_scaled(scale(b[0], e), b[1], u)
+    lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move
+    rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
+    centre = scale(0.5, add_scaled(add(a, b), rise, n))
+    slack = move + 2.0 * enough
+    turn, flip = (1.0 - SAME_DIRECTION) * radial * s <= slack, 2.0 * axial * c <= slack
+    unique = unique and not (s > OFF_AXIS and turn) and not (c > OFF_AXIS and flip)
+    a, b = add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
+    return Depth(upper, lower, n, a, b, move, unique)

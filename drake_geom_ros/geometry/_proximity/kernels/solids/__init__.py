@@ -1,0 +1,1 @@
+"""Bodies that a mesh bounds, dents, holes and all: trees of boxes over their triangles."""

@@ -1,0 +1,72 @@
+"""Hulls of what meets a solid: they hold the bodies, so what separates them separates the bodies.
+
+Bodies are given as in ``distance``.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import local_support, support
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import PLANE
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    add_scaled,
+    column,
+    dot,
+    rotate,
+    scale,
+    sub,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+
+
+@compiled
+def middle_of(A, p):
+    """Return a point of A's core, inside where that has a volume, from Bo."""
+    if A.kind != CONVEX:
+        return p
+    middle, count = (0.0, 0.0, 0.0), int(A.shape[0])
+    for k in range(count):
+        middle = add_scaled(middle, 1.0 / count, vector_at(A.shape, 1 + 3 * k))
+    return add(p, rotate(A.R, middle))
+
+
+@compiled
+def hull_support(A, n):
+    """Return the point of A's core, or of its hull, that is extreme along n, from Ao in B."""
+    if A.kind == SOLID:
+        return rotate(A.R, local_support(CONVEX, A.shape, unrotate(A.R, n), 0.0))
+    return support(A.kind, A.shape, A.R, n, 0.0)
+
+
+@compiled
+def width_of_hulls(A, B, p, m, radius):
+    """Return how far A must move along m to be beyond B's hull [m]."""
+    b = local_support(CONVEX, B.shape, m, 0.0)
+    return dot(sub(b, add(p, hull_support(A, scale(-1.0, m)))), m) + radius
+
+
+@compiled
+def way_out_of_hull(A, B, p, radius):
+    """Return (m, s) of the shortest of some moves by s along m that separate the hulls.
+
+    Tried are the normals of their largest faces and the axes of A; no direction is wrong.
+    """
+    best, best_m = math.inf, (1.0, 0.0, 0.0)
+    for side in range(2):
+        body_shape, tree = (B.shape, B.tree) if side == 0 else (A.shape, A.tree)
+        for k in range(tree.planes):
+            m = vector_at(body_shape, tree.planes_at + PLANE * k)
+            if side == 1:
+                m = scale(-1.0, rotate(A.R, m))
+            s = width_of_hulls(A, B, p, m, radius)
+            if s < best:
+                best, best_m = s, m
+    for k in range(6):
+        m = scale(1.0 - 2.0 * (k % 2), column(A.R, k // 2))
+        s = width_of_hulls(A, B, p, m, radius)
+        if s < best:
+            best, best_m = s, m
+    return best_m, best

@@ -1,0 +1,39 @@
+"""The kinds of shapes and of answers, by their numbers in messages, packed arrays and kernels."""
+
+from enum import IntEnum
+
+
+class ShapeKind(IntEnum):
+    """What a shape is. A pair is ordered by it: A has the lower number."""
+
+    SPHERE = 1
+    BOX = 2
+    CAPSULE = 3
+    CYLINDER = 4
+    ELLIPSOID = 5
+    HALF_SPACE = 6
+    CONVEX = 7
+    SOLID = 8  # a mesh as the body within its surface; in messages any mesh has this number
+    TRIANGLE = 9  # a leaf of a solid's tree: in kernels only
+
+
+class Method(IntEnum):
+    """How a pair was answered."""
+
+    CLOSED_FORM = 1
+    ITERATIVE = 2
+    MESH = 3
+    BOUND_ONLY = 4
+
+    @property
+    def words(self) -> str:
+        """The method as a reader is told of it."""
+        return self.name.lower().replace('_', ' ')
+
+
+# The same as plain integers, for compiled code: to Numba a member of an IntEnum has a type of its
+# own, and a function that is handed one, and a number elsewhere, is compiled twice.
+SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID, TRIANGLE = (
+    kind.value for kind in ShapeKind
+)
+CLOSED_FORM, ITERATIVE, MESH, BOUND_ONLY = (method.value for method in Method)

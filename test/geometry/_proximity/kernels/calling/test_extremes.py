@@ -1,0 +1,61 @@
+"""Pairs far from a metre are answered at a metre, digit for digit."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
+from drake_geom_ros.geometry._proximity.kernels.calling import extremes
+from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from drake_geom_ros.geometry._proximity.kernels.cores import convex
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry.mesh_source import MeshData
+from drake_geom_ros.math import RotationMatrix
+
+R = np.array(RotationMatrix.MakeXRotation(0.5).matrix())
+
+
+@pytest.mark.parametrize(
+    ('size', 'p', 'extreme'),
+    [
+        (1.0, [0, 0, 0], False),
+        (0.0, [0, 1e-3, 0], False),
+        (1e-60, [0, 0, 0], True),
+        (1e-60, [0, 0, -1], False),
+        (1.0, [1e60, 0, 0], True),
+        (np.inf, [0, 0, 0], True),
+    ],
+)
+def test_what_is_extreme(size, p, extreme):
+    assert extremes.is_extreme(size, np.array(p, dtype=float)) == extreme
+
+
+@pytest.mark.parametrize('exponent', [-1000, -600, 0, 300, 900])
+@pytest.mark.parametrize('shape', [Box(1, 2, 3), Cylinder(0.5, 2), Ellipsoid(0.5, 1, 2)])
+def test_an_answer_scales_with_its_pair(shape, exponent):
+    address = calling.compiled_address(convex.signed_distance_of_cores)
+    other, p = Ellipsoid(0.3, 0.2, 0.1), np.array([2.0, 0.5, 0.25])
+    rows = []
+    for e in (0, exponent):
+        row = np.zeros(calling.PAIR_WIDTH)
+        lengths = [np.ldexp(each._kernel_parameters(), e) for each in (shape, other)]
+        extremes.at_one_metre(
+            address, np.ldexp(4.0, e), shape._type_number(), lengths[0], np.eye(3),
+            other._type_number(), lengths[1], R, np.ldexp(p, e), np.ldexp(1e-9, e), np.inf, row,
+        )  # fmt: skip
+        rows.append(row)
+    lengths = [calling.DISTANCE, calling.ERROR_BOUND, *range(calling.WITNESS_A, 10)]
+    rows[0][lengths] = np.ldexp(rows[0][lengths], exponent)
+    np.testing.assert_array_equal(rows[0], rows[1])
+
+
+def test_a_hull_keeps_the_number_of_its_vertices_and_its_lists():
+    directions = np.random.default_rng(0).normal(size=(300, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    shape = Convex.FromMeshData(MeshData(directions))._kernel_parameters()
+    count = int(shape[0])
+    copy = extremes.resized(CONVEX, shape, 10)
+    lengths = slice(1, 3 * count + 2)
+    np.testing.assert_array_equal(copy[lengths], 1024.0 * shape[lengths])
+    np.testing.assert_array_equal(copy[3 * count + 2 :], shape[3 * count + 2 :])
+    assert copy[0] == count
+    assert Sphere(1.0)._kernel_parameters().tolist() == [1.0]

@@ -1,0 +1,75 @@
+"""Box, capsule, cylinder and ellipsoid against a half space."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numba import config
+from oracles.pairs import NAMES, Pair, check, check_kernel, random_rotation
+
+from drake_geom_ros.geometry._proximity.kernels.closed_forms import half_spaces
+
+SAMPLES = 2 if config.DISABLE_JIT else 12
+SIZES = {2: [0.5, 0.25, 1.0], 3: [0.25, 0.5], 4: [0.25, 0.5], 5: [0.5, 0.25, 1.0]}
+# Height of the centre of each when it stands upright on the plane.
+HEIGHTS = {2: 1.0, 3: 0.75, 4: 0.5, 5: 1.0}
+
+
+def _kernel(kind_A):
+    return getattr(half_spaces, f'{NAMES[kind_A]}_half_space')
+
+
+def _upright(kind_A, height):
+    """A shape with its origin at a height [m] over the half space."""
+    p_AB_W = np.array([0.0, 0.0, -height])
+    return Pair(kind_A, np.array(SIZES[kind_A]), np.eye(3), 6, np.zeros(0), np.eye(3), p_AB_W)
+
+
+@pytest.mark.parametrize('kind_A', [2, 3, 4, 5])
+def test_truth_and_laws(kind_A):
+    check_kernel(_kernel(kind_A), (kind_A, 6), seed=kind_A, samples=SAMPLES)
+
+
+@pytest.mark.parametrize('kind_A', [2, 3, 4, 5])
+@pytest.mark.parametrize('gap', [1e-3, 0.0, -1e-3, -10.0])
+def test_standing_upright_it_meets_the_plane_below_its_centre(kind_A, gap):
+    row = check(_kernel(kind_A), _upright(kind_A, HEIGHTS[kind_A] + gap))
+    assert row.distance == pytest.approx(gap, abs=1e-15)
+    assert row.unique
+    np.testing.assert_array_equal(row.nhat, [0.0, 0.0, 1.0])
+    np.testing.assert_allclose(row.p_ACa, [0.0, 0.0, -HEIGHTS[kind_A]], rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize('scale', [1e-9, 1.0])
+@pytest.mark.parametrize('kind_A', [2, 3, 4, 5])
+def test_standing_upright_under_any_common_rotation(kind_A, scale):
+    """The midpoint of the lowest face is taken in spite of the rounding of the poses."""
+    rng = np.random.default_rng(kind_A)
+    for _ in range(20):
+        R = random_rotation(rng)
+        row = check(_kernel(kind_A), _upright(kind_A, HEIGHTS[kind_A]).moved(R).scaled(scale))
+        lowest = [0, 0, -scale * HEIGHTS[kind_A]]
+        np.testing.assert_allclose(R.T @ row.p_ACa, lowest, rtol=0, atol=1e-14 * scale)
+
+
+@pytest.mark.parametrize(('kind_A', 'radius'), [(3, 0.25), (4, 0.25)])
+def test_lying_it_meets_the_plane_at_the_middle_of_its_lowest_line(kind_A, radius):
+    lying = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+    row = check(_kernel(kind_A), replace(_upright(kind_A, 0.2), R_WA=lying))
+    assert row.distance == pytest.approx(0.2 - radius, rel=1e-15)
+    np.testing.assert_allclose(row.p_ACa, [0.0, 0.0, -radius], rtol=0, atol=1e-15)
+
+
+def test_box_on_an_edge_meets_the_plane_at_the_middle_of_it():
+    c = np.sqrt(0.5)
+    tilted = np.array([[c, 0.0, c], [0.0, 1.0, 0.0], [-c, 0.0, c]])
+    row = check(_kernel(2), replace(_upright(2, 2.0), R_WA=tilted))
+    assert row.distance == pytest.approx(2.0 - 1.5 * c, rel=1e-15)
+    assert row.p_ACa[1] == 0.0
+
+
+@pytest.mark.parametrize('kind_A', [2, 3, 4, 5])
+@pytest.mark.parametrize('scale', [1e-6, 1e-3, 1e6])
+def test_scale(kind_A, scale):
+    row = check(_kernel(kind_A), _upright(kind_A, 0.1).scaled(scale))
+    assert row.distance == pytest.approx(scale * (0.1 - HEIGHTS[kind_A]), rel=1e-14)

@@ -1,0 +1,163 @@
+"""Hulls beside round bodies of any size: as narrow as promised, proven by planes, witnesses on."""
+
+import math
+
+import numpy as np
+import pytest
+from numba import config
+from oracles import almost_rings
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+    PAIR_WIDTH,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores import convex, gjk, hulls, sums
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kernels.revolution import rings
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+)
+from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
+
+COUNT = 4 if config.DISABLE_JIT else 150
+KINDS = [BOX, CAPSULE, CYLINDER, ELLIPSOID]
+
+
+def _hull(rng, scale):
+    stretch = scale * 10 ** rng.uniform(-1.5, 0, 3)
+    points = rng.normal(size=(rng.integers(4, 13), 3))
+    points = points / np.linalg.norm(points, axis=1)[:, None] * stretch
+    return points, np.concatenate(([len(points)], points.ravel()))
+
+
+def _rotation(rng):
+    return np.ascontiguousarray(Rotation.random(random_state=rng.integers(1 << 31)).as_matrix())
+
+
+def _unit(rng, count):
+    n = rng.normal(size=(count, 3))
+    return n / np.linalg.norm(n, axis=1)[:, None]
+
+
+def _widths(pair, vertices, ns):
+    """Return the widths of the overlap along (m, 3) unit vectors, of a hull B."""
+    kind, size, R_WA, _, _, R_WB, p = pair
+    in_B = (-ns @ R_WB) @ vertices.T
+    return almost_rings.support(kind, size, ns @ R_WA) + in_B.max(axis=1) - ns @ p
+
+
+def _answer(pair, hint=None):
+    out = np.zeros(PAIR_WIDTH)
+    if hint is not None:
+        out[NORMAL : NORMAL + 3] = hint
+    radii = [bounding_radius(pair[0], pair[1]), bounding_radius(pair[3], pair[4])]
+    tolerance = 1e-9 * min(1, *radii)
+    convex.signed_distance_of_cores(*pair, tolerance, math.inf, out)
+    rounding = PROMISED_ROUNDING * EPS * (sum(radii) + np.linalg.norm(pair[6]))
+    return out, tolerance + rounding
+
+
+@pytest.mark.parametrize('kind', KINDS)
+@pytest.mark.parametrize('hinted', [False, True])
+def test_bounds_are_as_narrow_as_promised_at_any_ratio_of_sizes(kind, hinted):
+    rng = np.random.default_rng([7, kind])
+    for _ in range(COUNT):
+        vertices, hull = _hull(rng, 10 ** rng.uniform(-8, 4))
+        size = 10 ** rng.uniform(-1.3, 0, 3)[: 3 if kind in (BOX, ELLIPSOID) else 2]
+        radii = bounding_radius(kind, size), bounding_radius(CONVEX, hull)
+        reach = rng.choice([0.3 * max(radii), sum(radii) * rng.uniform(0.3, 1.2), 3 * sum(radii)])
+        p = reach * _unit(rng, 1)[0]
+        pair = Pair(kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        out, promised = _answer(pair, _unit(rng, 1)[0] if hinted else None)
+        assert out[ERROR_BOUND] <= promised
+        if out[DISTANCE] < 0.0:
+            ns = np.vstack([_unit(rng, 500), -out[NORMAL : NORMAL + 3]])
+            ns = np.vstack([ns, ns[-1] + _unit(rng, 100) * 10 ** rng.uniform(-7, -1, (100, 1))])
+            ns /= np.linalg.norm(ns, axis=1)[:, None]
+            least = _widths(pair, vertices, ns).min()
+            assert least >= -out[DISTANCE] - out[ERROR_BOUND]
+            assert least <= -out[DISTANCE] + out[ERROR_BOUND]
+
+
+def test_the_edge_next_to_a_direction_falls_away_least():
+    rng = np.random.default_rng(0)
+    for _ in range(COUNT):
+        vertices, shape = _hull(rng, 1.0)
+        n = _unit(rng, 1)[0]
+        here, there = map(np.array, hulls.farthest_edge(shape, *n))
+        assert here @ n == pytest.approx((vertices @ n).max(), abs=1e-15)
+        others = vertices[(vertices != here).any(axis=1)] - here
+        slopes = -(others @ n) / np.linalg.norm(others, axis=1)
+        along = there - here
+        assert -(along @ n) / np.linalg.norm(along) == pytest.approx(slopes.min(), abs=1e-12)
+
+
+@pytest.mark.parametrize('kind', [*KINDS, CONVEX])
+def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_the_normal(kind):
+    rng = np.random.default_rng([3, kind])
+    for _ in range(10):
+        size = _hull(rng, 1.0)[1] if kind == CONVEX else rng.uniform(0.1, 1.0, 3)
+        pair = (kind, size, _rotation(rng), CONVEX, _hull(rng, 1.0)[1], _rotation(rng))
+        pair = Pair(*pair, tuple(rng.normal(size=3)))
+        ns = [tuple(n) for n in _unit(rng, 50)]
+        terms, _, last, r_A, r_B = difference = sums.difference_of_edges(pair, ns[0])
+        for n in ns:
+            a, b = gjk.support_points(pair, n, 0.0)
+            width = sums.width(terms, last, r_A + r_B, n)
+            assert width <= np.dot(np.subtract(a, b), n) + 1e-14
+        a, b = gjk.support_points(pair, ns[0], 0.0)
+        width = sums.width(terms, last, r_A + r_B, ns[0])
+        assert width == pytest.approx(np.dot(np.subtract(a, b), ns[0]), abs=1e-14)
+        for k in range(sums.SEGMENT, last):
+            terms[k, sums.SHARE] = np.sign(np.dot(terms[k, :3], ns[0]))
+        foot_a, foot_b = sums.witness_points(difference, ns[0])
+        assert foot_a == pytest.approx(a, abs=1e-14)
+        assert foot_b == pytest.approx(b, abs=1e-14)
+
+
+@pytest.mark.parametrize('ratio', [0.5, 1.0, 2.0])
+@pytest.mark.parametrize('scale', [1e-8, 1e-3, 0.02])
+def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
+    rng = np.random.default_rng(5)
+    for _ in range(COUNT // 4 + 1):
+        vertices, hull = _hull(rng, scale)
+        size = np.array([0.3, 0.3 * ratio])
+        p = tuple(rng.choice([0.0, 1e-12, scale]) * rng.normal(size=3))
+        pair = Pair(CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        complete, h, floor, n, unique = rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)
+        assert complete
+        assert h - 2e-15 <= floor <= h
+        u = pair[2][:, 2]
+        turns = rng.uniform(0, 2 * np.pi, 3000)
+        ring = np.outer(np.cos(turns), pair[2][:, 0]) + np.outer(np.sin(turns), pair[2][:, 1])
+        ns = np.vstack([_unit(rng, 2000), ring, [u, -u, n]])
+        there = _widths(pair, vertices, ns)
+        assert there[-1] == pytest.approx(h, abs=1e-15)
+        assert there.min() >= floor - 1e-15
+        if unique:
+            assert (there[ns @ np.array(n) < 0.98] > h + 1e-15).all()
+
+
+def test_a_hull_that_fills_a_cylinder_is_left_to_others():
+    hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel() * 0.2))
+    pair = Pair(
+        CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0)
+    )
+    assert not rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)[0]
+
+
+def test_the_points_of_hulls_are_hulls_of_themselves():
+    """What this file draws are corners of their hulls, so that no vertex is hidden."""
+    rng = np.random.default_rng(1)
+    for _ in range(10):
+        vertices, _ = _hull(rng, 1.0)
+        assert len(ConvexHull(vertices).vertices) == len(vertices)

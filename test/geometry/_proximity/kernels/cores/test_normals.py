@@ -1,0 +1,143 @@
+"""Newton's method on a normal, and the caps around it, against dense directions."""
+
+import numpy as np
+import pytest
+from numba import config
+from oracles.pairs import PARAMETERS, random_rotation
+
+from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums, supports
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
+
+PAIRS = [(BOX, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, ELLIPSOID), (CYLINDER, CYLINDER)]
+PAIRS += [(CAPSULE, CYLINDER), (CYLINDER, ELLIPSOID), (ELLIPSOID, ELLIPSOID)]
+COUNT = 4 if config.DISABLE_JIT else 40
+NOISE = 1e-14
+
+
+def _random_pair(rng, kinds, reach):
+    sizes = [rng.uniform(0.3, 1.0, PARAMETERS[k]) for k in kinds]
+    R_WA, R_WB = random_rotation(rng), random_rotation(rng)
+    return Pair(
+        kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3) * reach)
+    )
+
+
+def _around(rng, n, angles):
+    """Random directions at the given angles from n."""
+    t = np.cross(n, rng.normal(size=(len(angles), 3)))
+    t /= np.linalg.norm(t, axis=1)[:, None]
+    return np.cos(angles)[:, None] * np.array(n) + np.sin(angles)[:, None] * t
+
+
+def _widths(difference, directions):
+    terms, _, last, r_A, r_B = difference
+    return np.array([sums.width(terms, last, r_A + r_B, tuple(m)) for m in directions])
+
+
+def _minima(kinds, reach, seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(COUNT):
+        pair = _random_pair(rng, kinds, reach)
+        difference = sums.difference_of(pair)
+        n = sums.likely_normal(difference, (1.0, 0.0, 0.0))
+        found = normals.nearby_minimum(difference, n, NOISE)
+        if found[0] != normals.NOTHING:
+            yield rng, difference, found
+
+
+@pytest.mark.parametrize('kinds', PAIRS)
+@pytest.mark.parametrize('reach', [0.2, 3.0])
+def test_it_is_a_minimum_and_its_feet_are_on_its_normal(kinds, reach):
+    found_any = False
+    for rng, difference, found in _minima(kinds, reach, 1):
+        _, n, h, _ = found
+        found_any = True
+        a, b = sums.witness_points(difference, n)
+        assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
+        assert h == pytest.approx(_widths(difference, [n])[0], abs=1e-14)
+        near = _around(rng, n, 10 ** rng.uniform(-6, -3, 20))
+        assert _widths(difference, near).min() >= h - 1e-14
+    assert found_any
+
+
+@pytest.mark.parametrize('kinds', PAIRS)
+def test_nothing_in_a_cap_is_nearer(kinds):
+    widths = []
+    for rng, difference, found in _minima(kinds, 0.2, 2):
+        _, n, h, _ = found
+        cap = caps.widest_cap(difference, found, 1e-12)
+        widths.append(cap)
+        inside = _around(rng, n, cap * rng.uniform(0, 1, 40) ** 2)
+        assert _widths(difference, inside).min() >= h - 1e-14
+    assert max(widths) >= 0.05
+
+
+def test_kinds_of_minima():
+    kinds = normals.NOTHING, normals.SMOOTH, normals.CREASE, normals.FLAT
+    assert len(set(kinds)) == 4
+    rod, cube = np.array([0.1, 1.0]), np.array([0.5, 0.5, 0.5])
+    start = (0.9, 0.3, 0.1)
+    start = tuple(np.array(start) / np.linalg.norm(start))
+    for p, kind, margin in (
+        ((0.55, 0.1, 0.2), normals.FLAT, 0.4),
+        ((0.55, 0.55, 0.2), normals.CREASE, None),
+    ):
+        pair = Pair(BOX, cube, np.eye(3), CYLINDER, rod, np.eye(3), p)
+        difference = sums.difference_of(pair)
+        near = sums.likely_normal(difference, start)
+        found = normals.nearby_minimum(difference, near, NOISE)
+        assert found[0] == kind
+        if margin is not None:
+            assert found[3] == pytest.approx(margin, abs=1e-14)
+    ball = np.array([0.2, 0.3, 0.4])
+    pair = Pair(ELLIPSOID, ball, np.eye(3), CAPSULE, rod, np.eye(3), (1.0, 1.0, 0.5))
+    assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.CREASE
+    pair = Pair(*pair[:6], (1.0, 1.0, 2.0))
+    assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.SMOOTH
+
+
+def test_what_an_earlier_search_leaned_on_is_forgotten():
+    ball = np.array([0.2, 0.3, 0.4])
+    pair = Pair(ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125))
+    difference = sums.difference_of(pair)
+    difference[0][[sums.LEAN_A, sums.LEAN_B], :3] = [[0.1, 0.2, 0.3], [0.3, 0.1, 0.2]]
+    kind, n, h, _ = normals.nearby_minimum(difference, (0.8, 0.6, 0.0), NOISE)
+    assert kind == normals.SMOOTH
+    a, b = sums.witness_points(difference, n)
+    assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ('size', 'axis', 'kind'),
+    [
+        ((0.3, 0.2, 0.4), 1, normals.SMOOTH),
+        ((0.3, 0.2, 0.4), 0, normals.NOTHING),  # a saddle, and so the next two
+        ((0.3, 0.4, 0.2), 0, normals.NOTHING),
+        ((0.2, 0.3, 0.4), 1, normals.NOTHING),
+        ((0.3, 0.2, 0.4), 2, normals.NOTHING),  # a maximum
+    ],
+)
+def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
+    """The width of two equal ellipsoids, one in the other, is least along the shortest axis."""
+    pair = Pair(
+        ELLIPSOID, np.array(size), np.eye(3), ELLIPSOID, np.array(size), np.eye(3), (0.0,) * 3
+    )
+    found = normals.nearby_minimum(sums.difference_of(pair), tuple(np.eye(3)[axis]), NOISE)
+    assert found[0] == kind
+
+
+def test_two_needles_that_cross_have_no_cap():
+    """Every normal around the common perpendicular but two is worse, but only just."""
+    needle = np.array([0.2, 0.2, 0.2 + 2.0**-40])
+    pair = Pair(ELLIPSOID, needle, np.eye(3), ELLIPSOID, needle, np.eye(3), (0.0, 0.0, 0.0))
+    difference = sums.difference_of(pair)
+    found = normals.nearby_minimum(difference, (1.0, 0.0, 0.0), NOISE)
+    assert caps.widest_cap(difference, found, 1e-9) == 0.0
+
+
+def test_hulls_have_no_minimum_of_this_kind():
+    hull = np.array([4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1])
+    pair = Pair(BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0))
+    found = normals.nearby_minimum(sums.difference_of(pair), (1.0, 0.0, 0.0), NOISE)
+    assert found[0] == normals.NOTHING

@@ -1,0 +1,84 @@
+"""Depth over faces and creases, against the support-function oracle."""
+
+import numpy as np
+import pytest
+from numba import config
+from oracles.pairs import random_pairs
+
+from drake_geom_ros.evidence.truth.convex import signed_distance
+from drake_geom_ros.geometry._proximity.kernels.cores import sums
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.revolution import creases
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
+
+COUNT = 6 if config.DISABLE_JIT else 24
+NOISE = 1e-15
+
+
+def _least(pair, start=(1.0, 0.0, 0.0)):
+    arguments = (
+        *(pair.kind_A, pair.size_A, pair.R_WA, pair.kind_B, pair.size_B, pair.R_WB),
+        tuple(pair.p_AB_W),
+    )
+    return creases.least_on_creases(sums.difference_of(arguments), start, 1e-12, NOISE)
+
+
+@pytest.mark.parametrize('kind', [BOX, CAPSULE])
+def test_overlapping_cores_are_as_deep_as_the_oracle_says(kind):
+    rng, seen = np.random.default_rng(3), 0
+    for pair in random_pairs(rng, (kind, CYLINDER), COUNT):
+        phi, _ = signed_distance(
+            (kind, pair.size_A), (pair.R_WA, np.zeros(3)),
+            (CYLINDER, pair.size_B), (pair.R_WB, pair.p_AB_W),
+        )  # fmt: skip
+        radius = pair.size_A[0] if kind == CAPSULE else 0.0
+        if phi + radius < -1e-6:
+            complete, h, floor, n, _ = _least(pair)
+            assert h - 1e-12 <= floor <= h
+            assert complete
+            assert h == pytest.approx(-phi - radius, abs=1e-12)
+            assert np.linalg.norm(n) == pytest.approx(1, abs=1e-14)
+            seen += 1
+    assert seen >= 2
+
+
+def test_the_start_does_not_matter():
+    rng = np.random.default_rng(4)
+    for pair in random_pairs(rng, (BOX, CYLINDER), COUNT):
+        depths = [_least(pair, tuple(n))[1] for n in np.vstack([np.eye(3), -np.eye(3)])]
+        if min(depths) > 0:
+            assert max(depths) - min(depths) <= 1e-14
+
+
+@pytest.mark.parametrize(
+    ('p', 'depth', 'unique'),
+    [((0.4, 0.0, 0.0), 0.35, True), ((0.4, 0.4, 0.0), 0.35, False), ((0.0, 0.0, 0.7), 0.8, False)],
+)
+def test_a_rod_through_a_cube(p, depth, unique):
+    identity, size = np.eye(3), (np.full(3, 0.5), np.array([0.25, 1.0]))
+    pair = Pair(BOX, size[0], identity, CYLINDER, size[1], identity, p)
+    difference = sums.difference_of(pair)
+    complete, h, _, _, is_unique = creases.least_on_creases(difference, (0, 0, 1.0), 1e-9, NOISE)
+    assert complete
+    assert h == pytest.approx(min(depth, 0.75), abs=1e-15)
+    assert is_unique == unique
+
+
+@pytest.mark.parametrize('swap', [1.0, -1.0])
+def test_a_stuck_peg(swap):
+    # Issue 12: the plane n proves a depth of at most 0.416, and 0.5 was reported within 4e-15.
+    R = np.array([[-1, 0, 0], [0, -0.6, 0.8], [0, 0.8, 0.6]])
+    p = swap * np.array([0, 0.008, 0.006])
+    pair = Pair(
+        CAPSULE, np.array([0.25, 0.5]), R, CYLINDER, np.array([0.25, 0.02]), np.eye(3), tuple(p)
+    )
+    for start in np.vstack([np.eye(3), -np.eye(3)]):
+        complete, h, floor, n, _ = creases.least_on_creases(
+            sums.difference_of(pair), tuple(start), 1e-10, NOISE
+        )
+        assert complete
+        # The plane (0, 0.6, -0.8): 0.25 * 0.6 + 0.02 * 0.8, beside the capsule's radius.
+        width = 0.25 * 0.6 + 0.02 * 0.8
+        assert h == pytest.approx(width, abs=1e-15)
+        assert h - 1e-10 <= floor <= h
+        assert abs(np.dot(n, [0, 0.6, -0.8])) == pytest.approx(1, abs=1e-12)

@@ -1,0 +1,210 @@
+"""Almost rings of equal minima: bounds as narrow as promised, and no plane proves them false."""
+
+import math
+
+import numpy as np
+import pytest
+from numba import config
+from oracles.almost_rings import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    almost_coaxial,
+    directions,
+    turned,
+    widths,
+)
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+    PAIR_WIDTH,
+    UNIQUE,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sums, supports
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, slices
+from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
+
+COUNT = 3 if config.DISABLE_JIT else 60
+KINDS = [
+    (CAPSULE, CYLINDER),
+    (CAPSULE, ELLIPSOID),
+    (CYLINDER, CYLINDER),
+    (CYLINDER, ELLIPSOID),
+    (ELLIPSOID, ELLIPSOID),
+]
+
+
+def _answer(pair):
+    """Return the row of a pair and the promised bound of it."""
+    radii = [bounding_radius(pair[0], pair[1]), bounding_radius(pair[3], pair[4])]
+    tolerance = 1e-9 * min(1, *radii)
+    out = np.zeros(PAIR_WIDTH)
+    convex.signed_distance_of_cores(*pair, tolerance, math.inf, out)
+    rounding = PROMISED_ROUNDING * EPS * (sum(radii) + np.linalg.norm(pair[6]))
+    return out, tolerance + rounding
+
+
+@pytest.mark.parametrize('kinds', KINDS)
+def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
+    rng = np.random.default_rng(12)
+    for _ in range(COUNT):
+        pair = almost_coaxial(rng, kinds)
+        out, promised = _answer(pair)
+        depth, bound = -out[DISTANCE], out[ERROR_BOUND]
+        assert bound <= promised
+        n = -out[NORMAL : NORMAL + 3]
+        ns = directions(rng, pair, n)
+        there = widths(pair, ns)
+        assert there.min() >= depth - bound - 1e-18
+        if out[UNIQUE]:
+            assert (there[ns @ n < SAME_DIRECTION - 0.005] > depth + bound).all()
+
+
+@pytest.mark.parametrize('size', [1e-8, 1e-4, 1e-2])
+def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
+    # Out sideways: the barrel's radius, and how deep the plane of the body's projection is.
+    pair = Pair(
+        CYLINDER, np.array([0.2, 0.3]), np.eye(3),
+        ELLIPSOID, size * np.array([1.0, 2.0, 3.0]), np.eye(3), np.array([1e-3 * size, 0, 0]),
+    )  # fmt: skip
+    out, promised = _answer(pair)
+    assert out[ERROR_BOUND] <= promised
+    assert out[DISTANCE] == pytest.approx(-(0.2 + size - 1e-3 * size), abs=promised)
+
+
+def _in_short_barrel(radii):
+    pair = Pair(
+        CYLINDER, np.array([0.3, 0.2]), np.eye(3),
+        ELLIPSOID, np.array(radii), np.eye(3), (0.0, 0.0, 0.0),
+    )  # fmt: skip
+    return barrels.least_in_long_barrel(
+        sums.difference_of(pair), sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 0.301, 1e-10, 1e-15
+    )
+
+
+def test_out_of_a_short_barrel_along_the_axis():
+    complete, h, floor, n, unique = _in_short_barrel([1e-3, 1e-3, 2e-3])
+    core = 1e-3 * 1e-3 / 2e-3  # the ball that the ellipsoid's core is less
+    assert complete
+    assert h == pytest.approx(0.202 - core, abs=1e-15)
+    assert floor == h
+    assert n in [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+    assert not unique
+
+
+def test_a_barrel_that_is_short_beside_what_is_in_it_is_left():
+    assert not _in_short_barrel([0.1, 0.1, 0.19])[0]
+
+
+@pytest.mark.parametrize('half', [0.1, 0.2, 0.6])
+def test_a_small_body_in_a_barrel_against_all_directions(half):
+    rng = np.random.default_rng(4)
+    for _ in range(COUNT):
+        pair = Pair(
+            CYLINDER, np.array([0.2, half]), np.eye(3),
+            ELLIPSOID, 0.01 * rng.uniform(0.2, 1.0, 3), turned(rng.normal(size=3), 1.0),
+            tuple(0.01 * rng.normal(size=3)),
+        )  # fmt: skip
+        difference = sums.difference_of(pair)
+        complete, h, floor, n, _ = barrels.least_in_long_barrel(
+            difference, sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 1.0, 1e-12, 1e-15
+        )
+        if complete:
+            core = supports.core_radius(ELLIPSOID, pair[4])
+            ns = np.vstack([directions(rng, pair, np.array(n)), np.eye(3), -np.eye(3)])
+            assert widths(pair, ns).min() - core >= floor - 1e-15
+            assert widths(pair, np.array([n]))[0] - core == pytest.approx(h, abs=1e-14)
+
+
+def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
+    """The capsule's axis ends on the cylinder's side; its own axis is no direction across it."""
+    pair = Pair(
+        CAPSULE, np.array([1.0, 0.5]), turned([1, 0, 0], math.pi / 2),
+        CYLINDER, np.array([1.0, 0.5]), turned([0, 1, 0], math.pi / 2),
+        np.array([0.4999999999999992, 0.9999999999999983, 0.5000000000000003]),
+    )  # fmt: skip
+    out, _ = _answer(pair)
+    assert np.linalg.norm(out[NORMAL : NORMAL + 3]) == pytest.approx(1.0, abs=1e-14)
+
+
+@pytest.mark.parametrize('tilt', [1e-12, 1e-8, 1e-4, 0.05])
+def test_cylinders_in_each_other_almost_parallel(tilt):
+    R = turned([1, 2, 0], tilt)
+    pair = Pair(
+        CYLINDER,
+        np.array([0.3, 0.9]),
+        np.eye(3),
+        CYLINDER,
+        np.array([0.2, 0.8]),
+        R,
+        (0.0, 0.0, 0.1),
+    )
+    difference = sums.difference_of(pair)
+    complete, h, floor, n, _ = barrels.least_of_barrels(difference, (1.0, 0, 0), 0.4, 1e-10, 1e-15)
+    assert complete
+    assert h - 1e-10 <= floor <= h
+    rng = np.random.default_rng(1)
+    assert (
+        widths((*pair[:6], np.array(pair[6])), directions(rng, pair, np.array(n))).min() >= floor
+    )
+
+
+def test_cylinders_too_far_from_parallel_are_left_to_others():
+    R = turned([1, 2, 0], 0.9)
+    pair = Pair(
+        CYLINDER,
+        np.array([0.3, 0.9]),
+        np.eye(3),
+        CYLINDER,
+        np.array([0.2, 0.8]),
+        R,
+        (0.0, 0.0, 0.1),
+    )
+    assert not barrels.least_of_barrels(sums.difference_of(pair), (1.0, 0, 0), 0.4, 1e-10, 1e-15)[
+        0
+    ]
+
+
+def test_bends_between_half_planes_hold():
+    # The second derivative about the axis, by differences, is never above M_0 + |c| M_1.
+    rng = np.random.default_rng(2)
+    for _ in range(COUNT):
+        pair = almost_coaxial(rng, (CYLINDER, ELLIPSOID))
+        difference = sums.difference_of(Pair(*pair[:6], tuple(pair[6])))
+        u, flat, steep = slices.roundest_axis(difference)
+        x = np.cross(u, [1, 0, 0] if abs(u[0]) < 0.9 else [0, 1, 0])
+        x /= np.linalg.norm(x)
+        angles, step = np.linspace(0, 2 * np.pi, 400, retstep=True)
+        e = np.outer(np.cos(angles), x) + np.outer(np.sin(angles), np.cross(u, x))
+        for c in rng.uniform(-1, 1, 8):
+            h = widths(pair, math.sqrt(1 - c * c) * e + c * np.array(u))
+            bend = (h[2:] - 2 * h[1:-1] + h[:-2]) / step**2
+            assert bend.max() <= flat + abs(c) * steep + 1e-9
+
+
+def test_a_plane_that_no_search_chose_guards_what_it_found():
+    pair = CYLINDER, np.array([0.3, 0.9]), np.eye(3), CYLINDER, np.array([0.2, 0.1]), np.eye(3)
+    difference = sums.difference_of(Pair(*pair, (0.0, 0.0, 0.9)))
+    # Out along the axis: 0.9 + 0.1 - 0.9. A floor above that was proven by nothing.
+    assert depths.guarded(difference, 0.4, 1e-15) == pytest.approx(0.1, abs=1e-15)
+    assert depths.guarded(difference, 0.1 - 1e-12, 1e-15) == 0.1 - 1e-12
+
+
+def test_a_small_box_in_an_ellipsoid_from_any_hint():
+    # Half planes through the axis tell nothing of a box: its edges are not along it.
+    R = turned([1, 0, 0], math.atan2(4, 3))
+    pair = Pair(
+        BOX, np.array([2e-5, 1.5e-5, 1e-5]), R,
+        ELLIPSOID, np.array([1.0, 0.1, 0.1]), R, np.zeros(3),
+    )  # fmt: skip
+    rng = np.random.default_rng(3)
+    for _ in range(COUNT):
+        out = np.zeros(PAIR_WIDTH)
+        out[NORMAL : NORMAL + 3] = rng.normal(size=3)
+        convex.signed_distance_of_cores(*pair, 1e-9 * 2.7e-5, math.inf, out)
+        assert abs(out[DISTANCE] + 0.10001) <= out[ERROR_BOUND]

@@ -1,0 +1,110 @@
+"""Solids in one another whose surfaces do not cross, or do so along edges only.
+
+The truth is that of the boxes that they are unions of.
+"""
+
+import itertools
+
+import numpy as np
+import pytest
+from numba import config
+from oracles.pairs import random_rotation
+from oracles.solids import Body, parts_gap, row_of
+from oracles.voxels import KINDS, filled_cells
+
+from drake_geom_ros.evidence.grids import surface
+from drake_geom_ros.geometry import MeshData
+from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._solid_mesh import solid_of
+
+SEEDS = 6 if config.DISABLE_JIT else 60
+
+
+def of_cells(cells, lines, p=(0.0, 0.0, 0.0)):
+    """A union of cells between lines, as a body and as the boxes that it is made of."""
+    cells = [tuple(cell) for cell in cells]
+    kind, parameters = solid_of(MeshData(*surface(cells, lines)), (1.0, 1.0, 1.0))
+    boxes = []
+    for cell in cells:
+        low, high = (np.array([lines[k][cell[k] + i] for k in range(3)]) for i in (0, 1))
+        boxes.append((0.5 * (high - low), 0.5 * (low + high)))
+    return Body(kind, parameters, np.eye(3), np.array(p, dtype=float), tuple(boxes))
+
+
+def check(A, B, out, size=10.0):
+    """Check an answer against the boxes: how far apart, how deep at least, and the way out."""
+    distance, bound = out[calling.DISTANCE], out[calling.ERROR_BOUND]
+    gap, off = parts_gap(A, B)
+    slack = off + 200 * EPS * size
+    if gap >= -slack:
+        assert abs(distance - gap) <= bound + slack
+        return False
+    assert distance - bound <= gap + slack
+    moved, off = parts_gap(A.moved(-distance * out[1:4]), B)
+    assert moved >= -off - 200 * EPS * size
+    return True
+
+
+L = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+
+
+@pytest.mark.parametrize('thin', [0.2, 0.01, 1e-6])
+def test_a_body_whose_surface_runs_close_around_a_cavity(thin):
+    """What is inside it is in the cavity, what is inside the wall far off: its surface tells."""
+    cavity = {(x + 1, y + 1, 1) for x, y, _ in L}
+    block = [cell for cell in np.ndindex(4, 4, 3) if cell not in cavity]
+    B = of_cells(block, [np.arange(5.0)] * 3)
+    lines = [np.array([1 - thin, 2 + thin, 3 + thin])] * 2 + [np.array([1 - thin, 2 + thin])]
+    A = of_cells(L, lines)
+    for a, b in ((A, B), (B, A)):
+        assert check(a, b, row_of(a, b))
+    free = of_cells(L, [np.array([1 + thin, 2 - thin, 3 - thin])] * 2 + [np.array([1.1, 1.9])])
+    assert row_of(free, B)[0] == pytest.approx(min(thin, 0.1), abs=1e-13)
+
+
+@pytest.mark.parametrize('n', [4, 6] if config.DISABLE_JIT else [6, 24])
+@pytest.mark.parametrize('corner', list(itertools.product((1, -2), repeat=2)))
+def test_a_bump_beneath_a_slab_that_lies_flush(n, corner):
+    """Thousands of triangles touch, and only those of the bump are in the other body."""
+    lines = [np.arange(n + 3.0)] * 3
+    slab = [(x, y, 0) for x, y in np.ndindex(n, n)]
+    at = tuple(k % n for k in corner)
+    A = of_cells([*slab, *((x, y, 1) for x, y, _ in slab), (0, 0, 2)], lines, [0, 0, 1])
+    B = of_cells([*slab, (*at, 1)], lines)
+    assert A.kind == B.kind == SOLID
+    out = row_of(A, B)
+    assert out[calling.DISTANCE] == pytest.approx(-1.0, abs=1e-11)
+    assert out[calling.ERROR_BOUND] <= 1e-11
+    beneath = of_cells([*((x, y, 1) for x, y, _ in slab), (0, 0, 0)], lines, [0, 0, -1])
+    assert row_of(A, beneath)[0] == pytest.approx(0.0, abs=1e-11)
+
+
+@pytest.mark.parametrize('turned', [False, True])
+def test_cells_of_grids_in_one_another(turned):
+    """On lattices of both, half-way between, a hair off them, and anywhere."""
+    overlapping = apart = 0
+    for seed in range(SEEDS):
+        rng = np.random.default_rng([seed, turned])
+        bodies = []
+        for scale in (1.0, rng.choice([1.0, 0.5, 1.5, 0.3])):
+            filled = filled_cells(rng, KINDS[rng.integers(len(KINDS))], int(rng.integers(2, 5)))
+            lines = [scale * np.arange(len(filled) + 1.0)] * 3
+            bodies.append(of_cells(np.argwhere(filled).tolist(), lines))
+        A, B = bodies
+        if A.kind != SOLID or B.kind != SOLID:
+            continue
+        step = rng.integers(-2, 5, 3) * rng.choice([1.0, 0.5]) + rng.choice(
+            [0, 0, 1e-9, 1e-3, 0.3]
+        )
+        A = A.moved(step * rng.choice([1.0, -1.0]))
+        if turned:
+            R = random_rotation(rng)
+            A, B = A.turned(R), B.turned(R)
+        if check(A, B, row_of(A, B)):
+            overlapping += 1
+        else:
+            apart += 1
+    assert overlapping
+    assert apart

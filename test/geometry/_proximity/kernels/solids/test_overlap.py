@@ -1,0 +1,30 @@
+"""Ways out of a solid: what is tried first."""
+
+import numpy as np
+import pytest
+from oracles.solids import solid
+
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.overlap import MOST_PUSHES, push_of
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
+
+L = solid('L', np.eye(3), np.zeros(3)).parameters
+
+
+@pytest.mark.parametrize(('x', 'y'), [(0.02, 0.05), (0.05, 0.02), (0.03, 0.03)])
+def test_the_shortest_push_comes_first(x, y):
+    """A ball in the inner corner of the L is in both walls."""
+    ball = np.array([0.1])
+    A, B = body_of(SPHERE, ball, np.eye(3)), solid_of(L)
+    p, n = (1.1 - x, 1.1 - y, 0.5), (1.0, 0.0, 0.0)
+    found = nearest(A, B, p, n, 4.0, 1e-9, np.inf)
+    pushes = np.full((MOST_PUSHES, 4), np.nan)
+    count = push_of(A, B, p, found, 4.0, 1e-9, 0.1, pushes)
+    lengths = pushes[:count, 3]
+    assert (np.diff(lengths) >= 0.0).all()
+    assert lengths[0] == pytest.approx(min(x, y), abs=1e-14)
+    assert {round(float(s), 9) for s in lengths} >= {x, y}
+    for *m, s in pushes[:count]:
+        assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
+        assert s > 0.0
