@@ -175,9 +175,9 @@ def witnesses_of_depth(pair, n, depth, size, a, b, aside):
         moved = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
         _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
         if gap < aside:
-            a, b, aside = x, add_scaled(y, -depth, n), gap
+            a, b, aside = x, add_scaled(y, -depth, n), 0.5 * gap
     a, b, miss = drawn_to(-depth, n, a, b)
-    return a, b, max(miss, 0.5 * aside)
+    return a, b, max(miss, aside)  # EPA's were moved already, by as much as they are aside
 
 
 @compiled
