@@ -12,7 +12,7 @@ from drake_geom_ros.cross_check.question import (
     VERDICTS,
     Batch,
     counted,
-    question_of,
+    questions_of,
     shapes_of,
 )
 from drake_geom_ros.geometry import GeometryError, GeometryId
@@ -33,7 +33,7 @@ def cross_checked(scene: PosedScene) -> tuple[list[str], bool]:
 
     query = scene.query
     results = query.ComputeSignedDistancePairwiseClosestPoints(math.inf)
-    questions = [question_of(query, results, index) for index in range(len(results))]
+    questions = questions_of(query, results, range(len(results)))
     ids = {value for question in questions for value in question.ids}
     opinion = SecondOpinion()
     try:

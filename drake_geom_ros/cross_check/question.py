@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -69,21 +69,23 @@ class Verdict(NamedTuple):
     text: str = ''
 
 
-def question_of(query: QueryObject, results: SignedDistanceResults, index: int) -> Question:
-    """Return the question about one of the ``results``, which ``query`` gave as it is posed."""
-    ids = int(results.id_A[index]), int(results.id_B[index])
-    poses = [query.X_WG(GeometryId(value)) for value in ids]
-    X_WA, X_WB = ((X.rotation().matrix(), X.translation()) for X in poses)
-    return Question(
-        ids,
-        X_WA,
-        X_WB,
-        float(results.distance[index]),
-        float(results.error_bound[index]),
-        results.nhat_BA_W[index],
-        results.p_WCa[index],
-        results.p_WCb[index],
+def questions_of(
+    query: QueryObject, results: SignedDistanceResults, indices: Sequence[int]
+) -> list[Question]:
+    """Return the questions about some of the ``results``, which ``query`` gave as it is posed."""
+    chosen = np.asarray(indices, dtype=np.int64)
+    ids_A, ids_B = results.id_A[chosen], results.id_B[chosen]
+    columns = (
+        zip(ids_A.tolist(), ids_B.tolist(), strict=True),
+        zip(*query.X_WGs(ids_A), strict=True),
+        zip(*query.X_WGs(ids_B), strict=True),
+        results.distance[chosen].tolist(),
+        results.error_bound[chosen].tolist(),
+        results.nhat_BA_W[chosen],
+        results.p_WCa[chosen],
+        results.p_WCb[chosen],
     )
+    return [Question(*row) for row in zip(*columns, strict=True)]
 
 
 def shapes_of(query: QueryObject, ids: Iterable[int]) -> dict[int, Asked]:

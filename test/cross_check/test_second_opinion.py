@@ -15,7 +15,7 @@ from drake_geom_ros.cross_check.question import (
     SILENT,
     Asked,
     Batch,
-    question_of,
+    questions_of,
     shapes_of,
 )
 from drake_geom_ros.cross_check.second_opinion import MOST_LOST, SecondOpinion, body_of
@@ -41,7 +41,7 @@ def asked():
     scene = BodyScene(BODIES)
     query = scene.asked()
     results = query.ComputeSignedDistancePairwiseClosestPoints()
-    return query, [question_of(query, results, index) for index in range(len(results))]
+    return query, questions_of(query, results, range(len(results)))
 
 
 def batch_of(query, questions, version=1):
@@ -81,7 +81,7 @@ def test_what_fcl_fails_on_is_no_disagreement(opinion, case):
     scene = BodyScene((case.a, case.b))
     query = scene.asked()
     results = query.signed_distance_of_pair(*scene.ids)
-    (verdict,) = opinion.judge(batch_of(query, [question_of(query, results, 0)]))
+    (verdict,) = opinion.judge(batch_of(query, questions_of(query, results, [0])))
     assert verdict.verdict in (AGREED, REFUTED, SILENT, LOST), verdict.text
 
 

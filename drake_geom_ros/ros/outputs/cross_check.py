@@ -23,10 +23,9 @@ from drake_geom_ros.cross_check.question import (
     REFUTED,
     SILENT,
     VERDICTS,
-    Question,
     Verdict,
     counted,
-    question_of,
+    questions_of,
 )
 from drake_geom_ros.geometry import SignedDistanceResults
 from drake_geom_ros.replay import Replay, recorded
@@ -140,10 +139,7 @@ class CrossCheck:
         """Ask about a sample of what a cycle answered."""
         results, asked = answered.results, answered.view.query
         indices = self._random.sample(range(len(results)), min(PAIRS, len(results)))
-        questions: list[Question] = []
-        for index in indices:
-            questions.append(question_of(asked, results, index))
-            time.sleep(0.0)  # a cycle that waits for the interpreter goes first
+        questions = questions_of(asked, results, indices)
         verdicts = self._asker.ask(asked, answered.view.moment.version, questions)
         if verdicts is None:
             return
