@@ -8,7 +8,7 @@ from drake_geom_ros.scene_files import read_scene
 # Two balls that move over a floor, beside a post.
 TWO_BALLS = """
 sources: [s]
-frames: [{name: a, source: s}, {name: b, source: s}]
+frames: [{name: a, source: s, pose: {}}, {name: b, source: s, pose: {}}]
 geometries:
 - {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
 - {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}

@@ -83,7 +83,7 @@ def _in_short_barrel(radii):
         ELLIPSOID, np.array(radii), np.eye(3), (0.0, 0.0, 0.0),
     )  # fmt: skip
     return barrels.least_in_long_barrel(
-        sums.difference_of(pair), sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 0.301, 1e-10, 1e-15
+        sums.difference_of(pair), sums.SEGMENT, sums.AXES_A, (1.0, 0.0, 0.0), 0.301, 1e-10, 1e-15
     )
 
 
@@ -112,7 +112,7 @@ def test_a_small_body_in_a_barrel_against_all_directions(half):
         )  # fmt: skip
         difference = sums.difference_of(pair)
         complete, h, floor, n, _ = barrels.least_in_long_barrel(
-            difference, sums.SEGMENT, sums.AXES_A, (1.0, 0, 0), 1.0, 1e-12, 1e-15
+            difference, sums.SEGMENT, sums.AXES_A, (1.0, 0.0, 0.0), 1.0, 1e-12, 1e-15
         )
         if complete:
             core = supports.core_radius(ELLIPSOID, pair[4])
@@ -145,7 +145,7 @@ def test_cylinders_in_each_other_almost_parallel(tilt):
         (0.0, 0.0, 0.1),
     )
     difference = sums.difference_of(pair)
-    complete, h, floor, n, _ = barrels.least_of_barrels(difference, (1.0, 0, 0), 0.4, 1e-10, 1e-15)
+    complete, h, floor, n, _ = barrels.least_of_barrels(difference, (1.0, 0.0, 0.0), 0.4, 1e-10, 1e-15)
     assert complete
     assert h - 1e-10 <= floor <= h
     rng = np.random.default_rng(1)
@@ -165,7 +165,7 @@ def test_cylinders_too_far_from_parallel_are_left_to_others():
         R,
         (0.0, 0.0, 0.1),
     )
-    assert not barrels.least_of_barrels(sums.difference_of(pair), (1.0, 0, 0), 0.4, 1e-10, 1e-15)[
+    assert not barrels.least_of_barrels(sums.difference_of(pair), (1.0, 0.0, 0.0), 0.4, 1e-10, 1e-15)[
         0
     ]
 
