@@ -45,10 +45,13 @@ class Guard:
         """Do what is due; nobody foresaw an exception."""
         error = _failure_of(task)
         if error is not None:
-            name = _name_of(task)
-            self._count(name, f'internal error: {error!r}')
-            if self._may_tell(name):
-                self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
+            self.failed(_name_of(task), error)
+
+    def failed(self, name: str, error: Exception) -> None:
+        """Count and log an exception that nobody foresaw."""
+        self._count(name, f'internal error: {error!r}')
+        if self._may_tell(name):
+            self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
 
     def answer(
         self, handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any

@@ -24,6 +24,7 @@ from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, s
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
@@ -42,6 +43,7 @@ class SceneGraphNode(LifecycleNode):
         self._settings = ParameterStore(self, self._parameters_changed)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
         self._guard = Guard(self.get_logger(), self._diagnostics.refuse)
+        answer_always(self)
         self._surface = Surface(self)
         self._configured: ConfiguredNode | None = None
         self._first_version = 0  # versions of the scene grow from one life to the next
@@ -49,6 +51,10 @@ class SceneGraphNode(LifecycleNode):
             # After the constructor, when the executor spins, so that a launch file sees it.
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self._autostart = self.create_timer(0.0, self._start_by_itself, clock=steady)
+
+    def callback_failed(self, error: Exception) -> None:
+        """Go on where a callback raised, of rclpy's own ones too."""
+        self._guard.failed('a callback', error)
 
     def _start_by_itself(self) -> None:
         self.destroy_timer(self._autostart)
