@@ -137,8 +137,11 @@ class SceneGraphNode(LifecycleNode):
             self._configured = None
 
     def _parameters_changed(self, old: NodeParameters, new: NodeParameters) -> None:
-        if self._configured is not None:
-            self._configured.follow(old, new)
+        def follow_parameters() -> None:
+            if self._configured is not None:
+                self._configured.follow(old, new)
+
+        self._guard.attempt(follow_parameters)
 
 
 def main(args: list[str] | None = None) -> int:
