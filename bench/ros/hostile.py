@@ -9,6 +9,7 @@ from typing import Any
 
 from drake_geom_msgs import msg, srv
 from geometry_msgs.msg import Point, Pose
+from rcl_interfaces.msg import ParameterValue
 
 LONG_NAME = 'n' * 1_000_000
 MANY = 10_000_000
@@ -82,6 +83,16 @@ def requests(source: str, frame: str, geometry: str) -> Iterator[tuple[str, Any,
     yield 'register_geometry', srv.RegisterGeometry, {**place, 'shape': shapeless}, '99'
     yield 'register_geometry', srv.RegisterGeometry, {**place, 'shape': mesh}, 'mesh_roots'
     yield 'assign_role', srv.AssignRole, {'geometry': geometry, 'role': msg.Role(role=77)}, '77'
+    for value in (
+        ParameterValue(type=3, double_value=math.nan),
+        ParameterValue(type=3, double_value=-math.inf),
+        ParameterValue(type=8, double_array_value=[0.5, math.inf]),
+    ):
+        unbounded = msg.Role(role=1, properties=[msg.Property(name='mu', value=value)])
+        fields = {**place, 'roles': [unbounded]}
+        yield 'register_geometry', srv.RegisterGeometry, fields, 'finite'
+        fields = {'geometry': geometry, 'role': unbounded, 'assign': 1}
+        yield 'assign_role', srv.AssignRole, fields, 'finite'
     yield 'remove_role', srv.RemoveRole, {'geometry': geometry, 'role': 77}, '77'
     yield 'remove_geometry', srv.RemoveGeometry, {'geometry': '#18446744073709551615'}, '#1844'
     yield 'change_shape', srv.ChangeShape, {'geometry': geometry, 'shape': shapeless}, '99'
