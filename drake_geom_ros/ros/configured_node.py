@@ -26,7 +26,12 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState, add_counts
+from drake_geom_ros.ros.outputs.diagnostics import (
+    Diagnostics,
+    SceneState,
+    add_counts,
+    add_trouble,
+)
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
@@ -40,6 +45,10 @@ from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, t
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
+_NO_CLOCK = (
+    'use_sim_time is set and no message of /clock has come: ages are unknown, and with a rate no '
+    'cycle runs'
+)
 _NOT_DUE = 'no {} since the last report'
 
 
@@ -312,7 +321,12 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
-        message.header.stamp = self._node.get_clock().now().to_msg()
+        now = self._node.get_clock().now()
+        # Simulated time stands at 0 until it is told; no other clock ever shows that.
+        if not now.nanoseconds:
+            add_trouble(message.status[0], _NO_CLOCK)
+            self._node.get_logger().warning(_NO_CLOCK, once=True)
+        message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
 
 
