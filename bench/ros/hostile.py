@@ -98,6 +98,14 @@ def requests(source: str, frame: str, geometry: str) -> Iterator[tuple[str, Any,
     yield 'change_shape', srv.ChangeShape, {'geometry': geometry, 'shape': shapeless}, '99'
     yield 'load_scene', srv.LoadScene, {'text': BOMB}, 'alias'
     yield 'load_scene', srv.LoadScene, {'text': CODE}, 'tag'
+    for key, entry in (
+        ('sources', r'"a\0b"'),
+        ('frames', r'{name: "a\0b", source: nul}'),
+        ('geometries', r'{name: "a\0b", source: nul, shape: {type: sphere, radius: 1}}'),
+        ('filters', r'{clique: {name: "a\0b", members: []}}'),
+    ):
+        text = f'{"" if key == "sources" else "sources: [nul]"}\n{key}: [{entry}]\n'
+        yield 'load_scene', srv.LoadScene, {'text': text}, 'NUL'
     yield 'load_scene', srv.LoadScene, {'text': '[' * 100_000 + '\n'}, 'deep'
     yield 'load_scene', srv.LoadScene, {'path': '/etc/hostname'}, 'mesh_roots'
     yield 'load_scene', srv.LoadScene, {'path': 'x', 'text': 'y'}, 'exactly one'

@@ -94,6 +94,10 @@ def _name_of(task: Callable[..., object]) -> str:
 
 
 def _shortened(text: str) -> str:
-    """Return a message without its middle where it is too long to be read."""
+    """Return a message without its middle where it is too long to be read.
+
+    A NUL is shown: it would end the string of a message, and the reason with it.
+    """
+    text = text.replace('\0', '\\0')
     half = _LONGEST_MESSAGE // 2
     return text if len(text) <= _LONGEST_MESSAGE else f'{text[:half]} ... {text[-half:]}'
