@@ -9,6 +9,7 @@ from typing import Any
 
 from drake_geom_msgs import msg, srv
 from geometry_msgs.msg import Point, Pose
+from rcl_interfaces.msg import ParameterValue
 
 LONG_NAME = 'n' * 1_000_000
 MANY = 10_000_000
@@ -82,11 +83,29 @@ def requests(source: str, frame: str, geometry: str) -> Iterator[tuple[str, Any,
     yield 'register_geometry', srv.RegisterGeometry, {**place, 'shape': shapeless}, '99'
     yield 'register_geometry', srv.RegisterGeometry, {**place, 'shape': mesh}, 'mesh_roots'
     yield 'assign_role', srv.AssignRole, {'geometry': geometry, 'role': msg.Role(role=77)}, '77'
+    for value in (
+        ParameterValue(type=3, double_value=math.nan),
+        ParameterValue(type=3, double_value=-math.inf),
+        ParameterValue(type=8, double_array_value=[0.5, math.inf]),
+    ):
+        unbounded = msg.Role(role=1, properties=[msg.Property(name='mu', value=value)])
+        fields = {**place, 'roles': [unbounded]}
+        yield 'register_geometry', srv.RegisterGeometry, fields, 'finite'
+        fields = {'geometry': geometry, 'role': unbounded, 'assign': 1}
+        yield 'assign_role', srv.AssignRole, fields, 'finite'
     yield 'remove_role', srv.RemoveRole, {'geometry': geometry, 'role': 77}, '77'
     yield 'remove_geometry', srv.RemoveGeometry, {'geometry': '#18446744073709551615'}, '#1844'
     yield 'change_shape', srv.ChangeShape, {'geometry': geometry, 'shape': shapeless}, '99'
     yield 'load_scene', srv.LoadScene, {'text': BOMB}, 'alias'
     yield 'load_scene', srv.LoadScene, {'text': CODE}, 'tag'
+    for key, entry in (
+        ('sources', r'"a\0b"'),
+        ('frames', r'{name: "a\0b", source: nul}'),
+        ('geometries', r'{name: "a\0b", source: nul, shape: {type: sphere, radius: 1}}'),
+        ('filters', r'{clique: {name: "a\0b", members: []}}'),
+    ):
+        text = f'{"" if key == "sources" else "sources: [nul]"}\n{key}: [{entry}]\n'
+        yield 'load_scene', srv.LoadScene, {'text': text}, 'NUL'
     yield 'load_scene', srv.LoadScene, {'text': '[' * 100_000 + '\n'}, 'deep'
     yield 'load_scene', srv.LoadScene, {'path': '/etc/hostname'}, 'mesh_roots'
     yield 'load_scene', srv.LoadScene, {'path': 'x', 'text': 'y'}, 'exactly one'

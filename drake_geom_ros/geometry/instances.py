@@ -153,10 +153,15 @@ class GeometryInstance:
 
 
 def canonical_name(name: str, what: str) -> str:
-    """Return the name trimmed of spaces and tabs; RuntimeError if nothing is left."""
+    """Return the name trimmed of spaces and tabs; RuntimeError if nothing is left, or for NUL.
+
+    A string of a ROS message ends at its first NUL: two names that differ behind it would be one.
+    """
     trimmed = checked_type(name, str, f'{what}: name').strip(' \t')
     if not trimmed:
         raise ArgumentError(f'{what}: the name {name!r} is empty once trimmed of spaces and tabs')
+    if '\0' in trimmed:
+        raise ArgumentError(f'{what}: the name {name!r} holds a NUL character')
     return trimmed
 
 

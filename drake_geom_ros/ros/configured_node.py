@@ -26,7 +26,12 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
-from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState, add_counts
+from drake_geom_ros.ros.outputs.diagnostics import (
+    Diagnostics,
+    SceneState,
+    add_counts,
+    add_trouble,
+)
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
@@ -40,6 +45,13 @@ from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, t
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
+# Cleanup is answered in time for clients that wait 10 s, and a load may compile for longer.
+_LONGEST_FAREWELL = 5.0  # [s]
+_LOOKS = 0.01  # [s] between two looks whether services are at work
+_NO_CLOCK = (
+    'use_sim_time is set and no message of /clock has come: ages are unknown, and with a rate no '
+    'cycle runs'
+)
 _NOT_DUE = 'no {} since the last report'
 
 
@@ -122,12 +134,27 @@ class ConfiguredNode:
         self._stream.stop()
 
     def close(self) -> None:
-        """Stop, and close everything."""
-        with self.live.editing():
-            self._stream.stop()
+        """Stop, and close everything; who waits for an answer gets it first, if it comes soon."""
+        self._stream.stop()
+        self.live.close()
+        self._let_answers_go()
+        with self.live.reading():
             self._set_rate(0.0)
             self._surface.close()
         self.set_cross_check(0.0)
+
+    def _let_answers_go(self) -> None:
+        """Wait until no service is at work in another thread: closed before, it cannot answer."""
+        end = time.monotonic() + _LONGEST_FAREWELL
+        groups = (self._groups.loading, self._groups.beside)
+        while any(map(_at_work, groups)):
+            if time.monotonic() > end:
+                self._node.get_logger().warning(
+                    f'closed after waiting {_LONGEST_FAREWELL:g} s for services at work: those '
+                    'who called them get no answer, and nothing of it was done'
+                )
+                return
+            time.sleep(_LOOKS)
 
     def follow(self, old: NodeParameters, new: NodeParameters) -> None:
         """Do as changed parameters say."""
@@ -312,8 +339,19 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
-        message.header.stamp = self._node.get_clock().now().to_msg()
+        now = self._node.get_clock().now()
+        # Simulated time stands at 0 until it is told; no other clock ever shows that.
+        if not now.nanoseconds:
+            add_trouble(message.status[0], _NO_CLOCK)
+            self._node.get_logger().warning(_NO_CLOCK, once=True)
+        message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
+
+
+def _at_work(group: CallbackGroup) -> bool:
+    """Return whether a callback of a group runs, the sending of its answer included."""
+    entities = [entity for each in list(group.entities) if (entity := each()) is not None]
+    return bool(entities) and not group.can_execute(entities[0])
 
 
 def seconds_now(node: LifecycleNode) -> float:

@@ -45,10 +45,13 @@ class Guard:
         """Do what is due; nobody foresaw an exception."""
         error = _failure_of(task)
         if error is not None:
-            name = _name_of(task)
-            self._count(name, f'internal error: {error!r}')
-            if self._may_tell(name):
-                self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
+            self.failed(_name_of(task), error)
+
+    def failed(self, name: str, error: Exception) -> None:
+        """Count and log an exception that nobody foresaw."""
+        self._count(name, f'internal error: {error!r}')
+        if self._may_tell(name):
+            self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
 
     def answer(
         self, handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any
@@ -91,6 +94,10 @@ def _name_of(task: Callable[..., object]) -> str:
 
 
 def _shortened(text: str) -> str:
-    """Return a message without its middle where it is too long to be read."""
+    """Return a message without its middle where it is too long to be read.
+
+    A NUL is shown: it would end the string of a message, and the reason with it.
+    """
+    text = text.replace('\0', '\\0')
     half = _LONGEST_MESSAGE // 2
     return text if len(text) <= _LONGEST_MESSAGE else f'{text[:half]} ... {text[-half:]}'

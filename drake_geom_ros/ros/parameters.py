@@ -93,6 +93,10 @@ _RANGES = {
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
 }
+# Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into 64
+# bits of nanoseconds are far beyond; a rate of 0 means none.
+_LONGEST_PERIOD = 1000.0
+_LEAST_RATES = dict.fromkeys(('rate', 'cross_check'), 1.0 / _LONGEST_PERIOD)
 
 
 _DEFAULTS = {entry.name: entry.default for entry in fields(NodeParameters)}
@@ -199,6 +203,9 @@ def _refusal(values: NodeParameters) -> str:
         value, limits = getattr(values, name), [_RANGES[name]] if name in _RANGES else []
         if reason := _wrong_type(name, value, default) or _out_of_range(name, value, limits):
             return reason
+    for name, least in _LEAST_RATES.items():
+        if 0.0 < (value := getattr(values, name)) < least:
+            return f'{name} is {value}; it must be 0 or lie in [{least}, {_RANGES[name][1]}]'
     if values.accuracy not in ACCURACY_LEVELS:
         allowed = ', '.join(ACCURACY_LEVELS)
         return f'accuracy is {values.accuracy!r}; it must be one of {allowed}'

@@ -24,6 +24,7 @@ from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, s
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
+from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
@@ -39,16 +40,21 @@ class SceneGraphNode(LifecycleNode):
         self.threaded_groups = CallbackGroups(
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
+        self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
         self._guard = Guard(self.get_logger(), self._diagnostics.refuse)
+        answer_always(self)
         self._surface = Surface(self)
-        self._configured: ConfiguredNode | None = None
         self._first_version = 0  # versions of the scene grow from one life to the next
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self._autostart = self.create_timer(0.0, self._start_by_itself, clock=steady)
+
+    def callback_failed(self, error: Exception) -> None:
+        """Go on where a callback raised, of rclpy's own ones too."""
+        self._guard.failed('a callback', error)
 
     def _start_by_itself(self) -> None:
         self.destroy_timer(self._autostart)
@@ -131,8 +137,11 @@ class SceneGraphNode(LifecycleNode):
             self._configured = None
 
     def _parameters_changed(self, old: NodeParameters, new: NodeParameters) -> None:
-        if self._configured is not None:
-            self._configured.follow(old, new)
+        def follow_parameters() -> None:
+            if self._configured is not None:
+                self._configured.follow(old, new)
+
+        self._guard.attempt(follow_parameters)
 
 
 def main(args: list[str] | None = None) -> int:

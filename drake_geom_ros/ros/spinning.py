@@ -26,7 +26,7 @@ from typing import Any
 import rclpy
 from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import InvalidHandle
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import ShutdownException, SingleThreadedExecutor, TimeoutException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -67,11 +67,44 @@ class StopSignals:
         self.received = True
 
 
-class GroupExecutor(SingleThreadedExecutor):
+Failed = Callable[[Exception], None]
+
+
+class _Executor(SingleThreadedExecutor):
+    """Hands what a callback raises to ``failed``; None: raises it, as rclpy does.
+
+    rclpy's own callbacks raise for some requests, such as a parameter of a type that is none.
+    """
+
+    def __init__(self, node: Node, failed: Failed | None) -> None:
+        super().__init__(context=node.context)
+        self._failed = failed
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Wait for a callback and execute it."""
+        try:
+            handler, entity, _ = self.wait_for_ready_callbacks(timeout_sec)
+        except (ShutdownException, TimeoutException):
+            return
+        handler()
+        if (error := handler.exception()) is None:
+            return
+        if self._failed is None:
+            raise error
+        # Where taking the message failed, rclpy leaves the whole group busy for ever.
+        if entity is not None and entity._executor_event and entity.callback_group is not None:
+            entity._executor_event = False
+            entity.callback_group.ending_execution(entity)
+        # What was closed while its callback ran: nobody waits for the answer.
+        if not isinstance(error, InvalidHandle):
+            self._failed(error)
+
+
+class GroupExecutor(_Executor):
     """Serves the callbacks of one group of a node; other executors serve the node's others."""
 
-    def __init__(self, node: Node, group: CallbackGroup) -> None:
-        super().__init__(context=node.context)
+    def __init__(self, node: Node, group: CallbackGroup, failed: Failed | None = None) -> None:
+        super().__init__(node, failed)
         self._node = node
         self._group = group
 
@@ -84,11 +117,11 @@ class GroupExecutor(SingleThreadedExecutor):
         return entity.callback_group is self._group and super().can_execute(entity)
 
 
-class _RemainderExecutor(SingleThreadedExecutor):
+class _RemainderExecutor(_Executor):
     """Serves the callbacks of a node but those of some groups."""
 
-    def __init__(self, node: Node, others: Sequence[CallbackGroup]) -> None:
-        super().__init__(context=node.context)
+    def __init__(self, node: Node, others: Sequence[CallbackGroup], failed: Failed | None) -> None:
+        super().__init__(node, failed)
         self._others = others
         self.add_node(node)
 
@@ -100,9 +133,9 @@ class _RemainderExecutor(SingleThreadedExecutor):
 class _GroupThread(threading.Thread):
     """A thread that serves one callback group until it is stopped; it keeps what went wrong."""
 
-    def __init__(self, node: Node, group: CallbackGroup) -> None:
+    def __init__(self, node: Node, group: CallbackGroup, failed: Failed | None) -> None:
         super().__init__(daemon=True)
-        self._executor = GroupExecutor(node, group)
+        self._executor = GroupExecutor(node, group, failed)
         self._stopping = threading.Event()
         self.error: Exception | None = None
 
@@ -128,14 +161,16 @@ def spin_until_stopped(
     signals: StopSignals,
     until: Future | None = None,
     groups: Sequence[CallbackGroup] = (),
+    failed: Failed | None = None,
 ) -> None:
     """Serve a node's callbacks until a signal is received or a future is done.
 
     Each of ``groups`` has a thread of its own, all other callbacks are served by this one.
-    An exception in any of the threads ends all of them and is raised here.
+    ``failed`` is told of what callbacks raise, from any thread, and all go on; without it, what
+    one raises ends all of them and is raised here.
     """
-    threads = [_GroupThread(node, group) for group in groups]
-    executor = _RemainderExecutor(node, groups)
+    threads = [_GroupThread(node, group, failed) for group in groups]
+    executor = _RemainderExecutor(node, groups, failed)
     if threads:
         sys.setswitchinterval(_SWITCH_INTERVAL)
     for thread in threads:
@@ -161,14 +196,20 @@ def run_node(
 
     That is 2 where arguments are none of ROS, or where making the node raises one of
     ``refusals``, for what it was given cannot be. A node names the callback groups that get
-    threads of their own in its ``threaded_groups``.
+    threads of their own in its ``threaded_groups``, and what a callback raises does not end one
+    that has a method ``callback_failed``.
     """
     expected: tuple[type[Exception], ...] = (_BadArgumentsError, *refusals)
     with StopSignals(once=True) as signals:
         try:
             _initialise(sys.argv[1:] if args is None else args)
             node = make_node()
-            spin_until_stopped(node, signals, groups=getattr(node, 'threaded_groups', ()))
+            spin_until_stopped(
+                node,
+                signals,
+                groups=getattr(node, 'threaded_groups', ()),
+                failed=getattr(node, 'callback_failed', None),
+            )
             node.destroy_node()
         except expected as error:
             print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)

@@ -10,6 +10,7 @@ from drake_geom_ros.geometry import (
     IllustrationProperties,
     PerceptionProperties,
     ProximityProperties,
+    SceneGraph,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform
@@ -140,3 +141,15 @@ def test_a_copy_has_properties_of_its_own(copied, role, kind):
     other.set_pose(RigidTransform())
     other.set_name('other')
     assert (instance.pose(), instance.name()) == (X, 'ball')
+
+
+@pytest.mark.parametrize('name', ['a\0b', '\0'])
+def test_a_name_that_messages_would_cut_is_refused(name):
+    """A string of a message ends at its first NUL: two such names would be one."""
+    scene_graph = SceneGraph()
+    with pytest.raises(RuntimeError, match='NUL'):
+        scene_graph.RegisterSource(name)
+    with pytest.raises(RuntimeError, match='NUL'):
+        GeometryFrame(name)
+    with pytest.raises(RuntimeError, match='NUL'):
+        GeometryInstance(RigidTransform(), Sphere(1.0), name)

@@ -80,6 +80,7 @@ def test_no_roots_at_all(start):
         ('accuracy', 'best', "accuracy is 'best'; it must be one of bound, fast"),
         ('world_frame', '/map', "world_frame is '/map'"),
         ('cross_check', -1, 'cross_check is -1.0; it must lie in [0.0, 1000.0]'),
+        ('rate', 1e-12, 'rate is 1e-12; it must be 0 or lie in [0.001, 10000.0]'),
     ],
 )
 def test_what_cannot_be_is_refused_at_the_start(start, name, value, words):
@@ -94,6 +95,8 @@ def test_what_cannot_be_is_refused_at_the_start(start, name, value, words):
         ('rate', 'fast', 'it must be a number'),
         ('rate', -1, 'it must lie in [0.0, 10000.0]'),
         ('rate', 1e6, '10000.0'),
+        ('rate', 1e-12, 'rate is 1e-12; it must be 0 or lie in [0.001, 10000.0]'),
+        ('cross_check', 5e-324, 'it must be 0 or lie in [0.001, 1000.0]'),
         ('max_distance', None, 'it must be a number'),
         ('accuracy', 'x', 'bound, fast, balanced, exact'),
         ('publish_markers', 1, 'publish_markers is 1; it must be true or false'),

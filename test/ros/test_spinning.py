@@ -4,10 +4,12 @@ import signal
 import subprocess
 import sys
 import threading
+from collections import Counter
 
 import pytest
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.executors import SingleThreadedExecutor
 from ros.harness import environment
 
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
@@ -65,6 +67,34 @@ def test_what_fails_in_a_thread_is_raised(node):
     node.create_timer(0.01, fail, callback_group=group)
     with pytest.raises(ValueError, match='on purpose'):
         run()
+
+
+def test_what_fails_ends_nothing_where_somebody_is_told(node, monkeypatch):
+    """Not even what fails before its callback, while the message is taken."""
+    group = MutuallyExclusiveCallbackGroup()
+    done, told, calls = rclpy.Future(), [], Counter()
+    take = SingleThreadedExecutor._take_timer
+
+    def taken(executor, timer):
+        calls['taken'] += 1
+        if calls['taken'] == 1:
+            raise ValueError('not taken')
+        return take(executor, timer)
+
+    def fail():
+        calls['made'] += 1
+        if calls['made'] == 3:
+            done.set_result(None)
+        raise ValueError('on purpose')
+
+    monkeypatch.setattr(SingleThreadedExecutor, '_take_timer', taken)
+    node.create_timer(0.01, fail, callback_group=group)
+    patience = threading.Timer(20.0, done.set_result, (None,))
+    patience.start()
+    spin_until_stopped(node, StopSignals(), done, (group,), lambda error: told.append(str(error)))
+    patience.cancel()
+    assert calls['made'] >= 3
+    assert told[:3] == ['not taken', 'on purpose', 'on purpose']
 
 
 def test_what_is_made_later_is_served_too(node):

@@ -278,8 +278,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
     types, R_WGs, p_WGs, roundings = scene.types, scene.R_WGs, scene.p_WGs, scene.roundings
     half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
-    travels, stamps = scene.travels, scene.stamps
-    starts, pool = scene.starts, scene.pool
+    travels, stamps, starts, pool = scene.travels, scene.stamps, scene.starts, scene.pool
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these

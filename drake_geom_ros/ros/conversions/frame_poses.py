@@ -21,7 +21,7 @@ class FramePosesReader:
 
     def __init__(self, names: NameTable) -> None:
         self._names = names
-        self._known: dict[tuple[str, ...], NDArray[np.int64]] = {}
+        self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], NDArray[np.int64]] = {}
 
     def read(self, message: Any) -> FramePoseVector:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
@@ -44,7 +44,8 @@ class FramePosesReader:
         """Return the ids (n,) of the frames that a message names, in its order."""
         if len(message.frame_names) and len(message.frame_ids):
             raise ArgumentError('frame_names and frame_ids are both given; exactly one must be')
-        key = (message.source, *message.frame_names, *map(str, message.frame_ids))
+        # Names and ids apart: a frame may be named as the id of another.
+        key = (message.source, tuple(message.frame_names), tuple(message.frame_ids))
         frames = self._known.get(key)
         if frames is None:
             ids = [frame.get_value() for frame in self._look_up(message)]

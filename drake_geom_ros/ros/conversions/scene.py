@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -66,9 +67,18 @@ def properties_from_message(message: Any) -> GeometryProperties:
             )
         value = getattr(entry.value, field)
         if not isinstance(value, (bool, int, float, str)):
-            value = list(value)
+            # Bytes come one by one; they are kept as numbers, which a scene file can hold.
+            value = [item[0] if isinstance(item, bytes) else item for item in value]
+        _check_finite(group, entry.name, value)
         properties.AddProperty(group, entry.name, value)
     return properties
+
+
+def _check_finite(group: str, name: str, value: Any) -> None:
+    """Raise ArgumentError for numbers that no scene file can hold."""
+    for item in value if isinstance(value, list) else [value]:
+        if isinstance(item, float) and not math.isfinite(item):
+            raise ArgumentError(f"property ('{group}', '{name}') is {item}; it must be finite")
 
 
 def set_role(instance: GeometryInstance, message: Any) -> None:

@@ -118,8 +118,13 @@ def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
     values = counts._asdict().items()
     status.values += [KeyValue(key=f'cross_check {key}', value=str(n)) for key, n in values]
     if counts.disagreements:
-        status.level = max(status.level, DiagnosticStatus.WARN)
-        status.message += f'; python-fcl disagrees with {counts.disagreements} answers'
+        add_trouble(status, f'python-fcl disagrees with {counts.disagreements} answers')
+
+
+def add_trouble(status: DiagnosticStatus, trouble: str) -> None:
+    """Have a status warn of something more."""
+    status.level = max(status.level, DiagnosticStatus.WARN)
+    status.message += f'; {trouble}'
 
 
 def _some(names: list[str], count: int) -> str:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from drake_geom_ros.geometry import SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry import GeometryError, SceneGraph, SceneGraphContext
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.names import WORLD
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
@@ -41,13 +41,23 @@ class LiveScene:
         self.files = FileAccess([ALL_PACKAGES])
         self.world_frame = world_frame
         self._lock = threading.RLock()
+        self._closed = False
         self._scene = EditableScene(SceneGraph(accuracy=accuracy), now, world_frame, version)
 
     @contextmanager
     def editing(self) -> Iterator[EditableScene]:
-        """Hand the scene out to be changed."""
+        """Hand the scene out to be changed; raises RuntimeError once it is closed."""
         with self._lock:
+            if self._closed:
+                raise GeometryError(
+                    'the scene was closed by cleanup or shutdown of the node; nothing was changed'
+                )
             yield self._scene
+
+    def close(self) -> None:
+        """Let nobody change the scene any more: who began before, and comes late, is refused."""
+        with self._lock:
+            self._closed = True
 
     @contextmanager
     def reading(self) -> Iterator[HeldScene]:

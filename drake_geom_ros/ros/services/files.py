@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
 
 def save_scene(live: LiveScene, request: Any, response: Any) -> None:
     """Write the scene down."""
-    target = live.files.new_file(request.path, 'path') if request.path else None
+    target = _target(live, request) if request.path else None
     with live.reading() as scene:
         description = scene.description()
     response.text = to_yaml(description)
@@ -49,14 +50,25 @@ def save_scene(live: LiveScene, request: Any, response: Any) -> None:
         _write(response.text, target)
 
 
-def _write(text: str, target: Path) -> None:
-    """Write a file whole: one who is killed meanwhile leaves what was there before."""
-    path = target.resolve()  # what a link stands for lies in the folders; it itself may not
-    part = path.with_name(f'{path.name}.part')
+def _target(live: LiveScene, request: Any) -> Path:
+    """Return the file to write: what a link stands for lies in the folders; it itself may not."""
+    path = live.files.new_file(request.path, 'path').resolve()
+    if os.path.isdir(path):
+        raise ArgumentError(f'the scene cannot be written to {path}: it is a folder')
+    return path
+
+
+def _write(text: str, path: Path) -> None:
+    """Write a file whole: one who is killed meanwhile leaves what was there before.
+
+    What is half written is a new file, whose name nobody can have prepared.
+    """
+    part = path.with_name(f'.{secrets.token_hex(8)}.part')
     try:
-        part.write_text(text)
+        with part.open('x') as file:
+            file.write(text)
         os.replace(part, path)
     except OSError as error:
         with contextlib.suppress(OSError):
             part.unlink()
-        raise ArgumentError(f'the scene cannot be written to {target}: {error}') from None
+        raise ArgumentError(f'the scene cannot be written to {path}: {error}') from None

@@ -5,8 +5,9 @@ from types import SimpleNamespace as Plain
 
 import pytest
 
-from drake_geom_ros.geometry import FramePoseVector
+from drake_geom_ros.geometry import FramePoseVector, GeometryFrame, SceneGraph
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
+from drake_geom_ros.ros.conversions.names import NameTable
 
 
 def plain_poses(names=(), ids=(), rows=(), source='', frame_id=''):
@@ -58,6 +59,20 @@ def test_frame_poses_by_name_and_by_id(scene, names):
 def test_frame_poses_that_are_none_are_refused(names, message, words):
     with pytest.raises(RuntimeError, match=words):
         FramePosesReader(names).read(message)
+
+
+def test_a_name_is_not_the_id_that_it_spells():
+    scene = SceneGraph()
+    source = scene.RegisterSource('robot')
+    first = scene.RegisterFrame(source, GeometryFrame('first'))
+    number = first.get_value()
+    second = scene.RegisterFrame(source, GeometryFrame(str(number)))
+    reader = FramePosesReader(NameTable(scene.model_inspector()))
+    row = [0, 0, 0, 0, 0, 0, 1]
+    by_name, by_id = plain_poses([str(number)], rows=[row]), plain_poses(ids=[number], rows=[row])
+    for _ in range(2):
+        assert reader.read(by_name).ids() == [second]
+        assert reader.read(by_id).ids() == [first]
 
 
 def test_memory_of_names_is_bounded(names):

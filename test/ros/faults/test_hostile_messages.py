@@ -110,6 +110,27 @@ def test_garbled_bytes_end_nothing(client, node):
     assert 'internal error' not in node.output()
 
 
+def test_a_frame_named_as_the_id_of_another(client):
+    """Posing the one by its name, then the other by its id, moves each of them."""
+    accepted(client.call(srv.RegisterSource, 'register_source', name='numbered'))
+    first = {'source': 'numbered', 'name': 'first'}
+    number = accepted(client.call(srv.RegisterFrame, 'register_frame', **first)).frame_id
+    second = {'source': 'numbered', 'name': str(number)}
+    accepted(client.call(srv.RegisterFrame, 'register_frame', **second))
+    publisher = client.publisher(msg.FramePoses, 'frame_poses')
+
+    def posed(name, message, x):
+        publisher.publish(message)
+        return where(client, f'numbered::{name}') == x
+
+    by_name = poses([str(number)], [(1, 0, 0)], 'numbered')
+    client.wait_for(lambda: posed(number, by_name, 1.0), 'the pose by name')
+    by_id = poses([], [(2, 0, 0)], 'numbered')
+    by_id.frame_ids = [number]
+    client.wait_for(lambda: posed('first', by_id, 2.0), 'the pose by id', patience=5.0)
+    assert where(client, f'numbered::{number}') == 1.0
+
+
 def test_odd_messages_that_are_legal_are_taken(client):
     add_pair(client, 'odd')
     distances = client.listen(msg.SignedDistancePairs, 'signed_distances')

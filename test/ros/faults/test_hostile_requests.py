@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from drake_geom_msgs import msg, srv
+from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from ros.harness import start_node
@@ -25,6 +26,25 @@ def test_impossible_requests(client):
         assert len(answer.message) < 2000, service
     assert accepted(client.call(srv.SaveScene, 'save_scene')).text == before
     assert not Path('/tmp/drake_geom_ros_was_here').exists()
+
+
+def test_a_scene_can_be_saved_whatever_its_properties_are(client):
+    add_pair(client, 'saved')
+    values = (
+        ParameterValue(type=3, double_value=1.7e308),
+        ParameterValue(type=4, string_value='a\0b\n- {'),
+        ParameterValue(type=5, byte_array_value=[b'\x00', b'\xff']),
+        ParameterValue(type=7, integer_array_value=[-(2**63), 2**63 - 1]),
+        ParameterValue(type=8, double_array_value=[]),
+        ParameterValue(type=9, string_array_value=['', '~', '1e3']),
+    )
+    named = zip(('', 'a.b', '#', '- x', '\n', ': {'), values, strict=True)
+    role = msg.Role(role=2, properties=[msg.Property(name=n, value=v) for n, v in named])
+    request = {'geometry': 'saved::a/ball', 'role': role}
+    accepted(client.call(srv.AssignRole, 'assign_role', **request))
+    text = accepted(client.call(srv.SaveScene, 'save_scene')).text
+    accepted(client.call(srv.LoadScene, 'load_scene', text=text, replace=True))
+    assert accepted(client.call(srv.SaveScene, 'save_scene')).text == text
 
 
 @pytest.fixture

@@ -66,6 +66,32 @@ def test_a_link_that_leads_inside_is_followed(live, tmp_path):
     assert (tmp_path / 'inside/scene.yaml').read_text() == link.read_text()
 
 
+def test_nobody_elses_file_is_written_through(live, tmp_path):
+    """Neither what is named as a file that is half written, nor where that leads."""
+    outside, target = tmp_path / 'outside', tmp_path / 'inside/scene.yaml'
+    outside.write_text('precious')
+    link, file = tmp_path / 'inside/scene.yaml.part', tmp_path / 'inside/other.yaml.part'
+    link.symlink_to(outside)
+    file.write_text('mine')
+    assert save(live, target).success
+    assert save(live, tmp_path / 'inside/other.yaml').success
+    assert outside.read_text() == 'precious'
+    assert link.is_symlink()
+    assert file.read_text() == 'mine'
+    assert target.read_text().startswith('sources')
+    assert not target.is_symlink()
+    assert target.stat().st_mode == outside.stat().st_mode  # as any new file
+
+
+def test_a_folder_is_refused_before_anything_is_written(live, tmp_path, monkeypatch):
+    (tmp_path / 'inside/folder').mkdir()
+    monkeypatch.setattr(files, 'to_yaml', None)
+    response = save(live, tmp_path / 'inside/folder')
+    assert not response.success
+    assert 'cannot be written to' in response.message
+    assert 'folder' in response.message
+
+
 @pytest.mark.parametrize('name', ['folder', 'file/scene.yaml', 'nowhere/scene.yaml', 'n' * 300])
 def test_what_cannot_be_written_is_refused(live, tmp_path, name):
     (tmp_path / 'inside/folder').mkdir()

@@ -88,6 +88,19 @@ def test_bounds_are_as_narrow_as_promised_at_any_ratio_of_sizes(kind, hinted):
             assert least <= -out[DISTANCE] + out[ERROR_BOUND]
 
 
+def test_a_speck_beside_a_capsule_is_apart_whatever_the_hint():
+    """Their difference is a segment to rounding, and its faces are slivers without a side."""
+    rng = np.random.default_rng(3)
+    vertices = 1e-15 * rng.normal(size=(8, 3))
+    hull = np.concatenate(([8], vertices.ravel()))
+    size, R = np.array([2500.0, 1600.0]), _rotation(rng)
+    p = R @ [0.0, 3000.0, 1500.0]
+    pair = (CAPSULE, size, R, CONVEX, hull, _rotation(rng), tuple(p))
+    for hint in _unit(rng, 4 * COUNT):
+        out, _ = _answer(pair, hint)
+        assert out[DISTANCE] == pytest.approx(500.0, abs=out[ERROR_BOUND] + 1e-11)
+
+
 def test_the_edge_next_to_a_direction_falls_away_least():
     rng = np.random.default_rng(0)
     for _ in range(COUNT):
