@@ -93,8 +93,8 @@ _RANGES = {
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
 }
-# Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into 64
-# bits of nanoseconds are far beyond; a rate of 0 means none.
+# Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into
+# 64 bits of nanoseconds are far beyond; a rate of 0 means none.
 _LONGEST_PERIOD = 1000.0
 _LEAST_RATES = dict.fromkeys(('rate', 'cross_check'), 1.0 / _LONGEST_PERIOD)
 

@@ -145,7 +145,8 @@ def test_cylinders_in_each_other_almost_parallel(tilt):
         (0.0, 0.0, 0.1),
     )
     difference = sums.difference_of(pair)
-    complete, h, floor, n, _ = barrels.least_of_barrels(difference, (1.0, 0.0, 0.0), 0.4, 1e-10, 1e-15)
+    start = (1.0, 0.0, 0.0)
+    complete, h, floor, n, _ = barrels.least_of_barrels(difference, start, 0.4, 1e-10, 1e-15)
     assert complete
     assert h - 1e-10 <= floor <= h
     rng = np.random.default_rng(1)
@@ -165,9 +166,9 @@ def test_cylinders_too_far_from_parallel_are_left_to_others():
         R,
         (0.0, 0.0, 0.1),
     )
-    assert not barrels.least_of_barrels(sums.difference_of(pair), (1.0, 0.0, 0.0), 0.4, 1e-10, 1e-15)[
-        0
-    ]
+    start = (1.0, 0.0, 0.0)
+    found = barrels.least_of_barrels(sums.difference_of(pair), start, 0.4, 1e-10, 1e-15)
+    assert not found.complete
 
 
 def test_bends_between_half_planes_hold():
