@@ -71,15 +71,41 @@ def _each(
 @compiled
 def to_sphere(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a sphere."""
-    how = near_sphere, at_no_edge, 0.0
-    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(
+        near_sphere,
+        at_no_edge,
+        0.0,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
+    )
 
 
 @compiled
 def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
     """Signed distance of points to a box."""
-    how = near_box, at_box_edge, 0.0
-    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(
+        near_box,
+        at_box_edge,
+        0.0,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
+    )
 
 
 @compiled
@@ -87,8 +113,21 @@ def to_capsule(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a capsule."""
-    how = near_capsule, at_no_edge, 0.0
-    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(
+        near_capsule,
+        at_no_edge,
+        0.0,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
+    )
 
 
 @compiled
@@ -96,8 +135,21 @@ def to_cylinder(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a cylinder."""
-    how = near_cylinder, at_cylinder_rim, 0.0
-    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(
+        near_cylinder,
+        at_cylinder_rim,
+        0.0,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
+    )
 
 
 @compiled
@@ -105,8 +157,21 @@ def to_ellipsoid(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to an ellipsoid."""
-    how = near_ellipsoid, at_no_edge, 0.0
-    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(
+        near_ellipsoid,
+        at_no_edge,
+        0.0,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
+    )
 
 
 @compiled
@@ -114,8 +179,21 @@ def to_half_space(
     address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
 ):
     """Signed distance of points to a half space."""
-    how = near_half_space, at_no_edge, ball.tilt
-    _each(*how, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    _each(
+        near_half_space,
+        at_no_edge,
+        ball.tilt,
+        shape,
+        R_WG,
+        p_WG,
+        p_WQs,
+        threshold,
+        ball,
+        span,
+        rows,
+        found,
+        counts,
+    )
 
 
 @compiled

@@ -248,7 +248,9 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
             _, distance, lower, n, a, b = sharper
             a, b, miss = drawn_to(distance, n, a, b)
             return Bounds(end, distance, distance, lower, n, a, b, miss, True)
-        return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
+        # The slab that closed the bounds may be another one's than that along the gap vector.
+        if gap_along(pair, n) >= upper - max(tolerance, noise):
+            return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
     )
