@@ -195,12 +195,14 @@ def growth_arrays(most_vertices):
 def is_in_cap(m, offset, n, rival, cap):
     """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
 
-    A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later.
+    A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later. (Angles
+    by differences: that of two directions 1e-9 rad apart has the cosine 1.)
     """
     if cap == 0.0 or offset <= 0.0:
         return False
-    away = math.acos(min(max(dot(m, n), -1.0), 1.0))
-    return away + math.acos(min(offset / rival, 1.0)) <= cap
+    away = 2.0 * math.asin(min(0.5 * norm(sub(m, n)), 1.0))
+    beyond = math.sqrt(max(rival - offset, 0.0) * (rival + offset))
+    return away + math.atan2(beyond, offset) <= cap
 
 
 @compiled

@@ -55,7 +55,7 @@ from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE, SAME_DIRE
 MOST_ARCS = 64
 MOST_SPLITS = 600
 MOST_KINKS = 2 * MOST_SEGMENTS + 2
-NO_CAP = 2.0
+NO_CAP = -1.0
 BORDER = 0.01  # [rad]
 # Columns of an arc: its two directions and its two support points.
 START, END, START_POINT, END_POINT = 0, 3, 6, 9
@@ -203,12 +203,15 @@ def largest_radius(terms, e):
 
 @compiled
 def improved(difference, n, h, enough, noise):
-    """Return (n, h, cosine of its cap) of the minimum near n, or of n if there is none."""
+    """Return (n, h, chord of its cap) of the minimum near n, or of n if there is none.
+
+    A chord, not a cosine: caps may be as small as 1e-9 rad, whose cosine is 1.
+    """
     found = nearby_minimum(difference, n, noise)
     if found.kind == NOTHING or found.h > h + noise:
         return n, h, NO_CAP
     cap = widest_cap(difference, found, enough)
-    return found.n, found.h, math.cos(cap) if cap > 0.0 else NO_CAP
+    return found.n, found.h, 2.0 * math.sin(0.5 * cap) if cap > 0.0 else NO_CAP
 
 
 @compiled
@@ -237,7 +240,10 @@ def least_on_arc(arc, m, radius, rho):
     if rho < math.inf:
         bent = ends
         if ends < rho:
-            bent = rho - (rho - ends) / (0.5 * norm(add(start, end)))
+            # rho - (rho - ends) / cos, for the half angle: rho may be 1e6 times as large as the
+            # bodies (a disk seen almost from its edge), and what its digits hide would be lost.
+            cosine, span = 0.5 * norm(add(start, end)), norm(sub(end, start))
+            bent = (ends - rho * 0.25 * span * span / (1.0 + cosine)) / cosine
         least = max(least, bent)
     return least - radius
 
@@ -257,7 +263,7 @@ def is_away(from_n, to_n, span):
 def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
     """Return (complete, best) for the circle of directions at right angles to the unit e.
 
-    ``best`` is (n, h, cosine, unique, floor): the best direction so far, the cosine of the angle
+    ``best`` is (n, h, chord, unique, floor): the best direction so far, the chord of the angle
     around it in which nothing is less, whether nothing clearly elsewhere is as good, and what no h
     looked at so far is below. Within ``inner`` [m] of their centres both cores are solid.
     Not complete where the splitting of arcs did not come to an end.
@@ -266,19 +272,19 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
     inner - p . n``, and h(-n) is less than h(n) by -2 p . n.
     """
     terms, _, last, r_A, r_B = difference
-    n, h, cosine, unique, floor = best
+    n, h, chord, unique, floor = best
     reach = max(inner - h, 0.0) - 2.0 * enough
     waiting = first_arcs(terms, last, e, reach, noise, arcs, kinks)
     radius, rho = r_A + r_B, largest_radius(terms, e)
     for _ in range(MOST_SPLITS):
         if waiting == 0:
-            return True, (n, h, cosine, unique, floor)
+            return True, (n, h, chord, unique, floor)
         waiting -= 1
         arc = arcs[waiting]
         start, end = vector_at(arc, START), vector_at(arc, END)
         u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
         from_n, to_n = dot(start, n), dot(end, n)
-        if min(from_n, to_n) >= cosine:
+        if max(norm(sub(start, n)), norm(sub(end, n))) <= chord:
             continue
         away = is_away(from_n, to_n, norm(sub(end, start)))
         if from_n < SAME_DIRECTION and dot(u, start) - radius <= h + 2.0 * enough:
@@ -287,7 +293,7 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         ends = min(dot(u, start), dot(v, end)) - radius
         if ends < h - noise:
             m = start if dot(u, start) < dot(v, end) else end
-            n, h, cosine = improved(difference, m, ends, enough, noise)
+            n, h, chord = improved(difference, m, ends, enough, noise)
             unique = unique and not away
             waiting += 1  # once more, with what is known now
             continue
@@ -295,7 +301,7 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
             floor = min(floor, ends)
             continue
         # Where no cap is known the minimum is so flat that only its tolerance can be proven.
-        limit = h - (enough if cosine == NO_CAP else noise)
+        limit = h - (enough if chord == NO_CAP else noise)
         if unique and away:
             limit = h + 2.0 * enough
         least = least_on_arc(arc, m, radius, rho)
@@ -305,7 +311,7 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         width_m = width(terms, last, radius, m)
         if width_m < h - noise:
             before = n, h
-            n, h, cosine = improved(difference, m, width_m, enough, noise)
+            n, h, chord = improved(difference, m, width_m, enough, noise)
             far = dot(before[0], n) < SAME_DIRECTION
             unique = before[1] > h + 2.0 * enough if far else unique
         elif width_m <= h + 2.0 * enough and dot(m, n) < SAME_DIRECTION:
@@ -317,4 +323,4 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         put_arc(arcs[waiting], start, m, u, w)
         put_arc(arcs[waiting + 1], m, end, w, v)
         waiting += 2
-    return False, (n, h, cosine, unique, floor)
+    return False, (n, h, chord, unique, floor)

@@ -59,14 +59,14 @@ def least_on_creases(difference, n, enough, noise):
     inner = inner_radius(terms, SEGMENT, first, AXES_A) + inner_radius(terms, first, last, AXES_B)
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
     n = likely_normal(difference, n)
-    n, h, cosine = improved(difference, n, width(terms, last, r_A + r_B, n), enough, noise)
-    best = n, h, cosine, True, h
+    n, h, chord = improved(difference, n, width(terms, last, r_A + r_B, n), enough, noise)
+    best = n, h, chord, True, h
     complete = True
     for i in range(SEGMENT, last):
         e = scale(1.0 / terms[i, LENGTH], vector_in(terms, i))
         done, best = least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks)
         complete = complete and done
-    n, h, cosine, unique, floor = best
+    n, h, chord, unique, floor = best
     axes = AXES_A if terms[AXES_A, LENGTH] > 0.0 else AXES_B
     axis = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
     for side in (-1.0, 1.0):

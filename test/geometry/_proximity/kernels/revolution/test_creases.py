@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.pairs import random_pairs
+from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
@@ -82,3 +83,27 @@ def test_a_stuck_peg(swap):
         assert h == pytest.approx(width, abs=1e-15)
         assert h - 1e-10 <= floor <= h
         assert abs(np.dot(n, [0, 0.6, -0.8])) == pytest.approx(1, abs=1e-12)
+
+
+def test_an_end_of_a_box_almost_on_the_face_of_a_cylinder():
+    """The disk is seen from its edge but for 1e-7 rad: its largest radius of curvature is 1e6 m.
+
+    The hunt found a floor that was too high by as much as the tolerance.
+    """
+    half, size = np.array([0.00925, 0.0288, 0.1135]), np.array([0.2, 0.105])
+    turn = Rotation.from_rotvec([-5.28616132e-06, 1.11837431e-07, 1.26330826e-05]).as_matrix()
+    p = np.array([0.19027249075435002, 0.00031700308020106665, 0.21838790893999357])
+    least = []
+    rng = np.random.default_rng(0)
+    for _ in range(4 * COUNT):
+        R = Rotation.random(random_state=int(rng.integers(1 << 31))).as_matrix()
+        pair = Pair(BOX, half, R @ turn, CYLINDER, size, R, tuple(R @ p))
+        difference = sums.difference_of(pair)
+        for start in rng.normal(size=(5, 3)):
+            n = tuple(start / np.linalg.norm(start))
+            least.append(creases.least_on_creases(difference, n, 1.17e-11, 1.6e-15))
+    least_h = min(found.h for found in least)
+    for found in least:
+        assert found.complete
+        assert found.floor <= least_h + 4e-15
+        assert found.h <= least_h + 1.3e-11
