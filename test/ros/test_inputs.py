@@ -1,5 +1,6 @@
 """Simulated time on the real middleware, and TF where its messages are missing."""
 
+import itertools
 import subprocess
 import sys
 
@@ -45,19 +46,27 @@ def test_simulated_time_rules_ages_and_leases(tmp_path, lone_client):
         diagnostics = client.listen(DiagnosticArray, '/diagnostics')
         publisher = client.publisher(msg.FramePoses, 'frame_poses')
 
-        def answered_at(seconds, age):
+        def told(seconds):
+            """Whether the node knows the time: only its diagnostics show the clock itself."""
             clock.publish(Clock(clock=Time(sec=seconds)))
-            # Each time anew: the first may be lost while the node is not yet known, and no pose
-            # at all has the age 0, too.
-            stamp = seconds - int(age)
-            publisher.publish(poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)], stamp=stamp))
-            answer = client.call(
-                srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise'
-            )
-            return accepted(answer).result.oldest_pose_age == age
+            return diagnostics and diagnostics[-1].header.stamp.sec == seconds
 
-        client.wait_for(lambda: answered_at(100, 0.0), 'fresh poses at 100 s')
-        client.wait_for(lambda: answered_at(103, 3.0), 'an age of simulated 3 s')
+        def result():
+            kind = srv.ComputeSignedDistancePairwise
+            return accepted(client.call(kind, 'compute_signed_distance_pairwise')).result
+
+        def posed():
+            """Whether the node holds the very poses sent last, so that none is on its way."""
+            stamp = next(stamps)
+            publisher.publish(poses(['a', 'b'], [(0, 0, 0), (0.5, 0, 0)], stamp=stamp))
+            return result().header.stamp.sec == stamp
+
+        stamps = itertools.count(1)
+        client.wait_for(lambda: told(100), 'a node that knows that it is 100 s')
+        client.wait_for(posed, 'poses')
+        assert result().oldest_pose_age == 0.0
+        client.wait_for(lambda: told(103), 'a node that knows that it is 103 s')
+        assert result().oldest_pose_age == 3.0
         assert results[0].id_a[0] == small
         lease = {'declaration': exclude('a/ball', 'b/ball'), 'lease': 10.0}
         filter_id = accepted(
@@ -77,6 +86,7 @@ def test_simulated_time_rules_ages_and_leases(tmp_path, lone_client):
             lambda: values(diagnostics).get('names of stale frames') == stale, 'stale frames'
         )
         # Time goes back, as in a simulation that is reset: ages do not become negative.
-        client.wait_for(lambda: answered_at(50, 0.0), 'fresh poses at 50 s')
+        client.wait_for(lambda: told(50), 'a node that knows that it is 50 s')
+        assert result().oldest_pose_age == 0.0
     finally:
         assert node.end() == 0, node.output()
