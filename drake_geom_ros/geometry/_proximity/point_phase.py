@@ -14,7 +14,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_WIDTH,
     POINTS_SIGNATURE,
-    Ball,
+    Answers,
+    Body,
     Span,
     call_points_kernel,
 )
@@ -74,24 +75,22 @@ def point_phase(  # type: ignore[no-untyped-def]
     scene = Scene(*scene)
     types, starts, pool = scene.types, scene.starts, scene.pool
     R_WGs, p_WGs, roundings, outer = scene.R_WGs, scene.p_WGs, scene.roundings, scene.outer
-    m, n = p_WQs.shape[0], types.size
+    m, n, answers = p_WQs.shape[0], types.size, Answers(rows, found, counts)
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
         for g in range(n):
+            rounding, tilt = roundings[g, RADIUS], roundings[g, TILT]
+            shape = part(pool, starts[g], starts[g + 1])
+            body = Body(shape, row(R_WGs, g), row(p_WGs, g), outer[g], rounding, tilt)
             call_points_kernel(
                 addresses[types[g]],
                 pair_addresses[pair_rows[g]],
                 types[g],
-                part(pool, starts[g], starts[g + 1]),
-                row(R_WGs, g),
-                row(p_WGs, g),
+                body,
                 p_WQs,
                 threshold,
-                Ball(outer[g], roundings[g, RADIUS], roundings[g, TILT]),
                 Span(first, last, g, n),
-                rows,
-                found,
-                counts,
+                answers,
             )
     count = 0
     for q in range(m):

@@ -2,30 +2,33 @@
 
 Conventions::
 
-    kernel(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts)
+    kernel(address, kind, body, p_WQs, threshold, span, answers)
 
 ========== ========================================================================
 address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
-kind       shape type number, shape: its parameters, R_WG, p_WG: its pose
+kind       shape type number
+body       the geometry where it is, see ``Body``
 p_WQs      points (m, 3) [m]
 threshold  [m] what is farther away is left out
-ball       how far G reaches, see ``Ball``
 span       which points to answer, and where, see ``Span``
-rows       (m n, POINT_WIDTH) answers, found: (m n,) becomes True where there is one
-counts     by METHOD, how many answers there were
+answers    where they are written, see ``Answers``
 ========== ========================================================================
 """
 
 import math
 from typing import NamedTuple
 
+import numpy as np
 from numba import types
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import caller
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
+
+Floats = NDArray[np.float64]
 
 # Columns of a row of a point query.
 POINT_DISTANCE = 0
@@ -37,12 +40,15 @@ POINT_METHOD = 9
 POINT_WIDTH = 10
 
 
-class Ball(NamedTuple):
-    """How far a geometry reaches about Go [m], and how far off its pose is (``pose_rounding``)."""
+class Body(NamedTuple):
+    """A geometry G with its pose, how far it reaches, and how far off its pose is."""
 
-    outer: float
-    radius: float  # [m]
-    tilt: float  # [-] of a half space
+    shape: Floats  # parameters
+    R_WG: Floats
+    p_WG: Floats  # [m]
+    outer: float  # [m] reach about Go
+    rounding: float  # [m] of the pose, ``pose_rounding``
+    tilt: float  # [-] the same of a half space's normal; 0 for all others
 
 
 class Span(NamedTuple):
@@ -54,36 +60,40 @@ class Span(NamedTuple):
     n: int
 
 
+class Answers(NamedTuple):
+    """What kernels fill in."""
+
+    rows: Floats  # (m n, POINT_WIDTH)
+    found: NDArray[np.bool_]  # (m n,) becomes True where there is an answer
+    counts: NDArray[np.int64]  # by METHOD, how many answers there were
+
+
 _vector, _matrix = types.float64[::1], types.float64[:, ::1]
 POINTS_SIGNATURE = types.void(
     types.intp,
     types.int64,
-    _vector,
-    _matrix,
-    _vector,
+    types.NamedTuple([_vector, _matrix, _vector, *[types.float64] * 3], Body),
     _matrix,
     types.float64,
-    types.NamedUniTuple(types.float64, 3, Ball),
     types.NamedUniTuple(types.int64, 4, Span),
-    _matrix,
-    types.boolean[::1],
-    types.int64[::1],
+    types.NamedTuple([_matrix, types.boolean[::1], types.int64[::1]], Answers),
 )
 call_points_kernel = caller(POINTS_SIGNATURE)
 
 
 @inlined
-def seen(R_WG, p_WG, p_WQs, k, threshold, ball):
+def seen(body, p_WQs, k, threshold):
     """Return (near, q, rounding): whether G may be within it, p_GQ, and its rounding [m].
 
     The rounding is that of the pose and of the difference.
     """
+    p_WG = body.p_WG
     p_GQ_W = p_WQs[k, 0] - p_WG[0], p_WQs[k, 1] - p_WG[1], p_WQs[k, 2] - p_WG[2]
-    reach = threshold + ball.outer
+    reach = threshold + body.outer
     point = max(abs(p_WQs[k, 0]), abs(p_WQs[k, 1]), abs(p_WQs[k, 2]))
-    rounding = ball.radius + 8.0 * EPS * point
+    rounding = body.rounding + 8.0 * EPS * point
     near = reach == math.inf or norm(p_GQ_W) <= reach + rounding
-    return near, unrotate(R_WG, p_GQ_W), rounding
+    return near, unrotate(body.R_WG, p_GQ_W), rounding
 
 
 @inlined
@@ -99,11 +109,12 @@ def put_point(rows, k, distance, grad_W, p_GN, bound, unique, method):
 
 
 @inlined
-def take(rows, found, counts, k, R_WG, threshold, size, rounding, nearest):
-    """Fill a row from a closed form in G, where it is within the threshold."""
+def take(answers, k, body, threshold, size, rounding, nearest):
+    """Fill row k from a closed form in G, where it is within the threshold."""
     distance, grad, p_GN, unique = nearest
     if distance <= threshold:
         bound = CLOSED_FORM_ROUNDING * size + rounding
-        put_point(rows, k, distance, rotate(R_WG, grad), p_GN, bound, unique, CLOSED_FORM)
-        found[k] = True
-        counts[CLOSED_FORM] += 1
+        grad_W = rotate(body.R_WG, grad)
+        put_point(answers.rows, k, distance, grad_W, p_GN, bound, unique, CLOSED_FORM)
+        answers.found[k] = True
+        answers.counts[CLOSED_FORM] += 1

@@ -38,187 +38,75 @@ from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 
 @inlined
-def _each(
-    near_shape,
-    at_edge,
-    tilt,
-    shape,
-    R_WG,
-    p_WG,
-    p_WQs,
-    threshold,
-    ball,
-    span,
-    rows,
-    found,
-    counts,
-):
-    """Answer for the points by ``points.near_<shape>`` and ``at_edge``, if it has any.
-
-    ``tilt`` [-] is of a half space.
-    """
+def _each(near_shape, at_edge, body, p_WQs, threshold, span, answers):
+    """Answer for the points by ``points.near_<shape>`` and ``at_edge``, if it has any."""
     for k in range(span.first, span.last):
-        near, q, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
+        near, q, rounding = seen(body, p_WQs, k, threshold)
         if near:
-            size, nearest = near_shape(shape, q)
-            nearest = at_edge(shape, q, TIE * size + rounding, nearest)
-            if tilt > 0.0:
-                rounding += tilt * size
-            at = k * span.n + span.g
-            take(rows, found, counts, at, R_WG, threshold, size, rounding, nearest)
+            size, nearest = near_shape(body.shape, q)
+            nearest = at_edge(body.shape, q, TIE * size + rounding, nearest)
+            if body.tilt > 0.0:
+                rounding += body.tilt * size
+            take(answers, k * span.n + span.g, body, threshold, size, rounding, nearest)
 
 
 @compiled
-def to_sphere(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
+def to_sphere(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a sphere."""
-    _each(
-        near_sphere,
-        at_no_edge,
-        0.0,
-        shape,
-        R_WG,
-        p_WG,
-        p_WQs,
-        threshold,
-        ball,
-        span,
-        rows,
-        found,
-        counts,
-    )
+    _each(near_sphere, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_box(address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts):
+def to_box(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a box."""
-    _each(
-        near_box,
-        at_box_edge,
-        0.0,
-        shape,
-        R_WG,
-        p_WG,
-        p_WQs,
-        threshold,
-        ball,
-        span,
-        rows,
-        found,
-        counts,
-    )
+    _each(near_box, at_box_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_capsule(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
-):
+def to_capsule(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a capsule."""
-    _each(
-        near_capsule,
-        at_no_edge,
-        0.0,
-        shape,
-        R_WG,
-        p_WG,
-        p_WQs,
-        threshold,
-        ball,
-        span,
-        rows,
-        found,
-        counts,
-    )
+    _each(near_capsule, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_cylinder(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
-):
+def to_cylinder(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a cylinder."""
-    _each(
-        near_cylinder,
-        at_cylinder_rim,
-        0.0,
-        shape,
-        R_WG,
-        p_WG,
-        p_WQs,
-        threshold,
-        ball,
-        span,
-        rows,
-        found,
-        counts,
-    )
+    _each(near_cylinder, at_cylinder_rim, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_ellipsoid(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
-):
+def to_ellipsoid(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to an ellipsoid."""
-    _each(
-        near_ellipsoid,
-        at_no_edge,
-        0.0,
-        shape,
-        R_WG,
-        p_WG,
-        p_WQs,
-        threshold,
-        ball,
-        span,
-        rows,
-        found,
-        counts,
-    )
+    _each(near_ellipsoid, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_half_space(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
-):
+def to_half_space(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a half space."""
-    _each(
-        near_half_space,
-        at_no_edge,
-        ball.tilt,
-        shape,
-        R_WG,
-        p_WG,
-        p_WQs,
-        threshold,
-        ball,
-        span,
-        rows,
-        found,
-        counts,
-    )
+    _each(near_half_space, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def by_pair_kernel(
-    address, kind, shape, R_WG, p_WG, p_WQs, threshold, ball, span, rows, found, counts
-):
+def by_pair_kernel(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a shape without a closed form: spheres without radius."""
     nothing, identity = np.zeros(1), np.eye(3)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
     for k in range(span.first, span.last):
-        near, _, rounding = seen(R_WG, p_WG, p_WQs, k, threshold, ball)
+        near, _, rounding = seen(body, p_WQs, k, threshold)
         if not near:
             continue
         for c in range(3):
-            p_QG_W[c] = p_WG[c] - p_WQs[k, c]
+            p_QG_W[c] = body.p_WG[c] - p_WQs[k, c]
             out[NORMAL + c] = 0.0
-        pair = SPHERE, nothing, identity, kind, shape, R_WG, p_QG_W
+        pair = SPHERE, nothing, identity, kind, body.shape, body.R_WG, p_QG_W
         call_kernel(address, *pair, 0.0, math.inf, out)
         if out[DISTANCE] <= threshold:
             # The witness on G is measured from the point.
             p_QN_W = vector_at(out, WITNESS_B)
-            p_GN = unrotate(R_WG, sub(p_QN_W, vector_at(p_QG_W, 0)))
+            p_GN = unrotate(body.R_WG, sub(p_QN_W, vector_at(p_QG_W, 0)))
             grad_W = vector_at(out, NORMAL)
             bound, unique = out[ERROR_BOUND] + rounding, out[UNIQUE] > 0.0
             at = k * span.n + span.g
-            put_point(rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
-            found[at] = True
-            counts[int(out[METHOD])] += 1
+            put_point(answers.rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
+            answers.found[at] = True
+            answers.counts[int(out[METHOD])] += 1

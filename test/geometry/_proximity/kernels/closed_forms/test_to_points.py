@@ -32,11 +32,10 @@ def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0, roun
     rows = np.full((m * geometries, calling_points.POINT_WIDTH), np.nan)
     found, counts = np.zeros(m * geometries, dtype=np.bool_), np.zeros(5, dtype=np.int64)
     outer = math.inf if kind == pair_table.HALF_SPACE else 0.4
-    load_kernel(POINT_KERNELS[kind])(
-        *(0, kind, shape, R_WG, p_WG, p_WQs, threshold, calling_points.Ball(outer, *rounding)),
-        calling_points.Span(0, m, g, geometries),
-        *(rows, found, counts),
-    )
+    body = calling_points.Body(shape, R_WG, p_WG, outer, *rounding)
+    span = calling_points.Span(0, m, g, geometries)
+    written = calling_points.Answers(rows, found, counts)
+    load_kernel(POINT_KERNELS[kind])(0, kind, body, p_WQs, threshold, span, written)
     return rows, found, counts
 
 
@@ -123,16 +122,11 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     load_kernel(POINT_KERNELS[pair_table.CONVEX])(
         address,
         pair_table.CONVEX,
-        shape,
-        R_WG,
-        p_WG,
+        calling_points.Body(shape, R_WG, p_WG, np.linalg.norm(h), 1e-9, 0.0),
         p_WQs,
         0.3,
-        calling_points.Ball(np.linalg.norm(h), 1e-9, 0.0),
         calling_points.Span(0, 6, 2, 3),
-        rows,
-        found,
-        counts,
+        calling_points.Answers(rows, found, counts),
     )
     np.testing.assert_array_equal(found, near)
     assert 0 < near.sum() < 6
@@ -146,11 +140,11 @@ def test_the_rounding_of_the_pose_is_in_the_bound(kind):
     rng = np.random.default_rng(8)
     p_WQs = 2.0 * rng.normal(size=(20, 3))
     arguments = kind, np.eye(3), np.zeros(3), p_WQs
-    exact, rounded = (answers(*arguments, rounding=r)[0] for r in ((0.0, 0.0), (1e-9, 1e-12)))
+    tilt = 1e-12 if kind == pair_table.HALF_SPACE else 0.0
+    exact, rounded = (answers(*arguments, rounding=r)[0] for r in ((0.0, 0.0), (1e-9, tilt)))
     more = rounded[:, calling_points.POINT_ERROR_BOUND]
     more -= exact[:, calling_points.POINT_ERROR_BOUND]
-    tilts = 1e-12 * np.linalg.norm(p_WQs, axis=1) if kind == pair_table.HALF_SPACE else 0.0
-    np.testing.assert_allclose(more, 1e-9 + tilts, rtol=1e-5)
+    np.testing.assert_allclose(more, 1e-9 + tilt * np.linalg.norm(p_WQs, axis=1), rtol=1e-5)
 
 
 def test_every_shape_has_a_kernel_for_points():
