@@ -284,9 +284,35 @@ def off_surfaces(pair, n, a, b, miss):
 
 
 @inlined
+def is_loose(found, enough):
+    """Tell whether the bounds of ``bounds_of_cores`` are far apart, or its points off."""
+    return found.end != BEYOND_CUTOFF and width_of(found) > 4.0 * enough
+
+
+@inlined
 def width_of(found):
     """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
     return max(found.upper - found.lower, found.miss)
+
+
+@compiled
+def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
+    """Return the bounds of the signed distance of two cores, from another start if one is bad.
+
+    A bad hint can lead where nothing better is found than bounds that are far apart, and so can
+    the line of centres of a needle; the normal that was found there is as a rule a good hint.
+    """
+    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff)
+    enough = max(tolerance, ROUNDING * EPS * size)
+    for again in range(2):
+        if not is_loose(found, enough):
+            break
+        cold = hinted and again == 0
+        start = hint_of(np.zeros(PAIR_WIDTH), pair.p_AB)[0] if cold else found.n
+        other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff)
+        if width_of(other) < width_of(found):
+            found = other
+    return found
 
 
 @compiled
@@ -300,13 +326,7 @@ def signed_distance_of_cores(
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
     pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
-    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
-    if hinted and width_of(found) > 4.0 * max(tolerance, noise) and found.end != BEYOND_CUTOFF:
-        # A bad hint can lead where nothing better is found than bounds that are far apart.
-        n, _ = hint_of(np.zeros(PAIR_WIDTH), p)
-        other = bounds_of_cores(pair, n, False, size, tolerance, cutoff + r_A + r_B)
-        if width_of(other) < width_of(found):
-            found = other
+    found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
     end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:

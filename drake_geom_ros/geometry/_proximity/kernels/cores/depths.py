@@ -137,12 +137,11 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
             pair, difference, n, upper, lower, enough, noise
         )
         if complete and hulls:
-            difference = difference_of_edges(pair, m)
-            a, b, aside = settled(difference, m, h)
-            return Depth(h, floor, m, a, b, aside, unique)
+            m, h, a, b, aside = points_on_edges(pair, m, h, enough, noise)
+            return Depth(h, min(floor, h), m, a, b, aside, unique)
         if complete:
             m, h, a, b, aside = points_at(difference, m, h, enough, noise)
-            return Depth(h, guarded(difference, floor, noise), m, a, b, aside, unique)
+            return Depth(h, guarded(difference, min(floor, h), noise), m, a, b, aside, unique)
     known = lower
     upper, lower, n, a, b, aside, unique = depth_of_cores(
         pair, difference, n, near, size, tolerance, MANY_VERTICES
@@ -204,12 +203,12 @@ def least_of_ring(pair, difference, n, h, floor, enough, noise):
 
 
 @compiled
-def settled(difference, n, h):
+def settled(difference, n, h, noise):
     """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
     settle(difference, n)
     a, b = witness_points(difference, n)
     aside = norm(sub(sub(a, b), scale(h, n)))
-    settle_by_turns(difference, n)
+    settle_by_turns(difference, n, noise)
     x, y = witness_points(difference, n)
     aside_by_turns = norm(sub(sub(x, y), scale(h, n)))
     return (x, y, aside_by_turns) if aside_by_turns < aside else (a, b, aside)
@@ -224,10 +223,14 @@ def points_at(difference, n, h, enough, noise):
     of one and the points on that of the other, which is as good but for a part of ``enough`` [m].
     """
     terms, _, last, r_A, r_B = difference
-    if nearby_minimum(difference, n, noise).kind != NOTHING:
+    newton = nearby_minimum(difference, n, noise)
+    if newton.kind != NOTHING:
+        # Where h is almost level, n may be off by far more than its h.
+        if abs(newton.h - h) <= noise:
+            n, h = newton.n, newton.h
         a, b = witness_points(difference, n)
         return n, h, a, b, norm(sub(sub(a, b), scale(h, n)))
-    a, b, aside = settled(difference, n, h)
+    a, b, aside = settled(difference, n, h, noise)
     best = n, h, a, b, aside
     for k in range(SEGMENT, last):
         if best[4] > LOOSE_SLOPE * noise:
@@ -235,7 +238,22 @@ def points_at(difference, n, h, enough, noise):
             there = width(terms, last, r_A + r_B, m)
             # Along the segment itself there is no such direction, and m is 0.
             if dot(m, m) > 0.5 and there <= h + 0.5 * enough:
-                a, b, aside = settled(difference, m, there)
+                a, b, aside = settled(difference, m, there, noise)
                 if aside < best[4]:
                     best = m, there, a, b, aside
     return best
+
+
+@compiled
+def points_on_edges(pair, n, h, enough, noise):
+    """Return what ``points_at`` does of hulls, by their edges next to n.
+
+    The edges are in the hulls, so their h is at most that of these, which counts.
+    """
+    m, _, a, b, _ = points_at(difference_of_edges(pair, n), n, h, enough, noise)
+    x, y = support_points(pair, m, 0.0)
+    there = dot(sub(x, y), m)
+    if there <= h + noise:
+        return m, there, a, b, norm(sub(sub(a, b), scale(there, m)))
+    a, b, aside = settled(difference_of_edges(pair, n), n, h, noise)
+    return n, h, a, b, aside

@@ -352,16 +352,20 @@ def settle(difference, n):
 
 
 @compiled
-def settle_by_turns(difference, n):
+def settle_by_turns(difference, n, noise):
     """Do what ``settle`` does where held segments are almost parallel, and where it finds nothing.
 
     The face that such segments span is narrow, and rounding may put the foot of the origin beside
-    it. The two that span most are solved for together, then each in turn takes what is left.
+    it. The two that span most are solved for together, then each in turn takes what is left, and
+    disks the rest. Segments whose ends are as high as each other to ``noise`` [m] are held too.
     """
     terms, _, last, _, _ = difference
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
     hold(terms, last, n)
+    for k in range(SEGMENT, last):
+        if abs(dot(vector_in(terms, k), n)) <= noise:
+            terms[k, SHARE] = 0.0
     aside = add(
         held_sum(terms, last),
         add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)),
@@ -387,3 +391,4 @@ def settle_by_turns(difference, n):
                 more = -dot(aside, s) / (terms[k, LENGTH] * terms[k, LENGTH])
                 terms[k, SHARE] = clamp(before + more, INNER)
                 aside = add_scaled(aside, terms[k, SHARE] - before, s)
+    lean_on_disks(terms, n, aside)
