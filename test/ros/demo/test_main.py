@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -59,7 +60,7 @@ def _check_files(out):
 
 def test_it_ends_by_itself_and_leaves_its_files(files):
     run = subprocess.run(
-        _command('--scene', files / 'arm.yaml', '--seconds', 2.5, '--out', files / 'out'),
+        _command('--scene', files / 'arm.yaml', '--seconds', 4, '--out', files / 'out'),
         env=environment(), cwd=ROOT, capture_output=True, text=True, timeout=280,
     )  # fmt: skip
     assert run.returncode == 0, run.stdout + run.stderr
@@ -67,8 +68,8 @@ def test_it_ends_by_itself_and_leaves_its_files(files):
     for word in ('closest pairs', 'arm::panda_hand - things::ball', 'filtered pairs', 'p99'):
         assert word in run.stdout
     assert 'transient filter #' in run.stdout
-    # For good, transient, removed again.
-    assert '3 filter changes' in run.stdout
+    # For good, transient, removed again; as often more as the time is enough for.
+    assert int(re.search(r'(\d+) filter changes', run.stdout)[1]) >= 3
     # Adjacent links overlap by more than 5 cm until the client has excluded them.
     links = {row['time'] for row in rows if row['depth'] and float(row['depth']) > 0.05}
     assert max(map(float, links)) < 1.0
