@@ -1,6 +1,7 @@
 """Scene model and geometry queries, with the public names of ``pydrake.geometry``."""
 
-from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS, Effects
+from drake_geom_ros.geometry._proximity.effects import Effects
+from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
 from drake_geom_ros.geometry.bounding_boxes import Aabb, Obb

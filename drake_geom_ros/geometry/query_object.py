@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.engine import Effects
+from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
 from drake_geom_ros.geometry.bounding_boxes import Obb

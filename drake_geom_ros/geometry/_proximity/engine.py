@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
 from drake_geom_ros.geometry._proximity.budget import Pace
+from drake_geom_ros.geometry._proximity.effects import Effects, Moments
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
@@ -49,34 +48,8 @@ ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
-STEPS = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')  # of a query
 _AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
 _KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
-
-
-@dataclass
-class Effects:
-    """What a query did and skipped: counts and seconds.
-
-    ``broadphase_pairs = filtered_pairs + far_pairs + cached_pairs + narrowphase_pairs``, but in
-    HasCollisions, which stops at the first contact.
-    """
-
-    frames_moved: int = 0
-    geometries_updated: int = 0
-    broadphase_pairs: int = 0  # near enough to be looked at
-    filtered_pairs: int = 0
-    far_pairs: int = 0  # too far apart, by their bounds or by how little they can have moved
-    cached_pairs: int = 0  # answered from the last result, because both bodies rest
-    narrowphase_pairs: int = 0  # computed, by a kernel or from bounds
-    wide_pairs: int = 0  # whose bounds are wider than the level promises, though they hold
-    unrefined_pairs: int = 0  # reported from bounds because the time budget was spent
-    pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
-    near_list_made: bool = False  # the broad phase ran
-    kernels_compiled: list[str] = field(default_factory=list)
-    # By step. What takes a look at each pair that is known takes its time together with what
-    # computes the others, unless the context was asked for detailed effects.
-    seconds: dict[str, float] = field(default_factory=dict)
 
 
 class Engine:
@@ -99,17 +72,13 @@ class Engine:
         self._considered = self._filtered = self._unrefined = 0
         self._list_made = False
         self._kernels: list[str] = []
-        self._times = [0.0] * 5
+        self._moments = Moments()
         self._filter_seconds = self._cache_seconds = 0.0
 
     @property
     def effects(self) -> Effects:
         """What the last query did and what it skipped."""
-        counts, times = self._counts.tolist(), self._times
-        update, search, compiling, answering = (
-            end - start for start, end in itertools.pairwise(times)
-        )
-        filtering, known = self._filter_seconds, self._cache_seconds
+        counts, at = self._counts.tolist(), self._moments
         return Effects(
             frames_moved=self._moved[0],
             geometries_updated=self._moved[1],
@@ -127,13 +96,7 @@ class Engine:
             },
             near_list_made=self._list_made,
             kernels_compiled=list(self._kernels),
-            seconds=dict(
-                zip(
-                    STEPS,
-                    (update, search - filtering, filtering, compiling, known, answering - known),
-                    strict=True,
-                )
-            ),
+            seconds=at.seconds(self._filter_seconds, self._cache_seconds),
         )
 
     def prepare(self, world: World) -> list[str]:
@@ -148,7 +111,7 @@ class Engine:
         count = near_pairs(near.pairs, world.scene, distance, self._hits)
         self._counts[:] = 0
         self._counts[FAR] = len(near.pairs) - count
-        self._times[4] = time.perf_counter()
+        self._moments.answered = time.perf_counter()
         pairs: Indices = near.pairs[self._hits[:count]]
         return pairs
 
@@ -172,8 +135,8 @@ class Engine:
         if self._last is not None and self._last[0] == moment:
             self._counts[:] = 0
             self._counts[CACHED] = len(near.pairs)
-            self._times[4] = time.perf_counter()
-            self._cache_seconds = self._times[4] - self._times[3]
+            self._moments.answered = time.perf_counter()
+            self._cache_seconds = self._moments.answered - self._moments.compiled
             return self._last[1]
         self._compile_for(world, near, accuracy)
         limited = time_budget > 0.0 and accuracy != 'bound'
@@ -185,9 +148,9 @@ class Engine:
             hits = self._answer(world, near.pairs, near.slots, near.memory, query)
             if limited:
                 computed = int(self._counts[BY_METHOD:].sum())
-                self._pace.learn(computed, time.perf_counter() - self._times[3])
+                self._pace.learn(computed, time.perf_counter() - self._moments.compiled)
         batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
-        self._times[4] = time.perf_counter()
+        self._moments.answered = time.perf_counter()
         # What was left at its bounds is refined when somebody asks again.
         self._last = None if self._unrefined else (moment, batch)
         if len(near.pairs) > _KEPT_PAIRS:
@@ -203,7 +166,7 @@ class Engine:
         # Where there was a contact there still is one, mostly.
         first = min(self._last_contact, len(near.pairs))
         hits = self._answer(world, near.pairs, near.slots, near.memory, query, first)
-        self._times[4] = time.perf_counter()
+        self._moments.answered = time.perf_counter()
         if len(hits):
             self._last_contact = int(hits[0])
         return len(hits) > 0
@@ -226,21 +189,21 @@ class Engine:
             return gathered(world, slots[:0], pair, slots, answers, math.inf)
         self._kernels = compile_rows(rows)
         self._considered, self._filtered = 1, 0
-        self._times[2] = self._times[3] = time.perf_counter()
+        self._moments.listed = self._moments.compiled = time.perf_counter()
         self._make_room(1)
         memory = empty_memory(answers)
         query = _GAPS[accuracy], math.inf, False
         hits = self._answer(world, pair, slots, memory, query)
-        self._times[4] = time.perf_counter()
+        self._moments.answered = time.perf_counter()
         return gathered(world, hits, pair, slots, answers, query[0])
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
         self._begin(world)
-        self._times[2] = time.perf_counter()
+        self._moments.listed = time.perf_counter()
         table = world.geometries
         self._kernels = compile_point_kernels(table.types)
-        self._times[3] = time.perf_counter()
+        self._moments.compiled = time.perf_counter()
         pair_rows = table_rows(np.full_like(table.types, SPHERE), table.types)
         capacity = len(p_WQs) * len(table.types)
         rows, found = np.empty((capacity, POINT_WIDTH)), np.zeros(capacity, dtype=np.bool_)
@@ -262,7 +225,7 @@ class Engine:
         )
         self._considered, self._filtered = capacity, 0
         self._counts[FAR] = capacity - count
-        self._times[4] = time.perf_counter()
+        self._moments.answered = time.perf_counter()
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])
         there = np.flatnonzero(~world.waiting[np.searchsorted(table.ids, ids[:count])])
@@ -272,13 +235,13 @@ class Engine:
 
     def _begin(self, world: World) -> None:
         """Bring the world up to date."""
-        self._times[0] = time.perf_counter()
+        self._moments.begun = time.perf_counter()
         if world is not self._world:
             self._world, self._lists, self._last = world, {}, None
         self._moved = world.update()
         self._list_made, self._kernels, self._unrefined = False, [], 0
         self._filter_seconds = self._cache_seconds = 0.0
-        self._times[1] = time.perf_counter()
+        self._moments.posed = time.perf_counter()
 
     def _near(self, world: World, filters: FilterState, distance: float) -> NearList:
         """Return the list of the unfiltered pairs within ``distance``, the world up to date."""
@@ -294,7 +257,7 @@ class Engine:
             self._filter_seconds = near.filter_seconds
         self._considered = near.considered
         self._filtered = near.considered - len(near.pairs)
-        self._times[2] = self._times[3] = time.perf_counter()
+        self._moments.listed = self._moments.compiled = time.perf_counter()
         return near
 
     def _compile_for(self, world: World, near: NearList, accuracy: str) -> None:
@@ -303,7 +266,7 @@ class Engine:
             types = world.geometries.types[near.pairs]
             self._kernels = compile_rows(table_rows(types[:, 0], types[:, 1]))
             near.has_kernels = True
-            self._times[3] = time.perf_counter()
+            self._moments.compiled = time.perf_counter()
 
     def _make_room(self, pairs: int) -> None:
         if len(self._hits) < pairs:
@@ -347,7 +310,7 @@ class Engine:
         known = self._answer(world, *asked, queue=queue).copy()
         total = self._counts.copy()
         if total[CACHED]:
-            self._cache_seconds = time.perf_counter() - self._times[3]
+            self._cache_seconds = time.perf_counter() - self._moments.compiled
         some = queue[0][: total[POSTPONED]]
         total[POSTPONED] = 0
         hits = some[self._answer(world, near.pairs[some], near.slots[some], *asked[2:])]
@@ -360,7 +323,7 @@ class Engine:
         """Return what ``_answer`` does, kernels for the nearest pairs only as time lasts."""
         room = len(near.pairs)
         waiting, distances = queue = np.empty(room, dtype=np.int64), np.empty(room)
-        start = self._times[3]
+        start = self._moments.compiled
         known = self._answer(world, near.pairs, near.slots, near.memory, query, queue=queue)
         hits, total = [known.copy()], self._counts.copy()
         count = int(total[POSTPONED])

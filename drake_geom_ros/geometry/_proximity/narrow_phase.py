@@ -9,10 +9,11 @@ starts from the pair's last normal.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval
@@ -39,8 +40,12 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ITERATIVE,
     SOLID,
 )
+from drake_geom_ros.geometry._proximity.pair_gaps import (
+    apart,
+    gap_of_bounds,
+    gap_of_boxes,
+)
 from drake_geom_ros.geometry._proximity.pair_table import TYPE_COUNT
-from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import (
     rounding_of_pair,
     size_of_pair,
@@ -49,11 +54,13 @@ from drake_geom_ros.geometry._proximity.promise import (
 from drake_geom_ros.geometry._proximity.records import Memory, Query, Queue, Scene
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
-    LARGE_SQUARE,
     PROMISED_ROUNDING,
     ROUNDING,
     TOUCHING_DEPTH,
 )
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 # What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
 FAR = 0
@@ -70,50 +77,28 @@ def _code(type_a, type_b):  # type: ignore[no-untyped-def]
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
 
 
-@inlined
-def _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents):  # type: ignore[no-untyped-def]
-    """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
-    if types[i] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, roundings, half_extents, i, j)
-    if types[j] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, roundings, half_extents, j, i)
-    return box_gap(p_WGs, half_extents, i, j)
+class Shapes(NamedTuple):
+    """Type numbers, and where in the pool the parameters are."""
+
+    types: Indices
+    starts: Indices
+    pool: Floats
 
 
-@inlined
-def _gap_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
-    """Return a lower bound of the distance [m] of the balls around i and j."""
-    squared = 0.0
-    for k in range(3):
-        apart = p_WGs[j, k] - p_WGs[i, k]
-        squared += apart * apart
-    if not squared < LARGE_SQUARE:
-        return -math.inf  # so large that boxes have to tell
-    centres, balls = math.sqrt(squared), outer[i] + outer[j]
-    rounding = roundings[i, RADIUS] + roundings[j, RADIUS]
-    return centres - balls - rounding - 8.0 * EPS * (centres + balls)
+class Aim(NamedTuple):
+    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
 
-
-@inlined
-def _gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
-    """Return a lower bound of the distance [m] by boxes and balls."""
-    # The ball of a half space has no bound, and its gap is minus infinity.
-    boxes = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-    return max(boxes, _gap_of_balls(i, j, p_WGs, roundings, outer))
-
-
-@inlined
-def _apart(p_WGs, a, b):  # type: ignore[no-untyped-def]
-    """Return no less than the distance [m] of two origins, what no square overflows."""
-    x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
-    return abs(x) + abs(y) + abs(z)
+    size: float
+    tolerance: float
+    cutoff: float
 
 
 @inlined
 def _call_in_order(  # type: ignore[no-untyped-def]
-    a, b, addresses, types, starts, pool, R_WGs, p_WGs, p_AB_W, size, tolerance, cutoff, out
+    a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out
 ):
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
+    types, starts, pool = shapes.types, shapes.starts, shapes.pool
     swapped = types[a] > types[b]
     if swapped:
         a, b = b, a
@@ -121,15 +106,15 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             out[NORMAL + c] = -out[NORMAL + c]
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    address = addresses[ROWS[_code(types[a], types[b])]]
+    address = kernels[ROWS[_code(types[a], types[b])]]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
-    if types[b] <= CONVEX and is_extreme(size, p_AB_W):
+    if types[b] <= CONVEX and is_extreme(aim.size, p_AB_W):
         call_at_one_metre(
-            addresses[AT_ONE_METRE],
+            kernels[AT_ONE_METRE],
             address,
-            size,
+            aim.size,
             types[a],
             shape_a,
             R_WA,
@@ -137,8 +122,8 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             shape_b,
             R_WB,
             p_AB_W,
-            tolerance,
-            cutoff,
+            aim.tolerance,
+            aim.cutoff,
             out,
         )
     else:
@@ -151,8 +136,8 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             shape_b,
             R_WB,
             p_AB_W,
-            tolerance,
-            cutoff,
+            aim.tolerance,
+            aim.cutoff,
             out,
         )
     if swapped:
@@ -249,7 +234,7 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 
     Bounds alone and solids promise nothing.
     """
-    extent = size + _apart(p_WGs, a, b)
+    extent = size + apart(p_WGs, a, b)
     kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
     rounding = rounding_of_pair(a, b, extent, roundings)
@@ -259,20 +244,20 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 
 @compiled
 def answer_pairs(  # type: ignore[no-untyped-def]
-    addresses, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
+    kernels, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
 ):
     """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
-    ``memory``, ``scene``, ``query`` and ``queue`` are plain tuples of these ``records``. ``hits``
-    gets the numbers of the pairs. A gap that is infinite asks for the bounds of now, for to use
-    what is known from before would make the answer depend on what was asked. A ``first`` that is
-    not negative is where to begin, and then one hit is enough. A queue with room for all pairs
-    gets those for which a kernel would run, with their certified least distance if there is room
-    for these too; without any room, kernels run.
+    ``kernels`` are addresses; ``memory``, ``scene``, ``query`` and ``queue`` are plain tuples of
+    these ``records``. ``hits`` gets the numbers of the pairs. A gap that is infinite asks for the
+    bounds of now, for to use what is known from before would make the answer depend on what was
+    asked. A ``first`` that is not negative is where to begin, and then one hit is enough. A queue
+    with room for all pairs gets those for which a kernel would run, with their certified least
+    distance if there is room for these too; without any room, kernels run.
 
     (The records are taken apart first: to hand that of the scene on made a pair of spheres take 6
     ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
-    long again, for references are counted. Two tuples in the call itself cost nothing.)
+    long again, for references are counted. One that is made in a call costs nothing.)
     """
     scene, memory, query, queue = Scene(*scene), Memory(*memory), Query(*query), Queue(*queue)
     slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
@@ -280,7 +265,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
     travels, stamps, starts, pool = scene.travels, scene.stamps, scene.starts, scene.pool
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
-    scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
+    p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
     # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
     reach, found = max(cutoff, 0.0), 0
@@ -301,21 +286,21 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         else:
             least = -math.inf
             if cutoff < math.inf:
-                least = _gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
+                least = gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
             near = least <= reach
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
-                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
                     least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
-                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, out)
+                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
+                    aim = Aim(size, tolerance_of_pair(gap, a, b, outer), cutoff)
                     _call_in_order(
-                        *(a, b, addresses, types, starts, pool, R_WGs, p_WGs, scratch),
-                        *(size, tolerance_of_pair(gap, a, b, outer), cutoff, out),
+                        a, b, kernels, Shapes(types, starts, pool), R_WGs, p_WGs, p_AB_W, aim, out
                     )
                 rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
                 seen[s], gaps[s] = revision, gap
@@ -349,7 +334,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
     R_WGs, p_WGs = scene.R_WGs, scene.p_WGs
     outer, inner, travels, stamps = scene.outer, scene.inner, scene.travels, scene.stamps
     cutoff, penetrating = query.cutoff, query.penetrating
-    scratch, bounds = np.empty(3), np.empty(PAIR_WIDTH)
+    p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
     found = 0
     for k in range(slots.size):
@@ -359,14 +344,14 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
         if stamps[a] <= seen[s] and stamps[b] <= seen[s] and math.isinf(gaps[s]):
             counts[CACHED] += 1
         else:
-            _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, scratch, bounds)
+            _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
             moved = math.inf
             if seen[s] >= 0:
                 moved = travelled - (slacks[s] - _least(out, gaps[s], size, 0.0))
             if _may_leap(out, moved, types[a], types[b]):
                 moved = math.inf
             _take_narrower(out, bounds, moved)
-            rounding = rounding_of_pair(a, b, size + _apart(p_WGs, a, b), scene.roundings)
+            rounding = rounding_of_pair(a, b, size + apart(p_WGs, a, b), scene.roundings)
             out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
@@ -386,7 +371,7 @@ def near_pairs(pairs, scene, distance, hits):  # type: ignore[no-untyped-def]
     roundings, half_extents = scene.roundings, scene.half_extents
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
-        gap = _gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
         if gap <= distance:
             hits[found] = k
             found += 1

@@ -188,7 +188,7 @@ def is_polytope(kind):
 
 @compiled
 def sharpened(pair, difference, n, found, noise, tolerance):
-    """Return (closed, distance, lower, n, a, b): the last digits, by Newton's method, from near n.
+    """Return the gap with its last digits, by Newton's method from near n; CLOSED if that did it.
 
     Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
     may be tells the slab along the normal. Two polytopes are left with bounds as close as
@@ -197,14 +197,14 @@ def sharpened(pair, difference, n, found, noise, tolerance):
     hulls = difference.last == 0
     if hulls:
         if found <= noise and is_polytope(pair.kind_A) and is_polytope(pair.kind_B):
-            return False, np.inf, -np.inf, n, n, n
+            return Gap(OVERLAP, np.inf, -np.inf, n, n, n)
         difference = difference_of_edges(pair, n)
     end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
     if hulls:
         lower = min(lower, gap_along(pair, n))
-        closed = end == CLOSED and distance - lower <= max(found, noise)
-        return closed, distance, lower, n, a, b
-    return end == CLOSED, distance, lower, n, a, b
+        if distance - lower > max(found, noise):
+            end = OVERLAP
+    return Gap(end, distance, lower, n, a, b)
 
 
 @compiled
@@ -244,7 +244,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
     if end == CLOSED and not near:
         sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
-        if sharper[0]:
+        if sharper.end == CLOSED:
             _, distance, lower, n, a, b = sharper
             a, b, miss = drawn_to(distance, n, a, b)
             return Bounds(end, distance, distance, lower, n, a, b, miss, True)

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     settle,
     settle_by_turns,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Touch
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -216,11 +216,11 @@ def settled(difference, n, h, noise):
 
 @compiled
 def points_at(difference, n, h, enough, noise):
-    """Return (n, h, a, b, aside) at a normal n of least width h.
+    """Return the ``Touch`` at a normal n of least width h.
 
-    Points a and b of the cores have ``a - b = h n`` but for ``aside`` [m], which is rounding where
-    Newton's method knows the minimum. Where segments are almost parallel, n may be on the crease
-    of one and the points on that of the other, which is as good but for a part of ``enough`` [m].
+    Its points are aside by rounding where Newton's method knows the minimum. Where segments are
+    almost parallel, n may be on the crease of one and the points on that of the other, which is
+    as good but for a part of ``enough`` [m].
     """
     terms, _, last, r_A, r_B = difference
     newton = nearby_minimum(difference, n, noise)
@@ -229,18 +229,18 @@ def points_at(difference, n, h, enough, noise):
         if abs(newton.h - h) <= noise:
             n, h = newton.n, newton.h
         a, b = witness_points(difference, n)
-        return n, h, a, b, norm(sub(sub(a, b), scale(h, n)))
+        return Touch(n, h, a, b, norm(sub(sub(a, b), scale(h, n))))
     a, b, aside = settled(difference, n, h, noise)
-    best = n, h, a, b, aside
+    best = Touch(n, h, a, b, aside)
     for k in range(SEGMENT, last):
-        if best[4] > LOOSE_SLOPE * noise:
+        if best.aside > LOOSE_SLOPE * noise:
             m = across(n, scale(1.0 / terms[k, LENGTH], vector_in(terms, k)))
             there = width(terms, last, r_A + r_B, m)
             # Along the segment itself there is no such direction, and m is 0.
             if dot(m, m) > 0.5 and there <= h + 0.5 * enough:
                 a, b, aside = settled(difference, m, there, noise)
-                if aside < best[4]:
-                    best = m, there, a, b, aside
+                if aside < best.aside:
+                    best = Touch(m, there, a, b, aside)
     return best
 
 
@@ -254,6 +254,6 @@ def points_on_edges(pair, n, h, enough, noise):
     x, y = support_points(pair, m, 0.0)
     there = dot(sub(x, y), m)
     if there <= h + noise:
-        return m, there, a, b, norm(sub(sub(a, b), scale(there, m)))
+        return Touch(m, there, a, b, norm(sub(sub(a, b), scale(there, m))))
     a, b, aside = settled(difference_of_edges(pair, n), n, h, noise)
-    return n, h, a, b, aside
+    return Touch(n, h, a, b, aside)

@@ -83,6 +83,20 @@ class Minimum(NamedTuple):
     margin: float
 
 
+class Touch(NamedTuple):
+    """Points a and b of two cores, from Ao, that touch at the unit n from A to B.
+
+    They have ``a - b = h n``, with the support value h [m] of the difference, but for ``aside``
+    [m].
+    """
+
+    n: Vector
+    h: float
+    a: Vector
+    b: Vector
+    aside: float
+
+
 class Least(NamedTuple):
     """The least support value h [m] of a difference, at the unit n, by a search of directions.
 

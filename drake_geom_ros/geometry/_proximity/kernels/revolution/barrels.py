@@ -48,6 +48,7 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     MOST_ARCS,
     MOST_KINKS,
     NO_CAP,
+    Best,
     least_on_circle,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution.creases import least_on_creases
@@ -82,7 +83,7 @@ def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
     if (margin < h and not bulged) or radius <= 0.0:
         return Least(False, h, -math.inf, n, False)
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
-    best = n, h, NO_CAP, True, h
+    best = Best(n, h, NO_CAP, True, h)
     complete, best = least_on_circle(difference, u, best, 0.0, enough, noise, arcs, kinks)
     n, h, _, unique, floor = best
     if bulged:

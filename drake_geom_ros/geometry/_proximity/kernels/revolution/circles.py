@@ -23,6 +23,7 @@ the last digits of a minimum, and the cap that it proves (see ``normals``) ends 
 """
 
 import math
+from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
@@ -38,6 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
     add,
     add_scaled,
     cross,
@@ -259,13 +261,25 @@ def is_away(from_n, to_n, span):
     return min(from_n, to_n) < SAME_DIRECTION and not across_border
 
 
+class Best(NamedTuple):
+    """The best direction n of a search so far, and its h [m].
+
+    In the angle with this ``chord`` around it nothing is less, nothing clearly elsewhere is as
+    good if it is ``unique``, and no h looked at so far is below ``floor`` [m].
+    """
+
+    n: Vector
+    h: float
+    chord: float
+    unique: bool
+    floor: float
+
+
 @compiled
 def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
     """Return (complete, best) for the circle of directions at right angles to the unit e.
 
-    ``best`` is (n, h, chord, unique, floor): the best direction so far, the chord of the angle
-    around it in which nothing is less, whether nothing clearly elsewhere is as good, and what no h
-    looked at so far is below. Within ``inner`` [m] of their centres both cores are solid.
+    ``best`` is the ``Best`` so far. Within ``inner`` [m] of their centres both cores are solid.
     Not complete where the splitting of arcs did not come to an end.
 
     Arcs left out by ``first_arcs`` hold nothing as good: the cores are symmetric, so ``h(n) >=
@@ -278,7 +292,7 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
     radius, rho = r_A + r_B, largest_radius(terms, e)
     for _ in range(MOST_SPLITS):
         if waiting == 0:
-            return True, (n, h, chord, unique, floor)
+            return True, Best(n, h, chord, unique, floor)
         waiting -= 1
         arc = arcs[waiting]
         start, end = vector_at(arc, START), vector_at(arc, END)
@@ -323,4 +337,4 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         put_arc(arcs[waiting], start, m, u, w)
         put_arc(arcs[waiting + 1], m, end, w, v)
         waiting += 2
-    return False, (n, h, chord, unique, floor)
+    return False, Best(n, h, chord, unique, floor)

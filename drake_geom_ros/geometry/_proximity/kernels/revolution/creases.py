@@ -30,6 +30,7 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     ARC_WIDTH,
     MOST_ARCS,
     MOST_KINKS,
+    Best,
     improved,
     least_on_circle,
 )
@@ -60,7 +61,7 @@ def least_on_creases(difference, n, enough, noise):
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
     n = likely_normal(difference, n)
     n, h, chord = improved(difference, n, width(terms, last, r_A + r_B, n), enough, noise)
-    best = n, h, chord, True, h
+    best = Best(n, h, chord, True, h)
     complete = True
     for i in range(SEGMENT, last):
         e = scale(1.0 / terms[i, LENGTH], vector_in(terms, i))

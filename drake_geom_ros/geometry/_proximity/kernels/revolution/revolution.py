@@ -20,6 +20,7 @@ one nearest to the x axis of B.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -185,12 +186,24 @@ def touching_points(corners, after, best, pair, radial, axial):
     )
 
 
+class PlanarDepth(NamedTuple):
+    """The least width over the directions (s, c) of a quarter, and the points a and b there.
+
+    No width is below ``lower`` [m]; ``unique`` tells that no direction of the quarter that is
+    clearly another one is as good.
+    """
+
+    lower: float
+    s: float
+    c: float
+    a: tuple[float, float]
+    b: tuple[float, float]
+    unique: bool
+
+
 @compiled
 def planar_depth(pair, radial, axial, enough, noise):
-    """Return (lower, s, c, a, b, unique): the least width over directions s, c >= 0, and where.
-
-    ``unique`` tells that no direction of the quarter that is clearly another one is as good.
-    """
+    """Return the least width over directions s, c >= 0, and where."""
     corners = np.empty((MOST_CORNERS, CHORD + 3))
     after = np.empty(MOST_CORNERS, dtype=np.int32)
     put_corner(corners, 0, pair, radial, axial, 1.0, 0.0)
@@ -223,7 +236,7 @@ def planar_depth(pair, radial, axial, enough, noise):
             cosine = corners[k, 0] * s + corners[k, 1] * c
             unique = unique and cosine >= SAME_DIRECTION
     a, b = touching_points(corners, after, best, pair, radial, axial)
-    return lower, s, c, a, b, unique
+    return PlanarDepth(lower, s, c, a, b, unique)
 
 
 @compiled

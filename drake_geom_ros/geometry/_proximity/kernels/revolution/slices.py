@@ -26,6 +26,7 @@ linear function off h. Cells that fail are halved.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -54,6 +55,7 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     put_arc,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
     add,
     add_scaled,
     cross,
@@ -72,6 +74,14 @@ MOST_LOOKS = 1000  # at a cell; some dozens are usual
 MOST_CELLS = 64
 MOST_SPLITS = 400  # of the arcs of a half plane; some dozens are usual
 FIRST_CELLS = 8
+
+
+class Direction(NamedTuple):
+    """The best direction n so far, its h [m], and whether nothing clearly elsewhere is as good."""
+
+    n: Vector
+    h: float
+    unique: bool
 
 
 @compiled
@@ -123,7 +133,7 @@ def slice_holds(difference, u, e, span, bends, best, enough, arcs):
 
     For a cell of width ``span`` [rad], with ``bends`` M_0 and M_1, it is compared with the best h
     less ``enough``, and clearly away from the best direction with the best h plus twice that, for
-    as long as that is unique; ``best`` is (n, h, unique). ``floor`` is what h in the cell is not
+    as long as that is unique. ``floor`` is what h in the cell is not
     below; m is the direction that was seen to fail, or the last that was looked at.
     """
     terms, _, last, r_A, r_B = difference
@@ -172,7 +182,7 @@ def slice_holds(difference, u, e, span, bends, best, enough, arcs):
 
 @compiled
 def bettered(difference, best, m, enough, noise):
-    """Return the best direction, its h and whether it is unique, now that m was looked at."""
+    """Return the best ``Direction`` now that m was looked at."""
     terms, _, last, r_A, r_B = difference
     n, h, unique = best
     there, far = width(terms, last, r_A + r_B, m), dot(m, n) < SAME_DIRECTION
@@ -181,7 +191,7 @@ def bettered(difference, best, m, enough, noise):
         n, h, _ = improved(difference, m, there, enough, noise)
     elif far and there <= h + 2.0 * enough:
         unique = False
-    return n, h, unique
+    return Direction(n, h, unique)
 
 
 @compiled
@@ -196,12 +206,12 @@ def least_over_slices(difference, n, h, enough, noise):
     x = perpendicular(u)
     y = cross(u, x)
     arcs, cells = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_CELLS, 2))
-    best, floor, waiting = (n, h, True), h, FIRST_CELLS
+    best, floor, waiting = Direction(n, h, True), h, FIRST_CELLS
     for k in range(FIRST_CELLS):
         cells[k, 0], cells[k, 1] = k * (2.0 * math.pi / FIRST_CELLS), 2.0 * math.pi / FIRST_CELLS
     for _ in range(MOST_LOOKS):
         if waiting == 0:
-            return Least(True, best[1], min(floor, best[1]), best[0], best[2])
+            return Least(True, best.h, min(floor, best.h), best.n, best.unique)
         waiting -= 1
         angle, span = cells[waiting, 0], cells[waiting, 1]
         passed, least = True, math.inf
@@ -223,4 +233,4 @@ def least_over_slices(difference, n, h, enough, noise):
         for k in range(2):
             cells[waiting + k, 0], cells[waiting + k, 1] = angle + 0.5 * k * span, 0.5 * span
         waiting += 2
-    return Least(False, best[1], floor, best[0], best[2])
+    return Least(False, best.h, floor, best.n, best.unique)

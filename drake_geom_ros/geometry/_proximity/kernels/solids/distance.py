@@ -256,9 +256,15 @@ def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
                         return count
 
 
+# Columns of a row of pushes: out along a unit vector, by how much [m].
+PUSH_WAY = 0  # 3
+PUSH_LENGTH = 3
+PUSH_WIDTH = 4
+
+
 @compiled
 def contacts(A, B, p, n, size, tolerance, radius, slots, most):
-    """Fill ``slots`` (k, 4) with pushes, m and s, of distinct directions; return how many.
+    """Fill ``slots`` (k, PUSH_WIDTH) with pushes of distinct directions; return how many.
 
     Of A's core grown by a ball of ``radius``. At most ``most`` pairs of leaves in contact are
     looked at; a slot keeps the longest push along its direction.
@@ -279,12 +285,12 @@ def contacts(A, B, p, n, size, tolerance, radius, slots, most):
 def add_slot(slots, count, m, s):
     """Put a push into the slot of its direction, or into a new one while there is room."""
     for k in range(count):
-        if dot(vector_at(slots[k], 0), m) >= SAME_DIRECTION:
-            slots[k, 3] = max(slots[k, 3], s)
+        if dot(vector_at(slots[k], PUSH_WAY), m) >= SAME_DIRECTION:
+            slots[k, PUSH_LENGTH] = max(slots[k, PUSH_LENGTH], s)
             return count
     if count < slots.shape[0]:
         for c in range(3):
-            slots[count, c] = m[c]
-        slots[count, 3] = s
+            slots[count, PUSH_WAY + c] = m[c]
+        slots[count, PUSH_LENGTH] = s
         count += 1
     return count

@@ -28,6 +28,9 @@ from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
     is_contained,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
+    PUSH_LENGTH,
+    PUSH_WAY,
+    PUSH_WIDTH,
     close_pairs,
     contacts,
     nearest,
@@ -86,23 +89,23 @@ def clearance(A, B, p, n, size, tolerance, radius):
 
 @compiled
 def push_of(A, B, p, found, size, tolerance, radius, pushes):
-    """Fill ``pushes`` (k, 4) with ways out, the shortest first; return how many."""
+    """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
     count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
     if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
         # Wholly inside: out through the nearest surface.
         m = unit(sub(found.b, found.a))
         lowest = add(p, hull_support(A, scale(-1.0, m)))
         pushes[0, 0], pushes[0, 1], pushes[0, 2] = m
-        pushes[0, 3] = dot(sub(found.b, lowest), m) + radius
+        pushes[0, PUSH_LENGTH] = dot(sub(found.b, lowest), m) + radius
         count = 1
-    pushes[:count] = pushes[np.argsort(pushes[:count, 3])]
+    pushes[:count] = pushes[np.argsort(pushes[:count, PUSH_LENGTH])]
     return count
 
 
 @compiled
 def escape(A, B, p, t, size, tolerance, radius, most):
     """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
-    pushes = np.empty((MOST_PUSHES, 4))
+    pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * ROUNDING * EPS * size
     n = scale(-1.0, unit(t))
     for turn in range(MOST_ROUNDS):
@@ -112,7 +115,7 @@ def escape(A, B, p, t, size, tolerance, radius, most):
         count = push_of(A, B, add(p, t), found, size, tolerance, radius, pushes)
         if count == 0:
             break
-        t = add_scaled(t, pushes[0, 3] + back_off, vector_at(pushes[0], 0))
+        t = add_scaled(t, pushes[0, PUSH_LENGTH] + back_off, vector_at(pushes[0], PUSH_WAY))
         if norm(t) >= most:
             break
     return clear and norm(t) < most, t, found
@@ -225,7 +228,7 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
     """
     # Whatever is tried or left out, both bounds hold: each t was seen to separate, and each depth
     # is of balls in both bodies. Trying less only leaves them farther apart, which is told.
-    pushes = np.empty((MOST_PUSHES, 4))
+    pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * ROUNDING * EPS * size
     enough = max(0.5 * tolerance, 4.0 * back_off)
     least = 0.0
@@ -240,7 +243,7 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
         if depth - least <= enough:
             break
         if k < count:
-            m, s = vector_at(pushes[k], 0), pushes[k, 3] + back_off
+            m, s = vector_at(pushes[k], PUSH_WAY), pushes[k, PUSH_LENGTH] + back_off
             if s >= depth:
                 continue
             clear, t, ahead = escape(A, B, p, scale(s, m), size, tolerance, radius, depth)

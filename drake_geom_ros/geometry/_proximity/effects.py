@@ -1,0 +1,53 @@
+"""What a query did and skipped, as counts and seconds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Effects:
+    """What a query did and skipped: counts and seconds.
+
+    ``broadphase_pairs = filtered_pairs + far_pairs + cached_pairs + narrowphase_pairs``, but in
+    HasCollisions, which stops at the first contact.
+    """
+
+    frames_moved: int = 0
+    geometries_updated: int = 0
+    broadphase_pairs: int = 0  # near enough to be looked at
+    filtered_pairs: int = 0
+    far_pairs: int = 0  # too far apart, by their bounds or by how little they can have moved
+    cached_pairs: int = 0  # answered from the last result, because both bodies rest
+    narrowphase_pairs: int = 0  # computed, by a kernel or from bounds
+    wide_pairs: int = 0  # whose bounds are wider than the level promises, though they hold
+    unrefined_pairs: int = 0  # reported from bounds because the time budget was spent
+    pairs_by_method: dict[str, int] = field(default_factory=dict)  # of these
+    near_list_made: bool = False  # the broad phase ran
+    kernels_compiled: list[str] = field(default_factory=list)
+    # By step. What takes a look at each pair that is known takes its time together with what
+    # computes the others, unless the context was asked for detailed effects.
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass
+class Moments:
+    """When the steps of the last query ended [s], each where the next one begins."""
+
+    begun: float = 0.0
+    posed: float = 0.0
+    listed: float = 0.0
+    compiled: float = 0.0
+    answered: float = 0.0
+
+    def seconds(self, filtering: float, known: float) -> dict[str, float]:
+        """Return the seconds of each step, those of the filters and the cache told apart."""
+        search, narrow = self.listed - self.posed, self.answered - self.compiled
+        return {
+            'update': self.posed - self.begun,
+            'broadphase': search - filtering,
+            'filter': filtering,
+            'compile': self.compiled - self.listed,
+            'cache': known,
+            'narrowphase': narrow - known,
+        }
