@@ -42,6 +42,7 @@ class NodeParameters:
     replay_dir: str = ''
     replay_limit: int = 20
     cross_check: float = 0.0
+    service_depth: int = 1000
     autostart: bool = True
 
 
@@ -81,6 +82,10 @@ _TEXTS = {
         'Cycles per second [Hz] of which python-fcl, in a process of its own, is asked about a '
         'sample of the pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
     ),
+    'service_depth': (
+        'Calls of a service that wait for it, and answers of it on their way, at most; what comes '
+        'beyond them is lost.'
+    ),
     'autostart': 'Configure and activate by itself at start.',
 }
 _RANGES = {
@@ -92,6 +97,7 @@ _RANGES = {
     'marker_rate': (0.1, 100.0),
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
+    'service_depth': (1, 5000),
 }
 # Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into
 # 64 bits of nanoseconds are far beyond; a rate of 0 means none.

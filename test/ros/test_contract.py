@@ -37,6 +37,7 @@ PARAMETERS = {
     'time_budget': (0.0, True),
     'replay_dir': ('', True),
     'replay_limit': (20, True),
+    'service_depth': (1000, False),
 }
 FIELDS = {
     1: 'bool_value',
