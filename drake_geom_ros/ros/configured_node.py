@@ -171,6 +171,7 @@ class ConfiguredNode:
                 scene.set_accuracy(new.accuracy)
             if new.mesh_roots != old.mesh_roots:
                 self.live.files = FileAccess(new.mesh_roots, new.scene_file)
+            self.live.most_megabytes = new.max_answer_size
             if new.rate != old.rate:
                 self._set_rate(new.rate)
         if new.cross_check != old.cross_check:

@@ -43,6 +43,7 @@ class NodeParameters:
     replay_limit: int = 20
     cross_check: float = 0.0
     service_depth: int = 1000
+    max_answer_size: float = 64.0
     autostart: bool = True
 
 
@@ -86,6 +87,9 @@ _TEXTS = {
         'Calls of a service that wait for it, and answers of it on their way, at most; what comes '
         'beyond them is lost.'
     ),
+    'max_answer_size': (
+        'Most that an answer of a service may hold [MB]; a larger one is refused in words.' + _LIVE
+    ),
     'autostart': 'Configure and activate by itself at start.',
 }
 _RANGES = {
@@ -98,6 +102,7 @@ _RANGES = {
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
     'service_depth': (1, 5000),
+    'max_answer_size': (0.0, 2000.0),
 }
 # Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into
 # 64 bits of nanoseconds are far beyond; a rate of 0 means none.

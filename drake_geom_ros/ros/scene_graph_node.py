@@ -81,6 +81,7 @@ class SceneGraphNode(LifecycleNode):
             values.accuracy, lambda: seconds_now(self), values.world_frame, self._first_version
         )
         live.files = FileAccess(values.mesh_roots, values.scene_file)
+        live.most_megabytes = values.max_answer_size
         if values.scene_file:
             with live.editing() as scene:
                 frames, geometries = scene.add(read_scene(values.scene_file))

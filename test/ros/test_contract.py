@@ -38,6 +38,7 @@ PARAMETERS = {
     'replay_dir': ('', True),
     'replay_limit': (20, True),
     'service_depth': (1000, False),
+    'max_answer_size': (64.0, True),
 }
 FIELDS = {
     1: 'bool_value',
