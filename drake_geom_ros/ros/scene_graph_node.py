@@ -23,6 +23,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
@@ -147,6 +148,7 @@ class SceneGraphNode(LifecycleNode):
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; return 2 where its parameters cannot be."""
+    give_back_large_blocks()
     return run_node(SceneGraphNode, (ParameterRefusedError,), args)
 
 
