@@ -20,6 +20,8 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.service import Service
 
 _OK, _TIMEOUT = 0, 2  # RCL_RET_OK, RCL_RET_TIMEOUT
+# A client may be found after its first request came; rcl waits for it 0.1 s at a time.
+_ATTEMPTS = 10
 _MOST_CLIENTS = 10_000  # that are remembered; 24 bytes are known of each
 # An instance of a class that pybind11 wraps is a PyObject whose next word is the address of the
 # wrapped value. It is used only where the value found there has the number that rclpy shows.
@@ -68,7 +70,11 @@ class Answers:
             return
         with service.handle:
             message = _Message(answer)
-            result = self._rcl(service.handle.pointer, ctypes.byref(request_id), message.address)
+            for _ in range(_ATTEMPTS):
+                address = service.handle.pointer
+                result = self._rcl(address, ctypes.byref(request_id), message.address)
+                if result != _TIMEOUT:
+                    break
         self._note(request_id, sent=result == _OK)
         if result not in (_OK, _TIMEOUT):
             raise RuntimeError(f'an answer of {service.srv_name} was not sent: rcl says {result}')
