@@ -30,6 +30,7 @@ from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError,
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
+from drake_geom_ros.ros.watchdog import Watchdog
 from drake_geom_ros.scene_files import read_scene
 
 
@@ -41,8 +42,11 @@ class SceneGraphNode(LifecycleNode):
         self.threaded_groups = CallbackGroups(
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
+        self.patient_groups = (self.threaded_groups.loading,)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
+        values = self._settings.values
+        self.watchdog = Watchdog(values.watchdog, exits=values.watchdog_exits)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
         self._guard = Guard(self.get_logger(), self._diagnostics.refuse)
         answer_always(self)
@@ -70,7 +74,9 @@ class SceneGraphNode(LifecycleNode):
 
         # A scene that cannot be loaded, a QoS override or the name of a topic that cannot be;
         # rclpy would drop it without a word.
-        if self._guard.succeeds(configured):
+        with self.watchdog.paused():
+            is_configured = self._guard.succeeds(configured)
+        if is_configured:
             return TransitionCallbackReturn.SUCCESS
         self._surface.close()
         return TransitionCallbackReturn.FAILURE

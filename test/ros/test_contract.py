@@ -39,6 +39,8 @@ PARAMETERS = {
     'replay_limit': (20, True),
     'service_depth': (1000, False),
     'max_answer_size': (64.0, True),
+    'watchdog': (60.0, False),
+    'watchdog_exits': (False, False),
 }
 FIELDS = {
     1: 'bool_value',
