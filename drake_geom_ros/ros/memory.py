@@ -11,11 +11,11 @@ import ctypes
 
 _M_MMAP_THRESHOLD = -3  # malloc.h
 # Far above what cycles of a robot's scene allocate, which would pay for mapping anew each time.
-_LARGE = 1 << 20  # [bytes]
+_LARGE = 1 << 18  # [bytes]
 
 
 def give_back_large_blocks() -> bool:
-    """Have blocks of a megabyte and more mapped by themselves; return whether that is possible."""
+    """Have blocks of 256 kB and more mapped by themselves; return whether that is possible."""
     try:
         mallopt = ctypes.CDLL(None).mallopt
     except (AttributeError, OSError):  # another C library
