@@ -4,6 +4,8 @@ An argument that is left empty is not passed on: the parameter file counts then,
 default. The node is a managed one that configures and activates itself, unless autostart is false.
 """
 
+import os
+
 from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
@@ -23,6 +25,10 @@ PARAMETERS = {
 }
 
 
+# Clients that are killed leave mutexes in shared memory locked: a node waits for them for ever.
+TRANSPORTS = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
+
+
 def start_node(context: LaunchContext) -> list[LifecycleNode]:
     """Return the node with the parameters that were given."""
     values = {
@@ -39,6 +45,7 @@ def start_node(context: LaunchContext) -> list[LifecycleNode]:
         parameters=[*filter(None, [file, values])],
         ros_arguments=['--log-level', LaunchConfiguration('log_level')],
         output='screen',
+        additional_env={k: os.environ.get(k, value) for k, value in TRANSPORTS.items()},
     )
     return [node]
 

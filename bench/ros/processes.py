@@ -16,7 +16,7 @@ class Processes:
     """Starts modules; all that still run are ended on leaving."""
 
     def __init__(self) -> None:
-        self._environment = {**os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        self._environment = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', **os.environ}
         self._started: list[subprocess.Popen[str]] = []
 
     def start(self, module: str, *arguments: str, **parameters: object) -> subprocess.Popen[str]:

@@ -2,8 +2,9 @@
 
 Beside a stream of poses, eight callers change the scene, filter, ask and try the impossible (see
 ``mix``), hostile messages arrive (see ``hostile``), a subscriber never reads, and the player is
-killed and started again. At the end the scene is saved, the node is killed with SIGKILL and comes
-back from the file. The exit code is 1 where anything was not as expected.
+killed and started again; faults (see ``faults``) come in an order that the seed fixes. At the end
+the scene is saved, the node is killed with SIGKILL and comes back from the file. The exit code is
+1 where anything was not as expected.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import linear_regression, median
@@ -24,6 +26,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
 from rclpy.executors import SingleThreadedExecutor
 
+from bench.ros.faults import Faults, listed
 from bench.ros.hostile import pose_messages
 from bench.ros.listener import QUANTILES
 from bench.ros.mix import MixedClient, Tally, open_services
@@ -35,6 +38,7 @@ SCENE, MOTION = ROOT / 'scenes/two_pandas.yaml', ROOT / 'scenes/two_pandas_motio
 CALL_PERIOD = 0.1  # [s] between two calls of a caller, if the first was answered
 HOSTILE_PERIOD = 0.2  # [s] between two hostile messages
 PLAYER_LIFE = 30.0  # [s]
+FAULT_PERIOD = 5.0  # [s] between two faults
 MEMORY_PERIOD = 1.0  # [s]
 WARM_UP = 15.0  # [s] before memory counts: caches fill, kernels of new pairs are loaded
 SHOWN = 12  # refusals listed
@@ -47,6 +51,7 @@ class Soak:
     tally: Tally = field(default_factory=Tally)
     hostile: int = 0
     player_lives: int = 1
+    faults: Counter[str] = field(default_factory=Counter)
     memory: list[tuple[float, float]] = field(default_factory=list)  # [s], [MB]
     status: dict[str, str] = field(default_factory=dict)
 
@@ -116,12 +121,17 @@ def run(options: argparse.Namespace, folder: Path) -> tuple[Soak, dict]:
         processes.start('bench.ros.deaf')
         driver.spin(WARM_UP)
         listener = processes.start('bench.ros.listener')
-        start, killed = time.monotonic(), time.monotonic()
+        faults = Faults(driver.node, driver.spin, processes, SERVER, options.seed)
+        soak.faults = faults.counts
+        start = killed = faulted = time.monotonic()
         while time.monotonic() - start < 60.0 * options.minutes:
             driver.spin(MEMORY_PERIOD)
             if node.poll() is not None:
                 raise RuntimeError(f'the node died with exit code {node.returncode}')
             soak.memory.append((time.monotonic() - start, memory(node.pid)))
+            if time.monotonic() - faulted > FAULT_PERIOD:
+                soak.tally.problems += faults.do_one()
+                faulted = time.monotonic()
             if time.monotonic() - killed > PLAYER_LIFE:
                 player.kill()
                 player.wait()
@@ -188,6 +198,9 @@ def report(soak: Soak, measured: dict, minutes: float) -> None:
     print(f'{soak.hostile} hostile messages, {status["pose messages refused"]} refused')
     print(f'{tally.calls.total()} calls of {len(tally.calls)} services; player started '
           f'{soak.player_lives} times; node killed and restarted once')  # fmt: skip
+    print(f'{soak.faults.total()} faults: {listed(soak.faults)}')
+    print(f'{status["service calls answered"]} calls answered by the node, '
+          f'{status["service calls not answered"]} not answered')  # fmt: skip
     print(f'{tally.refusals.total()} calls refused, most often:')
     for reason, count in tally.refusals.most_common(SHOWN):
         print(f'  {count:6} {reason}')

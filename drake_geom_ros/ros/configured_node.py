@@ -29,6 +29,7 @@ from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
     SceneState,
+    add_calls,
     add_counts,
     add_trouble,
 )
@@ -41,7 +42,14 @@ from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, Change
-from drake_geom_ros.ros.surface import Surface, latched, results, sensor_data, transforms
+from drake_geom_ros.ros.surface import (
+    Surface,
+    calls,
+    latched,
+    results,
+    sensor_data,
+    transforms,
+)
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -116,7 +124,7 @@ class ConfiguredNode:
         )
         self._open_inputs(settings.values)
         self._tf = self._opened_tf() if settings.values.use_tf else None
-        self._open_services()
+        self._open_services(calls(settings.values.service_depth))
         self._start_timers(settings.values)
         self._cycle_timer: Timer | None = None
         self._set_rate(settings.values.rate)
@@ -163,6 +171,7 @@ class ConfiguredNode:
                 scene.set_accuracy(new.accuracy)
             if new.mesh_roots != old.mesh_roots:
                 self.live.files = FileAccess(new.mesh_roots, new.scene_file)
+            self.live.most_megabytes = new.max_answer_size
             if new.rate != old.rate:
                 self._set_rate(new.rate)
         if new.cross_check != old.cross_check:
@@ -244,14 +253,14 @@ class ConfiguredNode:
         guarded = partial(self._guard.take, topic.removeprefix('~/'), take)
         self._surface.subscription(kind, topic, guarded, profile, group)
 
-    def _open_services(self) -> None:
+    def _open_services(self, profile: QoSProfile) -> None:
         """Open all services."""
         for name, kind, change in CHANGES:
-            self._surface.service(kind, f'~/{name}', partial(self._change, change))
+            self._surface.service(kind, f'~/{name}', partial(self._change, change), profile)
         for services, group in ((BESIDE, self._groups.beside), (LOADING, self._groups.loading)):
             for name, kind, handler in services:
                 serve = partial(self._guard.answer, handler, self.live)
-                self._surface.service(kind, f'~/{name}', serve, group)
+                self._surface.service(kind, f'~/{name}', serve, profile, group)
 
     def _set_rate(self, rate: float) -> None:
         """Run cycles by a timer, or for rate 0 with each pose message."""
@@ -339,6 +348,7 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
+        add_calls(message.status[0], self._surface.answers.counts())
         now = self._node.get_clock().now()
         # Simulated time stands at 0 until it is told; no other clock ever shows that.
         if not now.nanoseconds:

@@ -42,6 +42,10 @@ class NodeParameters:
     replay_dir: str = ''
     replay_limit: int = 20
     cross_check: float = 0.0
+    service_depth: int = 1000
+    max_answer_size: float = 64.0
+    watchdog: float = 60.0
+    watchdog_exits: bool = False
     autostart: bool = True
 
 
@@ -81,6 +85,20 @@ _TEXTS = {
         'Cycles per second [Hz] of which python-fcl, in a process of its own, is asked about a '
         'sample of the pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
     ),
+    'service_depth': (
+        'Calls of a service that wait for it, and answers of it on their way, at most; what comes '
+        'beyond them is lost.'
+    ),
+    'max_answer_size': (
+        'Most that an answer of a service may hold [MB]; a larger one is refused in words.' + _LIVE
+    ),
+    'watchdog': (
+        'Time [s] after which a callback that does not return, or a process that does nothing, is '
+        'told of on the standard error, with traces of all threads; 0: never.'
+    ),
+    'watchdog_exits': (
+        'The watchdog ends the process too (exit code 1), for a supervisor to start it again.'
+    ),
     'autostart': 'Configure and activate by itself at start.',
 }
 _RANGES = {
@@ -92,6 +110,9 @@ _RANGES = {
     'marker_rate': (0.1, 100.0),
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
+    'service_depth': (1, 5000),
+    'max_answer_size': (0.0, 2000.0),
+    'watchdog': (0.0, 86400.0),
 }
 # Rarer than once in this time [s] is no rate that anybody means, and periods that do not fit into
 # 64 bits of nanoseconds are far beyond; a rate of 0 means none.

@@ -23,12 +23,14 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
+from drake_geom_ros.ros.watchdog import Watchdog
 from drake_geom_ros.scene_files import read_scene
 
 
@@ -40,8 +42,11 @@ class SceneGraphNode(LifecycleNode):
         self.threaded_groups = CallbackGroups(
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
+        self.patient_groups = (self.threaded_groups.loading,)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
+        values = self._settings.values
+        self.watchdog = Watchdog(values.watchdog, exits=values.watchdog_exits)
         self._diagnostics = Diagnostics(self.get_fully_qualified_name())
         self._guard = Guard(self.get_logger(), self._diagnostics.refuse)
         answer_always(self)
@@ -69,7 +74,9 @@ class SceneGraphNode(LifecycleNode):
 
         # A scene that cannot be loaded, a QoS override or the name of a topic that cannot be;
         # rclpy would drop it without a word.
-        if self._guard.succeeds(configured):
+        with self.watchdog.paused():
+            is_configured = self._guard.succeeds(configured)
+        if is_configured:
             return TransitionCallbackReturn.SUCCESS
         self._surface.close()
         return TransitionCallbackReturn.FAILURE
@@ -81,6 +88,7 @@ class SceneGraphNode(LifecycleNode):
             values.accuracy, lambda: seconds_now(self), values.world_frame, self._first_version
         )
         live.files = FileAccess(values.mesh_roots, values.scene_file)
+        live.most_megabytes = values.max_answer_size
         if values.scene_file:
             with live.editing() as scene:
                 frames, geometries = scene.add(read_scene(values.scene_file))
@@ -146,6 +154,7 @@ class SceneGraphNode(LifecycleNode):
 
 def main(args: list[str] | None = None) -> int:
     """Run the node until it is interrupted; return 2 where its parameters cannot be."""
+    give_back_large_blocks()
     return run_node(SceneGraphNode, (ParameterRefusedError,), args)
 
 

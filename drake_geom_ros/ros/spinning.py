@@ -15,9 +15,12 @@ EventsExecutor, which runs everything in one thread).
 from __future__ import annotations
 
 import contextlib
+import math
+import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import FrameType
@@ -32,6 +35,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
+from drake_geom_ros.ros.watchdog import Watchdog
+
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Python runs its signal handlers between two waits of the executor, so this [s] is how long a
 # signal may go unnoticed.
@@ -39,6 +44,8 @@ _LONGEST_WAIT = 0.1
 # A thread that computes hands Python's interpreter over after this [s] when another one asks for
 # it; Python's own 5 ms are ten cycles of a small scene.
 _SWITCH_INTERVAL = 0.0005
+# A callback that runs when the node is told to stop may finish in this time [s].
+_FAREWELL = 15.0
 
 
 class StopSignals:
@@ -79,6 +86,7 @@ class _Executor(SingleThreadedExecutor):
     def __init__(self, node: Node, failed: Failed | None) -> None:
         super().__init__(context=node.context)
         self._failed = failed
+        self._busy_since = math.inf  # [s] of the steady clock
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for a callback and execute it."""
@@ -86,7 +94,9 @@ class _Executor(SingleThreadedExecutor):
             handler, entity, _ = self.wait_for_ready_callbacks(timeout_sec)
         except (ShutdownException, TimeoutException):
             return
+        self._busy_since = time.monotonic()
         handler()
+        self._busy_since = math.inf
         if (error := handler.exception()) is None:
             return
         if self._failed is None:
@@ -98,6 +108,10 @@ class _Executor(SingleThreadedExecutor):
         # What was closed while its callback ran: nobody waits for the answer.
         if not isinstance(error, InvalidHandle):
             self._failed(error)
+
+    def busy(self) -> float:
+        """Return for how long [s] the callback that runs has run; 0 where none does."""
+        return max(0.0, time.monotonic() - self._busy_since)
 
 
 class GroupExecutor(_Executor):
@@ -135,6 +149,7 @@ class _GroupThread(threading.Thread):
 
     def __init__(self, node: Node, group: CallbackGroup, failed: Failed | None) -> None:
         super().__init__(daemon=True)
+        self.group = group
         self._executor = GroupExecutor(node, group, failed)
         self._stopping = threading.Event()
         self.error: Exception | None = None
@@ -148,12 +163,22 @@ class _GroupThread(threading.Thread):
         except Exception as error:
             self.error = error
 
+    def busy(self) -> float:
+        """Return for how long [s] the callback that runs has run; 0 where none does."""
+        return self._executor.busy()
+
     def stop(self) -> None:
-        """Let the callback that runs finish, then end."""
+        """Let the callback that runs finish, then end; raises StuckError where it does not."""
         self._stopping.set()
         self._executor.wake()
-        self.join()
+        self.join(_FAREWELL)
+        if self.is_alive():
+            raise StuckError(f'a callback did not finish within {_FAREWELL:g} s')
         self._executor.shutdown()
+
+
+class StuckError(RuntimeError):
+    """A callback waits for something that does not come."""
 
 
 def spin_until_stopped(
@@ -162,14 +187,19 @@ def spin_until_stopped(
     until: Future | None = None,
     groups: Sequence[CallbackGroup] = (),
     failed: Failed | None = None,
+    watchdog: Watchdog | None = None,
+    patient: Sequence[CallbackGroup] = (),
 ) -> None:
     """Serve a node's callbacks until a signal is received or a future is done.
 
     Each of ``groups`` has a thread of its own, all other callbacks are served by this one.
     ``failed`` is told of what callbacks raise, from any thread, and all go on; without it, what
-    one raises ends all of them and is raised here.
+    one raises ends all of them and is raised here. ``watchdog`` is fed while this thread gets
+    around and no callback of the others runs for longer than its limit, but those of the groups
+    in ``patient``, which may take their time.
     """
     threads = [_GroupThread(node, group, failed) for group in groups]
+    watched = [thread for thread in threads if thread.group not in patient]
     executor = _RemainderExecutor(node, groups, failed)
     if threads:
         sys.setswitchinterval(_SWITCH_INTERVAL)
@@ -178,10 +208,14 @@ def spin_until_stopped(
     try:
         while not signals.received and not (until is not None and until.done()):
             executor.spin_once(timeout_sec=_LONGEST_WAIT)
+            if watchdog is not None and all(t.busy() <= watchdog.limit for t in watched):
+                watchdog.feed()
             for thread in threads:
                 if thread.error is not None:
                     raise thread.error
     finally:
+        if watchdog is not None:
+            watchdog.stop()
         for thread in threads:
             thread.stop()
         executor.shutdown()
@@ -196,8 +230,9 @@ def run_node(
 
     That is 2 where arguments are none of ROS, or where making the node raises one of
     ``refusals``, for what it was given cannot be. A node names the callback groups that get
-    threads of their own in its ``threaded_groups``, and what a callback raises does not end one
-    that has a method ``callback_failed``.
+    threads of their own in its ``threaded_groups``, those among them that may take their time in
+    its ``patient_groups``, a watchdog over the others in its ``watchdog``, and what a callback
+    raises does not end one that has a method ``callback_failed``.
     """
     expected: tuple[type[Exception], ...] = (_BadArgumentsError, *refusals)
     with StopSignals(once=True) as signals:
@@ -209,8 +244,14 @@ def run_node(
                 signals,
                 groups=getattr(node, 'threaded_groups', ()),
                 failed=getattr(node, 'callback_failed', None),
+                watchdog=getattr(node, 'watchdog', None),
+                patient=getattr(node, 'patient_groups', ()),
             )
             node.destroy_node()
+        except StuckError as error:
+            print(f'{Path(sys.argv[0]).stem}: {error}; ended without it', file=sys.stderr)
+            sys.stderr.flush()
+            os._exit(1)  # what is stuck would keep an orderly end waiting
         except expected as error:
             print(f'{Path(sys.argv[0]).stem}: {error}', file=sys.stderr)
             return 2

@@ -18,6 +18,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.timer import Timer
 
+from drake_geom_ros.ros.outputs.answers import Answers
+
 
 def sensor_data() -> QoSProfile:
     """Return the profile of what streams in: best effort, so that any publisher fits."""
@@ -40,11 +42,17 @@ def transforms(*, static: bool) -> QoSProfile:
     return QoSProfile(depth=100, durability=durability)
 
 
+def calls(depth: int) -> QoSProfile:
+    """Return the profile of services: so many requests wait, and so many answers on their way."""
+    return QoSProfile(depth=depth)
+
+
 class Surface:
     """Opens what a node offers, and remembers it for closing."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
+        self.answers = Answers()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._open: list[tuple[Callable[[Any], Any], Any]] = []
 
@@ -83,10 +91,14 @@ class Surface:
         kind: Any,
         name: str,
         callback: Callable[[Any, Any], Any],
+        profile: QoSProfile,
         group: CallbackGroup | None = None,
     ) -> None:
         """Open a service."""
-        service = self._node.create_service(kind, name, callback, callback_group=group)
+        service = self._node.create_service(
+            kind, name, callback, qos_profile=profile, callback_group=group
+        )
+        self.answers.send_for(service)
         self._open.append((self._node.destroy_service, service))
 
     def timer(

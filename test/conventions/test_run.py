@@ -23,9 +23,10 @@ build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
 
 @pytest.fixture
 def folder(tmp_path):
-    """Return a folder with what the keys of the steps are computed from."""
+    """Return a folder with what the keys of the steps are computed from, and what is sourced."""
     shutil.copy(ROOT / 'run', tmp_path)
-    shutil.copytree(ROOT / 'requirements', tmp_path / 'requirements')
+    for given in ('requirements', 'config'):
+        shutil.copytree(ROOT / given, tmp_path / given)
     for definitions in ('msg_defs', 'test/msg_defs'):
         shutil.copytree(ROOT / definitions, tmp_path / definitions)
     return tmp_path
@@ -234,3 +235,26 @@ def test_node_and_exec_of_a_folder_share_a_domain(folder):
     first, second = (shell(folder, 'folder_domain')[1] for _ in range(2))
     assert first == second
     assert 1 <= int(first) <= 101
+
+
+@pytest.mark.parametrize(
+    ('given', 'expected'),
+    [
+        ({}, 'LOCALHOST|'),
+        ({'RMW_IMPLEMENTATION': 'rmw_cyclonedds_cpp'}, 'LOCALHOST|'),
+        ({'RMW_IMPLEMENTATION': 'rmw_fastrtps_cpp'}, 'SYSTEM_DEFAULT|{}/config/fastdds.xml'),
+        (
+            {
+                'RMW_IMPLEMENTATION': 'rmw_fastrtps_cpp',
+                'FASTDDS_DEFAULT_PROFILES_FILE': 'my.xml',
+            },
+            'LOCALHOST|my.xml',
+        ),
+    ],
+)
+def test_fast_dds_does_without_shared_memory_unless_told_otherwise(folder, given, expected):
+    shown = '$ROS_AUTOMATIC_DISCOVERY_RANGE|${FASTDDS_DEFAULT_PROFILES_FILE:-}'
+    script = f'enter() {{ :; }}; underlay=x; prepare_environment; echo "{shown}"'
+    code, output, errors = shell(folder, script, AMENT_PREFIX_PATH='', **given)
+    assert code == 0, errors
+    assert output == expected.format(folder.resolve()) + '\n'

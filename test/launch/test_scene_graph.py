@@ -106,3 +106,14 @@ def test_ros2_launch_starts_the_node(lone_client, tmp_path):
         launch.wait(30.0)
         log.close()
     assert 'loaded 1 frames and 3 geometries' in (tmp_path / 'log').read_text()
+
+
+def test_the_node_does_without_shared_memory_unless_told_otherwise(file, monkeypatch):
+    context = SimpleNamespace(
+        launch_configurations=dict.fromkeys([*file.PARAMETERS, 'params_file'], '')
+    )
+    name = 'FASTDDS_BUILTIN_TRANSPORTS'
+    monkeypatch.delenv(name, raising=False)
+    assert file.start_node(context)[0].named['additional_env'] == {name: 'UDPv4'}
+    monkeypatch.setenv(name, 'LARGE_DATA')
+    assert file.start_node(context)[0].named['additional_env'] == {name: 'LARGE_DATA'}

@@ -25,8 +25,8 @@ def environment():
     domain = os.environ.get('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
     paths = [str(ROOT), *filter(None, [os.environ.get('PYTHONPATH')])]
     return {
-        **os.environ,
         'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        **os.environ,
         'ROS_DOMAIN_ID': domain,
         'PYTHONPATH': os.pathsep.join(paths),
         'PYTHONUNBUFFERED': '1',

@@ -37,6 +37,10 @@ PARAMETERS = {
     'time_budget': (0.0, True),
     'replay_dir': ('', True),
     'replay_limit': (20, True),
+    'service_depth': (1000, False),
+    'max_answer_size': (64.0, True),
+    'watchdog': (60.0, False),
+    'watchdog_exits': (False, False),
 }
 FIELDS = {
     1: 'bool_value',

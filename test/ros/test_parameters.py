@@ -13,7 +13,8 @@ from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError,
 @pytest.fixture
 def start(monkeypatch):
     """Return a function that declares the parameters with overrides on a node of its own."""
-    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    name = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+    monkeypatch.setenv(name, environment()[name])
     context = rclpy.Context()
     rclpy.init(context=context, domain_id=int(environment()['ROS_DOMAIN_ID']))
     nodes = []

@@ -15,6 +15,12 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.fields import floats, uint8s, uint32s, unsigned
 
+# What a row of each takes in a message [bytes].
+PENETRATION_SIZE = 105
+SIGNED_DISTANCE_SIZE = 106
+POINT_DISTANCE_SIZE = 78
+CANDIDATE_SIZE = 16
+
 
 def fill_penetrations(message: Any, results: PenetrationResults) -> None:
     """Fill the arrays of a PenetrationPairs message."""

@@ -97,12 +97,12 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def ros_environment() -> dict[str, str]:
-    """Return our environment with localhost discovery only, and a domain id unless one is set.
+    """Return our environment, with localhost discovery and a domain id unless they are set.
 
     The id is 1 to 101: the ports of higher ones overlap with those the system hands out.
     """
     environment = dict(os.environ)
-    environment['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     environment.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 101))
     environment['PYTHONUNBUFFERED'] = '1'
     return environment

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from drake_geom_ros.ros.outputs.answers import CallCounts
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.scene.waiting import Waiting
 
@@ -111,6 +112,18 @@ class Diagnostics:
         values |= inputs | {f'refused: {reason}': n for reason, n in reasons}
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
         return DiagnosticArray(status=[status])
+
+
+def add_calls(status: DiagnosticStatus, counts: CallCounts) -> None:
+    """Add what became of calls of services: a status that warns where some have no answer."""
+    figures = {
+        'service calls answered': counts.answered,
+        'service calls not answered': counts.unanswered,
+        'service calls before the first of a client that came': counts.before_first,
+    }
+    status.values += [KeyValue(key=key, value=str(n)) for key, n in figures.items()]
+    if counts.unanswered:
+        add_trouble(status, f'{counts.unanswered} service calls were not answered')
 
 
 def add_counts(status: DiagnosticStatus, counts: Counts) -> None:

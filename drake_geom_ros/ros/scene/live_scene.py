@@ -11,6 +11,7 @@ Several threads meet here, and there are three ways in::
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -39,6 +40,7 @@ class LiveScene:
         ``version`` is that of the scene while it is empty: it grows from there.
         """
         self.files = FileAccess([ALL_PACKAGES])
+        self.most_megabytes = math.inf  # of an answer
         self.world_frame = world_frame
         self._lock = threading.RLock()
         self._closed = False

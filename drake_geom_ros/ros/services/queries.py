@@ -15,6 +15,10 @@ import numpy as np
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.conversions.fields import fill_pose, unsigned
 from drake_geom_ros.ros.conversions.results import (
+    CANDIDATE_SIZE,
+    PENETRATION_SIZE,
+    POINT_DISTANCE_SIZE,
+    SIGNED_DISTANCE_SIZE,
     fill_penetrations,
     fill_point_distances,
     fill_signed_distances,
@@ -35,10 +39,20 @@ def _limit(name: str, value: float) -> float:
     return value or math.inf
 
 
+def _require_room(live: LiveScene, rows: int, size: int, instead: str) -> None:
+    """Raise ArgumentError for an answer of ``rows`` of ``size`` [bytes] that is too large."""
+    if (megabytes := rows * size / 1e6) > live.most_megabytes:
+        raise ArgumentError(
+            f'{rows} rows are an answer of {megabytes:.1f} MB; the parameter max_answer_size '
+            f'allows {live.most_megabytes:g} MB: {instead}'
+        )
+
+
 def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any) -> None:
     """Report the pairs that overlap."""
     view = live.view(request.poses)
     results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
+    _require_room(live, len(results), PENETRATION_SIZE, 'filter pairs that always overlap')
     fill_penetrations(response.result, results)
     view.moment.stamp(response.result)
     response.message = view.waiting().in_words()
@@ -51,6 +65,8 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     results = view.query.ComputeSignedDistancePairwiseClosestPoints(
         limit, accuracy=_accuracy(request)
     )
+    instead = 'ask with a smaller max_distance, or by compute_signed_distance_pair'
+    _require_room(live, len(results), SIGNED_DISTANCE_SIZE, instead)
     fill_signed_distances(response.result, results, limit)
     view.moment.stamp(response.result)
     response.message = view.waiting().in_words()
@@ -79,6 +95,8 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
         limit,
         accuracy=_accuracy(request),
     )
+    instead = 'ask for fewer points, or with a smaller threshold'
+    _require_room(live, sum(map(len, parts)), POINT_DISTANCE_SIZE, instead)
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
     response.message = view.waiting().in_words()
@@ -88,6 +106,7 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
     """Report the pairs that bounds alone do not keep apart."""
     view = live.view(request.poses)
     ids = view.query.collision_candidates()
+    _require_room(live, len(ids), CANDIDATE_SIZE, 'filter pairs that never matter')
     response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
     response.message = view.waiting().in_words()
 

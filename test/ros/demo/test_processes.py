@@ -91,7 +91,8 @@ def test_an_interrupt_lets_the_client_finish(modules, tmp_path):
 
 
 def test_ros_finds_only_this_machine_in_a_domain_of_its_own(monkeypatch):
-    monkeypatch.delenv('ROS_DOMAIN_ID', raising=False)
+    for name in ('ROS_DOMAIN_ID', 'ROS_AUTOMATIC_DISCOVERY_RANGE'):
+        monkeypatch.delenv(name, raising=False)
     environment = ros_environment()
     assert environment['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'LOCALHOST'
     assert 1 <= int(environment['ROS_DOMAIN_ID']) <= 101

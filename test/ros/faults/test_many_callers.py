@@ -1,0 +1,70 @@
+"""Many callers of a service at once: all get their answer, and what gets none is counted."""
+
+import contextlib
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from drake_geom_msgs import srv
+from rclpy.qos import QoSProfile
+from ros.harness import start_node
+
+CLIENTS, CALLS = 20, 200
+
+
+def callers(client, count):
+    """Return clients of has_collisions that have had an answer each."""
+    name = f'{client.server}/has_collisions'
+    # Each answer goes to all clients of a service; each keeps the last ones until it looks.
+    profile = QoSProfile(depth=2 * CALLS)
+    found = [
+        client.node.create_client(srv.HasCollisions, name, qos_profile=profile)
+        for _ in range(count)
+    ]
+    for caller in found:
+        client.wait_for(caller.service_is_ready, name)
+    # Before the node has found a new client its answers are lost: discovery takes a moment.
+    assert any(call_at_once(client, found, 2.0) == count for _ in range(5))
+    return found
+
+
+def call_at_once(client, found, patience):
+    """Call by all, and return how many were answered within ``patience`` [s]."""
+    futures = [caller.call_async(srv.HasCollisions.Request()) for caller in found]
+    with contextlib.suppress(AssertionError):
+        client.wait_for(lambda: all(f.done() for f in futures), 'answers', patience)
+    return sum(f.done() and f.result().success for f in futures)
+
+
+def test_two_hundred_calls_at_once_are_answered(client):
+    found = callers(client, CLIENTS)
+    assert call_at_once(client, found * (CALLS // CLIENTS), 20.0) == CALLS
+
+
+@pytest.fixture
+def narrow(tmp_path):
+    """Return a node with room for two calls of a service."""
+    process = start_node(tmp_path / 'log', namespace='/narrow', service_depth=2)
+    yield process
+    assert process.end() == 0, process.output()
+
+
+def test_what_is_not_answered_is_counted(narrow, lone_client):
+    client = lone_client
+    client.server = '/narrow/scene_graph'
+    statuses = client.listen(DiagnosticArray, '/diagnostics')
+
+    def counted(name):
+        mine = [s for m in statuses for s in m.status if s.name == client.server]
+        return int({v.key: v.value for v in mine[-1].values}[name]) if mine else 0
+
+    (caller,) = callers(client, 1)
+    answered = call_at_once(client, [caller] * CALLS, 1.0)
+    assert answered < CALLS
+    # The number of the next request shows how many are missing before it.
+    assert call_at_once(client, [caller], 10.0) == 1
+    lost = CALLS - answered
+    client.wait_for(lambda: counted('service calls not answered') == lost, f'{lost} calls counted')
+    client.wait_for(lambda: counted('service calls answered') > answered, 'those answered')
+    (mine,) = [s for s in statuses[-1].status if s.name == client.server]
+    assert f'{lost} service calls were not answered' in mine.message
+    assert mine.level == DiagnosticStatus.WARN

@@ -1,0 +1,62 @@
+"""A node that is stuck says where, and ends when it may; one that takes its time is left alone."""
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+from drake_geom_msgs import srv
+from ros.harness import PATIENCE, Process
+from ros.scene_calls import accepted
+
+SAID = 'Timeout (0:00:01)!'
+
+
+@pytest.fixture
+def start(tmp_path, monkeypatch, lone_client):
+    """Return a function that starts the node with parameters."""
+    paths = [str(Path(__file__).parent), os.environ.get('PYTHONPATH', '')]
+    monkeypatch.setenv('PYTHONPATH', os.pathsep.join(paths))
+    lone_client.server = '/stuck/scene_graph'
+    started = []
+
+    def begin(*parameters):
+        arguments = ['--ros-args', '-r', '__ns:=/stuck', '-p', 'watchdog:=1.0']
+        for parameter in parameters:
+            arguments += ['-p', parameter]
+        started.append(Process(tmp_path / 'log', 'stuck_node', *arguments))
+        return started[0]
+
+    yield begin
+    started[0].end(signal.SIGKILL)
+
+
+def ask(client, kind, name):
+    """Ask what will not be answered."""
+    caller = client.node.create_client(kind, f'{client.server}/{name}')
+    client.wait_for(caller.service_is_ready, name)
+    caller.call_async(kind.Request())
+
+
+def test_a_thread_that_waits_is_told_of_and_the_others_go_on(start, lone_client):
+    node = start()
+    accepted(lone_client.call(srv.RegisterSource, 'register_source', name='before'))
+    ask(lone_client, srv.HasCollisions, 'has_collisions')
+    lone_client.wait_for(lambda: SAID in node.output(), 'the traces')
+    assert 'has_collisions' in node.output() or 'stuck_node.py' in node.output()
+    accepted(lone_client.call(srv.RegisterSource, 'register_source', name='after'))
+    assert node.popen.poll() is None
+
+
+@pytest.mark.parametrize(
+    ('kind', 'name'),
+    [(srv.HasCollisions, 'has_collisions'), (srv.GetFilters, 'get_filters')],
+    ids=['one thread', 'all threads'],
+)
+def test_the_process_ends_where_it_may(start, lone_client, kind, name):
+    node = start('watchdog_exits:=true')
+    accepted(lone_client.call(srv.RegisterSource, 'register_source', name='before'))
+    ask(lone_client, kind, name)
+    assert node.popen.wait(PATIENCE) == 1
+    assert SAID in node.output()
+    assert 'stuck_node.py' in node.output()
