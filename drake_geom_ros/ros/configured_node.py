@@ -114,6 +114,8 @@ class ConfiguredNode:
             lambda: settings.values.max_distance,
             self._beside['markers'].did,
         )
+        with live.editing() as scene:
+            scene.filters_per_owner = settings.values.filters_per_owner
         self._open_inputs(settings.values)
         self._tf = self._opened_tf() if settings.values.use_tf else None
         self._open_services()
@@ -161,6 +163,7 @@ class ConfiguredNode:
         with self.live.editing() as scene:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
+            scene.filters_per_owner = new.filters_per_owner
             if new.mesh_roots != old.mesh_roots:
                 self.live.files = FileAccess(new.mesh_roots, new.scene_file)
             if new.rate != old.rate:

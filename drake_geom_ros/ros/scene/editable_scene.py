@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import FilterId, FramePoseVector, SceneGraph
+from drake_geom_ros.geometry import FilterError, FilterId, FramePoseVector, SceneGraph
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
+
+_SHOWN = 5  # ids in a sentence
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,18 @@ class EditableScene(HeldScene):
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
         self._leases.grant(filter_id, seconds)
 
+    def refuse_too_many_filters(self, owner: str) -> None:
+        """Raise FilterError where an owner has as many transient filters as one may have."""
+        limit, owners = self.filters_per_owner, self._owners
+        if list(owners.values()).count(owner) < limit:
+            return  # some of these may be gone, which costs more to know
+        if list(self.filter_owners().values()).count(owner) >= limit:
+            raise FilterError(
+                f'the owner {owner!r} has {limit} transient filters, as many as the parameter '
+                'filters_per_owner allows; remove those that are not needed any more '
+                '(remove_filter), or let their leases run out'
+            )
+
     def own(self, filter_id: FilterId, owner: str) -> None:
         """Keep in mind who asked for a transient filter."""
         self._owners[filter_id.get_value()] = owner
@@ -86,12 +100,21 @@ class EditableScene(HeldScene):
         """Remove the transient filters whose lease ran out; return them."""
         manager = self._scene_graph.collision_filter_manager()
         expired = self._leases.take_expired()
-        for filter_id in expired:
+        numbers_of: dict[str, list[int]] = {}
+        for filter_id in manager.RemoveDeclarations(expired):
             number = filter_id.get_value()
-            owner = owned_by(self._owners.get(number, ''))
-            if manager.RemoveDeclaration(filter_id):
-                self.told.append(f'the lease of transient filter {number} ran out: removed{owner}')
+            numbers_of.setdefault(self._owners.get(number, ''), []).append(number)
+        for owner, numbers in numbers_of.items():
+            self.told.append(f'the lease of {_filters(numbers)} ran out: removed{owned_by(owner)}')
         return expired
+
+
+def _filters(numbers: list[int]) -> str:
+    """Return transient filters in words; thousands may go at once."""
+    if len(numbers) == 1:
+        return f'transient filter {numbers[0]}'
+    more = ' ...' if len(numbers) > _SHOWN else ''
+    return f'{len(numbers)} transient filters ({", ".join(map(str, numbers[:_SHOWN]))}{more})'
 
 
 def owned_by(owner: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -43,6 +44,7 @@ class HeldScene:
         self._now = now
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
+        self.filters_per_owner: float = math.inf  # transient ones that an owner may have
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
