@@ -19,6 +19,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
@@ -116,6 +117,8 @@ class ConfiguredNode:
         )
         with live.editing() as scene:
             scene.filters_per_owner = settings.values.filters_per_owner
+        self._jumps = ClockJumps(live.clocks, node, guard)
+        surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values)
         self._tf = self._opened_tf() if settings.values.use_tf else None
         self._open_services()
@@ -228,7 +231,7 @@ class ConfiguredNode:
         """Listen to TF, whose package not every installation has."""
         from tf2_msgs.msg import TFMessage
 
-        tf = TfInput(lambda: seconds_now(self._node))
+        tf = TfInput(self.live.clocks)
         for static, topic in ((True, '/tf_static'), (False, '/tf')):
             take = partial(self._stream.take_transforms, tf, static)
             profile = transforms(static=static)
@@ -319,6 +322,7 @@ class ConfiguredNode:
             self._node.get_logger().warning(told)
 
     def _keep_house(self) -> None:
+        self._jumps.look()
         with self.live.editing() as scene:
             scene.expire_filters()
             if self._tf is not None:
@@ -336,7 +340,12 @@ class ConfiguredNode:
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
             state = SceneState(
-                scene.version, scene.pose_ages(), scene.waiting(), scene.filter_owners()
+                scene.version,
+                scene.pose_ages(),
+                scene.waiting(),
+                scene.filter_owners(),
+                scene.unknown_ages(),
+                self._jumps.count,
             )
         stale_after = self._settings.values.stale_after
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())

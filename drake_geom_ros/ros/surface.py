@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -96,6 +96,12 @@ class Surface:
         timer = self._node.create_timer(period, callback, callback_group=group, clock=self._steady)
         self._open.append((self._node.destroy_timer, timer))
         return timer
+
+    def clock_jumps(self, threshold: JumpThreshold, callback: Callable[[TimeJump], None]) -> None:
+        """Have jumps of simulated time told."""
+        clock = self._node.get_clock()
+        handle = clock.create_jump_callback(threshold, post_callback=callback)
+        self._open.append((JumpHandle.unregister, handle))
 
     def close(self) -> None:
         """Close everything."""

@@ -13,7 +13,6 @@ more than a second (a bag begins anew) what was known from ``/tf`` is forgotten.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +21,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
@@ -40,26 +40,25 @@ class _Edge(NamedTuple):
     R_PC: Floats
     p_PC: Floats  # [m]
     stamp: float  # [s] of the message; inf for a static one
-    received: float  # [s] of the node's clock; inf for a static one
+    since: Since
 
 
 class _Placed(NamedTuple):
-    """Where a TF frame is in the world, and since when [s]."""
+    """Where a TF frame is in the world, and since when."""
 
     R_WF: Floats
     p_WF: Floats  # [m]
-    received: float
+    since: Since
 
 
-_WORLD = _Placed(np.eye(3), np.zeros(3), math.inf)
+_WORLD = _Placed(np.eye(3), np.zeros(3), ALWAYS)
 
 
 class TfInput:
     """Keeps the tree of TF, and poses the frames of a live scene by it."""
 
-    def __init__(self, now: Callable[[], float]) -> None:
-        """``now`` [s] is the clock that tells when a transform came."""
-        self._now = now
+    def __init__(self, clocks: Clocks) -> None:
+        self._clocks = clocks
         self._edges: dict[str, _Edge] = {}
         self._stamp: Any = None
         self._version = -1
@@ -108,9 +107,7 @@ class TfInput:
                 f'the translation of {far.child_frame_id[:80]!r} in {far.header.frame_id[:80]!r} '
                 f'has a coordinate beyond {_FARTHEST:.3g} m'
             )
-        stamp = received = math.inf
-        if not static:
-            received = self._now()
+        stamp, since, arrival = math.inf, ALWAYS, self._clocks.arrival()
         edges = []
         for entry, R_PC, p_PC in zip(transforms, R_PCs, p_PCs, strict=True):
             parent, child = _plain(entry.header.frame_id), _plain(entry.child_frame_id)
@@ -121,7 +118,8 @@ class TfInput:
                 )
             if not static:
                 stamp = seconds_of(entry.header.stamp)
-            edges.append((child, _Edge(parent, R_PC, p_PC, stamp, received)))
+                since = arrival.since(stamp)
+            edges.append((child, _Edge(parent, R_PC, p_PC, stamp, since)))
         return edges
 
     def _refuse_too_many(self, fresh: list[tuple[str, _Edge]]) -> None:
@@ -178,8 +176,8 @@ class TfInput:
             ]
             ids = np.array([frame.get_value() for frame in to_pose], dtype=np.int64)
             rows = poses_from_matrices([R for R, _ in X_PFs], [p for _, p in X_PFs])
-            posed_at = {frame.get_value(): found[frame].received for frame in to_pose}
-            scene.pose(FramePoseVector.FromArrays(ids, rows), posed_at, self._stamp)
+            posed = {frame.get_value(): found[frame].since for frame in to_pose}
+            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp)
         return len(to_pose)
 
     def _names_of_frames(self, scene: EditableScene) -> list[tuple[FrameId, tuple[str, ...]]]:
@@ -211,7 +209,7 @@ class TfInput:
                 base = _Placed(
                     base.R_WF @ edge.R_PC,
                     base.p_WF + base.R_WF @ edge.p_PC,
-                    min(base.received, edge.received),
+                    Since(*map(min, base.since, edge.since)),
                 )
             placed[child] = base
         return base

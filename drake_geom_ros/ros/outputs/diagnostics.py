@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.scene.pose_ages import UnknownAges
 from drake_geom_ros.ros.scene.waiting import Waiting
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
@@ -32,6 +33,8 @@ class SceneState(NamedTuple):
     ages: dict[str, float]  # [s] of all frames' poses by name
     waiting: Waiting
     filter_owners: dict[int, str]  # of the active transient filters, by id
+    unknown_ages: UnknownAges = UnknownAges([])
+    clock_jumps: int = 0
 
 
 class Diagnostics:
@@ -78,7 +81,7 @@ class Diagnostics:
             reasons, latest = self._reasons.most_common(_SHOWN_REASONS), self._latest
         stale = sorted(name for name, age in ages.items() if age > stale_after)
         status = DiagnosticStatus(name=self._name, hardware_id=self._name)
-        troubles = [waiting.in_words()] if waiting.frames else []
+        troubles = [*filter(None, (waiting.in_words(), scene.unknown_ages.in_words()))]
         if stale:
             troubles.append(
                 f'{len(stale)} of {len(ages)} frames are stale (older than {stale_after:g} s): '
@@ -99,7 +102,8 @@ class Diagnostics:
             'frames': len(ages),
             'stale frames': len(stale),
             'names of stale frames': _some(stale, _NAMES_IN_VALUE),
-            'oldest pose': _oldest(ages),
+            'oldest pose': _oldest(ages, scene.unknown_ages),
+            'jumps of the clock': scene.clock_jumps,
             'frames that never had a pose': len(waiting.frames),
             'names of frames that never had a pose': _some(waiting.frames, _NAMES_IN_VALUE),
             'pairs left out for them': waiting.pairs,
@@ -144,13 +148,14 @@ def _milliseconds(delays: list[float], part: float) -> str:
     return f'{1e3 * delays[min(len(delays) - 1, int(part * len(delays)))]:.3f}'
 
 
-def _oldest(ages: dict[str, float]) -> str:
+def _oldest(ages: dict[str, float], unknown: UnknownAges) -> str:
     """Return the name and age of the frame with the oldest pose in words."""
     if not ages:
         return 'no frames'
     name = max(ages, key=lambda n: (ages[n], n))
-    age = ages[name]
-    return f'{name}: ' + ('never posed' if math.isinf(age) else f'{age:.3f} s old')
+    if math.isinf(ages[name]):
+        return f'{name}: ' + ('of unknown age' if name in unknown.frames else 'never posed')
+    return f'{name}: {ages[name]:.3f} s old'
 
 
 def _memory() -> int:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import FilterError, FilterId, FramePoseVector, SceneGraph
+from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.scene.clocks import Since
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
 
@@ -67,14 +69,15 @@ class EditableScene(HeldScene):
     def take_poses(self, message: Any) -> int:
         """Take a FramePoses message whole; return how many frames it posed."""
         poses = self.read_poses(message)
-        now = dict.fromkeys(poses.id_values().tolist(), self._now())
-        self.pose(poses, now, message.header.stamp)
+        since = self._clocks.arrival().since(seconds_of(message.header.stamp))
+        self.pose(poses, dict.fromkeys(poses.id_values().tolist(), since), message.header.stamp)
         return len(poses)
 
-    def pose(self, poses: FramePoseVector, posed_at: Mapping[int, float], stamp: Any) -> None:
-        """Pose frames; ``posed_at`` [s] says since when, by the value of the frame's id."""
+    def pose(self, poses: FramePoseVector, posed: Mapping[int, Since], stamp: Any) -> None:
+        """Pose frames; ``posed`` says since when these hold, by the value of the frame's id."""
         self._context.UpdateFramePoses(poses)
-        self._ages.note(posed_at, stamp)
+        if posed:
+            self._ages.note(posed, stamp)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""

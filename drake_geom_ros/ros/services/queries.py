@@ -41,7 +41,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
     fill_penetrations(response.result, results)
     view.moment.stamp(response.result)
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
@@ -53,7 +53,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     )
     fill_signed_distances(response.result, results, limit)
     view.moment.stamp(response.result)
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:
@@ -81,7 +81,7 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     )
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> None:
@@ -89,14 +89,14 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
     view = live.view(request.poses)
     ids = view.query.collision_candidates()
     response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether any pair overlaps."""
     view = live.view(request.poses)
     response.has_collisions = view.query.HasCollisions()
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def get_pose(live: LiveScene, request: Any, response: Any) -> None:

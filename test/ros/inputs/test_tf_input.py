@@ -11,6 +11,7 @@ from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.inputs import tf_input
 from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
@@ -42,8 +43,8 @@ def live(clock):
 
 
 @pytest.fixture
-def tf(clock):
-    return TfInput(clock)
+def tf(live):
+    return TfInput(live.clocks)
 
 
 def transform(parent, child, X=None, stamp=0.0):
@@ -100,7 +101,7 @@ def test_a_nested_frame_is_posed_in_its_parent(scene, tf):
     # TF knows the hand in the world, and nothing of its base, which stays.
     text = TEXT.replace('base, source: left', 'base, source: left, pose: {}')
     with live_scene(text).editing() as fresh:
-        tf = TfInput(lambda: 0.0)
+        tf = TfInput(Clocks(lambda: 0.0))
         tf.take(fresh, message(transform('world', 'hand', at(4))), static=False)
         assert position(fresh, 'hand') == [4, 0, 0]
 
@@ -112,7 +113,7 @@ def test_what_hangs_on_a_frame_that_waits_waits_with_it(scene, tf):
     assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 1
     assert {base, hand} <= set(scene.query.waiting_frames())
     # The base gets its pose elsewhere; with whatever TF brings next the hand follows.
-    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): 0.0}, Plain(sec=0, nanosec=0))
+    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): ALWAYS}, Plain(sec=0, nanosec=0))
     assert tf.take(scene, message(transform('world', 'tool', at(2))), static=False) == 2
     assert position(scene, 'hand') == [4, 0, 0]
     assert scene.query.X_PF(hand).translation().tolist() == [3, 0, 0]
@@ -146,6 +147,23 @@ def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
     assert scene.pose_ages()['right::tool'] == pytest.approx(3.0)
     tf.take(scene, message(transform('world', 'cart', at(1))), static=False)
     assert scene.pose_ages()['right::tool'] == 0.0
+
+
+def test_a_chain_over_a_jump_of_the_clock_has_no_age_until_all_of_it_is_new(
+    live, scene, tf, clock
+):
+    links = transform('world', 'cart', at(1), 999.5), transform('cart', 'tool', at(1), 999.0)
+    tf.take(scene, message(transform('world', 'left/base', at(0))), static=True)
+    tf.take(scene, message(*links), static=False)
+    assert scene.pose_ages()['right::tool'] == pytest.approx(1.0)
+    clock.now = 999.75
+    live.clocks.begin_anew()
+    tf.take(scene, message(transform('cart', 'tool', at(2), 999.25)), static=False)
+    ages = scene.pose_ages()
+    assert math.isinf(ages['right::tool'])
+    assert ages['left::base'] == 0.0
+    tf.take(scene, message(transform('world', 'cart', at(1), 999.5)), static=False)
+    assert scene.pose_ages()['right::tool'] == pytest.approx(0.5)
 
 
 def test_what_is_static_does_not_grow_old(scene, tf, clock):
@@ -228,8 +246,7 @@ def test_a_bad_transform_refuses_the_message(scene, tf, bad, words):
     assert not scene.query.is_placed(scene.names.frame('left::base'))
 
 
-def test_the_world_may_have_another_name(clock):
-    tf = TfInput(clock)
+def test_the_world_may_have_another_name(clock, tf):
     with live_scene(TEXT, clock, 'map').editing() as scene:
         assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 0
         assert tf.take(scene, message(transform('map', 'tool', at(2))), static=False) == 1
