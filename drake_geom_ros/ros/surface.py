@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import MessageInfo, Subscription
 from rclpy.timer import Timer
 
 
@@ -63,11 +64,13 @@ class Surface:
         self,
         kind: Any,
         topic: str,
-        callback: Callable[[Any], None],
+        callback: Callable[[Any], None] | Callable[[Any, MessageInfo], None],
         profile: QoSProfile,
         group: CallbackGroup | None = None,
-    ) -> None:
-        """Open a topic to listen to."""
+        *,
+        raw: bool = False,
+    ) -> Subscription[Any]:
+        """Open a topic to listen to; ``raw``: to the bytes of its messages."""
         subscription = self._node.create_subscription(
             kind,
             topic,
@@ -75,8 +78,10 @@ class Surface:
             profile,
             callback_group=group,
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            raw=raw,
         )
         self._open.append((self._node.destroy_subscription, subscription))
+        return subscription
 
     def service(
         self,

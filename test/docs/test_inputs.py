@@ -47,7 +47,8 @@ def test_the_transforms_put_the_ball_where_the_text_says(order):
     live = live_scene(ROOT / 'scenes/minimal.yaml')
     for command in commands[::order]:
         with live.editing() as scene:
-            tf.take(scene, Plain(transforms=[transform(options(command))]), static=True)
+            tf.hear(Plain(transforms=[transform(options(command))]), static=True)
+            tf.pose(scene)
     told = re.search(r'The ball is at x = (\S+), y = (\S+), z = (\S+) now', TEXT)
     view = live.view()
     position = view.query.X_WF(view.names.frame('ball')).translation()

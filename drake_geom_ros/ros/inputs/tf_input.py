@@ -2,8 +2,9 @@
 
 A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or,
 where only one source has a frame of that name, ``frame``; the chain of TF must lead to the world
-frame. Nothing is looked up later: the newest transform of each TF frame is kept, and a message
-poses, whole or not at all, the frames of the scene that hang on what it brings. No ROS import.
+frame. Nothing is looked up later: the newest transform of each TF frame is kept. Messages that
+came together, each taken whole or not at all, pose the frames of the scene that hang on what they
+bring. No ROS import.
 
 A pose is as old as the oldest moving transform in its chain, so a gap in TF makes poses stale.
 A transform that is older than the one that is known is ignored, but when time has gone back by
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import seconds_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Arrival, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
@@ -60,18 +61,19 @@ class TfInput:
     def __init__(self, clocks: Clocks) -> None:
         self._clocks = clocks
         self._edges: dict[str, _Edge] = {}
+        self._changed: set[str] = set()  # the TF frames of which was heard since the last time
         self._stamp: Any = None
         self._version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
         self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
 
-    def take(self, scene: EditableScene, message: Any, *, static: bool) -> int:
-        """Take a TFMessage whole and pose what hangs on it; return how many frames were posed.
+    def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> None:
+        """Take a TFMessage whole, which came ``waited`` [s] ago; ``pose`` does what it says.
 
         Raises RuntimeError, and nothing is taken, for a transform that is none and for too many
         frames.
         """
-        fresh = self._read(message.transforms, static)
+        fresh = self._read(message.transforms, static, self._clocks.arrival(waited))
         self._refuse_too_many(fresh)
         if not static:
             self._notice_rewind(fresh)
@@ -88,13 +90,18 @@ class TfInput:
                 if _plain(entry.child_frame_id) in changed
             ]
             self._stamp = max(fresh_stamps, key=time_of)
+        self._changed |= changed
+
+    def pose(self, scene: EditableScene) -> int:
+        """Pose what hangs on what was heard since the last time; return how many frames."""
+        changed, self._changed = self._changed, set()
         return self._pose(scene, changed)
 
     def follow(self, scene: EditableScene) -> int:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
         return self._pose(scene, set()) if self._version != scene.version else 0
 
-    def _read(self, transforms: Any, static: bool) -> list[tuple[str, _Edge]]:
+    def _read(self, transforms: Any, static: bool, arrival: Arrival) -> list[tuple[str, _Edge]]:
         """Return TransformStamped messages as child's name and edge each."""
         rows = np.zeros((len(transforms), 7))
         for row, entry in zip(rows, transforms, strict=True):
@@ -107,7 +114,7 @@ class TfInput:
                 f'the translation of {far.child_frame_id[:80]!r} in {far.header.frame_id[:80]!r} '
                 f'has a coordinate beyond {_FARTHEST:.3g} m'
             )
-        stamp, since, arrival = math.inf, ALWAYS, self._clocks.arrival()
+        stamp, since = math.inf, ALWAYS
         edges = []
         for entry, R_PC, p_PC in zip(transforms, R_PCs, p_PCs, strict=True):
             parent, child = _plain(entry.header.frame_id), _plain(entry.child_frame_id)

@@ -66,10 +66,10 @@ class EditableScene(HeldScene):
         self._scene_graph.set_default_accuracy(accuracy)
         self._context.set_default_accuracy(accuracy)
 
-    def take_poses(self, message: Any) -> int:
-        """Take a FramePoses message whole; return how many frames it posed."""
+    def take_poses(self, message: Any, waited: float = 0.0) -> int:
+        """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
         poses = self.read_poses(message)
-        since = self._clocks.arrival().since(seconds_of(message.header.stamp))
+        since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
         self.pose(poses, dict.fromkeys(poses.id_values().tolist(), since), message.header.stamp)
         return len(poses)
 

@@ -106,6 +106,10 @@ class HeldScene:
         """Return the frames that were not posed since the node's clock jumped."""
         return UnknownAges(self._ages.unknown(self.names))
 
+    def lag(self) -> float:
+        """Return how far [s] behind the poses that were taken last the node is."""
+        return self._ages.lag()
+
     def moment(self) -> Moment:
         """Return which scene and poses an answer of now is for."""
         oldest = self._ages.oldest(self.names)

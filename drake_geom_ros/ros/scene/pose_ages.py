@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from drake_geom_ros.ros.conversions.names import NameTable
-from drake_geom_ros.ros.scene.clocks import Clocks, Since
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 
 _SHOWN = 5  # names in a sentence
 
@@ -36,6 +36,7 @@ class PoseAges:
         self._posed: dict[int, Since] = {}
         self._stamps: dict[int, Any] = {}
         self.newest_stamp: Any = None  # builtin_interfaces/Time; None before the first pose
+        self._latest = ALWAYS
 
     def note(self, posed: Mapping[int, Since], stamp: Any) -> None:
         """Note since when frames have their poses.
@@ -45,6 +46,7 @@ class PoseAges:
         time before the clock jumped.
         """
         self._posed.update(posed)
+        self._latest = max((s for s in set(posed.values()) if s != ALWAYS), default=ALWAYS)
         self._stamps.update(dict.fromkeys(posed, stamp))
         if self.newest_stamp is None or time_of(stamp) >= time_of(self.newest_stamp):
             self.newest_stamp = stamp
@@ -69,6 +71,10 @@ class PoseAges:
         if not before:
             return []
         return [name for frame, name in names.frame_names.items() if frame.get_value() in before]
+
+    def lag(self) -> float:
+        """Return the age [s] of what was noted last; inf: unknown, 0: it does not grow old."""
+        return self._clocks.age(self._latest)
 
     def oldest(self, names: NameTable) -> float:
         """Return the age [s] of the oldest frame pose; inf when one is unknown."""
