@@ -14,11 +14,13 @@ from geometry_msgs.msg import Point
 from rclpy.callback_groups import CallbackGroup
 from rclpy.lifecycle import LifecycleNode
 from rclpy.qos import QoSProfile
+from rclpy.subscription import MessageInfo
 from rclpy.timer import Timer
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
@@ -42,14 +44,9 @@ from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, Change
-from drake_geom_ros.ros.surface import (
-    Surface,
-    calls,
-    latched,
-    results,
-    sensor_data,
-    transforms,
-)
+from drake_geom_ros.ros.surface import Surface, calls, latched, results, sensor_data
+from drake_geom_ros.ros.tf_listening import listen_to_tf
+from drake_geom_ros.ros.together import waited
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -122,8 +119,14 @@ class ConfiguredNode:
             lambda: settings.values.max_distance,
             self._beside['markers'].did,
         )
+        with live.editing() as scene:
+            scene.filters_per_owner = settings.values.filters_per_owner
+        self._jumps = ClockJumps(live.clocks, node, guard)
+        surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values)
-        self._tf = self._opened_tf() if settings.values.use_tf else None
+        self._tf: TfInput | None = None
+        if settings.values.use_tf:
+            self._tf = listen_to_tf(surface, self._stream, guard, groups.stream, live.clocks)
         self._open_services(calls(settings.values.service_depth))
         self._start_timers(settings.values)
         self._cycle_timer: Timer | None = None
@@ -169,6 +172,7 @@ class ConfiguredNode:
         with self.live.editing() as scene:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
+            scene.filters_per_owner = new.filters_per_owner
             if new.mesh_roots != old.mesh_roots:
                 self.live.files = FileAccess(new.mesh_roots, new.scene_file)
             self.live.most_megabytes = new.max_answer_size
@@ -214,8 +218,13 @@ class ConfiguredNode:
     def _open_inputs(self, values: NodeParameters) -> None:
         """Listen to poses, points and robot descriptions."""
         groups = self._groups
-        poses = self._stream.take_poses
-        self._listen(messages.FramePoses, '~/frame_poses', poses, sensor_data(), groups.stream)
+
+        def take_poses(message: Any, info: MessageInfo) -> None:
+            self._guard.take('frame_poses', self._stream.take_poses, message, waited(info))
+
+        profile = sensor_data()
+        kind, topic = messages.FramePoses, '~/frame_poses'
+        self._surface.subscription(kind, topic, take_poses, profile, groups.stream)
         points = PointQueries(
             self.live,
             self._point_publisher,
@@ -229,17 +238,6 @@ class ConfiguredNode:
             take = partial(self._take_robot, RobotInput(self.live))
             topic = values.robot_description_topic
             self._listen(String, topic, take, latched(), groups.loading)
-
-    def _opened_tf(self) -> TfInput:
-        """Listen to TF, whose package not every installation has."""
-        from tf2_msgs.msg import TFMessage
-
-        tf = TfInput(lambda: seconds_now(self._node))
-        for static, topic in ((True, '/tf_static'), (False, '/tf')):
-            take = partial(self._stream.take_transforms, tf, static)
-            profile = transforms(static=static)
-            self._listen(TFMessage, topic, take, profile, self._groups.stream)
-        return tf
 
     def _listen(
         self,
@@ -325,6 +323,7 @@ class ConfiguredNode:
             self._node.get_logger().warning(told)
 
     def _keep_house(self) -> None:
+        self._jumps.look()
         with self.live.editing() as scene:
             scene.expire_filters()
             if self._tf is not None:
@@ -342,7 +341,12 @@ class ConfiguredNode:
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
             state = SceneState(
-                scene.version, scene.pose_ages(), scene.waiting(), scene.filter_owners()
+                scene.version,
+                scene.pose_ages(),
+                scene.waiting(),
+                scene.filter_owners(),
+                scene.unknown_ages(),
+                self._jumps.count,
             )
         stale_after = self._settings.values.stale_after
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())

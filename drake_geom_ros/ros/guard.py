@@ -53,6 +53,11 @@ class Guard:
         if self._may_tell(name):
             self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
 
+    def tell(self, about: str, what: str) -> None:
+        """Warn of something that is no failure, now and then if it comes again and again."""
+        if self._may_tell(about):
+            self._logger.warning(what)
+
     def answer(
         self, handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any
     ) -> Any:

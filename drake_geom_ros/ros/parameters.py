@@ -39,6 +39,7 @@ class NodeParameters:
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
+    filters_per_owner: int = 1000
     replay_dir: str = ''
     replay_limit: int = 20
     cross_check: float = 0.0
@@ -76,6 +77,10 @@ _TEXTS = {
         "stands for all packages' share folders, and the folder of scene_file always counts."
         + _LIVE
     ),
+    'filters_per_owner': (
+        'Transient filters that one owner may have; those who do not say who they are count as '
+        'one owner.' + _LIVE
+    ),
     'replay_dir': (
         'Folder for files of results that break a promise, one for each pair of shape types, for '
         '`python -m drake_geom_ros replay FILE`; empty: none.' + _LIVE
@@ -108,6 +113,7 @@ _RANGES = {
     'stale_after': (0.0, math.inf),
     'point_threshold': (0.0, math.inf),
     'marker_rate': (0.1, 100.0),
+    'filters_per_owner': (1, 1000000),
     'replay_limit': (0, 10000),
     'cross_check': (0.0, 1000.0),
     'service_depth': (1, 5000),

@@ -35,21 +35,26 @@ class PoseStream:
         with self._live.editing():
             self.active = False
 
-    def take_poses(self, message: Any) -> None:
-        """Take a FramePoses message; raises RuntimeError for one that is refused."""
+    def take_poses(self, message: Any, waited: float) -> None:
+        """Take a FramePoses that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         start = time.perf_counter()
         with self._live.editing() as scene:
-            self._posed(scene, scene.take_poses(message), start)
+            self._posed(scene, scene.take_poses(message, waited), start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def take_transforms(self, tf: TfInput, static: bool, message: Any) -> None:
-        """Take a TFMessage; raises RuntimeError for one that is refused."""
+    def hear_transforms(self, tf: TfInput, static: bool, message: Any, waited: float) -> None:
+        """Take a TFMessage that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
+        with self._live.editing():
+            tf.hear(message, static=static, waited=waited)
+
+    def pose_by_transforms(self, tf: TfInput, messages: int, passed_over: int) -> None:
+        """Pose by what some messages brought, at once: a cycle for each would fall behind."""
         start = time.perf_counter()
         with self._live.editing() as scene:
-            if frames := tf.take(scene, message, static=static):
+            if frames := tf.pose(scene):
                 self._posed(scene, frames, start)
         if frames:
-            self._diagnostics.take(time.perf_counter() - start)
+            self._diagnostics.take(time.perf_counter() - start, messages, passed_over)
 
     def cycle_is_due(self) -> None:
         """Run a cycle because it is time to."""
@@ -69,3 +74,5 @@ class PoseStream:
             self._frames, self._seconds = 0, 0.0
             values = self._settings.values
             self._cycle.run(scene, frames, seconds, values.max_distance, values.time_budget)
+            if frames:
+                self._diagnostics.answer(scene.lag())

@@ -27,6 +27,7 @@ from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
+from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
@@ -84,9 +85,8 @@ class SceneGraphNode(LifecycleNode):
     def _open(self, values: NodeParameters) -> ConfiguredNode:
         """Return what a configured node has."""
         start = time.perf_counter()
-        live = LiveScene(
-            values.accuracy, lambda: seconds_now(self), values.world_frame, self._first_version
-        )
+        clocks = Clocks(lambda: seconds_now(self))
+        live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = FileAccess(values.mesh_roots, values.scene_file)
         live.most_megabytes = values.max_answer_size
         if values.scene_file:

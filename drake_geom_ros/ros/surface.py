@@ -11,11 +11,12 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
-from rclpy.clock import Clock, ClockType
+from rclpy.clock import Clock, ClockType, JumpHandle, JumpThreshold, TimeJump
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import MessageInfo, Subscription
 from rclpy.timer import Timer
 
 from drake_geom_ros.ros.outputs.answers import Answers
@@ -71,11 +72,13 @@ class Surface:
         self,
         kind: Any,
         topic: str,
-        callback: Callable[[Any], None],
+        callback: Callable[[Any], None] | Callable[[Any, MessageInfo], None],
         profile: QoSProfile,
         group: CallbackGroup | None = None,
-    ) -> None:
-        """Open a topic to listen to."""
+        *,
+        raw: bool = False,
+    ) -> Subscription[Any]:
+        """Open a topic to listen to; ``raw``: to the bytes of its messages."""
         subscription = self._node.create_subscription(
             kind,
             topic,
@@ -83,8 +86,10 @@ class Surface:
             profile,
             callback_group=group,
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            raw=raw,
         )
         self._open.append((self._node.destroy_subscription, subscription))
+        return subscription
 
     def service(
         self,
@@ -108,6 +113,12 @@ class Surface:
         timer = self._node.create_timer(period, callback, callback_group=group, clock=self._steady)
         self._open.append((self._node.destroy_timer, timer))
         return timer
+
+    def clock_jumps(self, threshold: JumpThreshold, callback: Callable[[TimeJump], None]) -> None:
+        """Have jumps of simulated time told."""
+        clock = self._node.get_clock()
+        handle = clock.create_jump_callback(threshold, post_callback=callback)
+        self._open.append((JumpHandle.unregister, handle))
 
     def close(self) -> None:
         """Close everything."""

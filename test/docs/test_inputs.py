@@ -13,6 +13,7 @@ from ros.live_scenes import live_scene
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.clocks import Clocks
 
 TEXT = (ROOT / 'docs/inputs.md').read_text()
 
@@ -42,11 +43,12 @@ def transform(told):
 @pytest.mark.parametrize('order', [1, -1])
 def test_the_transforms_put_the_ball_where_the_text_says(order):
     commands = re.findall(r'static_transform_publisher (.*)$', TEXT, re.M)
-    tf = TfInput(time.monotonic)
+    tf = TfInput(Clocks(time.time))
     live = live_scene(ROOT / 'scenes/minimal.yaml')
     for command in commands[::order]:
         with live.editing() as scene:
-            tf.take(scene, Plain(transforms=[transform(options(command))]), static=True)
+            tf.hear(Plain(transforms=[transform(options(command))]), static=True)
+            tf.pose(scene)
     told = re.search(r'The ball is at x = (\S+), y = (\S+), z = (\S+) now', TEXT)
     view = live.view()
     position = view.query.X_WF(view.names.frame('ball')).translation()

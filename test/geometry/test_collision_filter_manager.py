@@ -153,6 +153,18 @@ def test_transient_declarations_come_and_go(scene):
         manager.IsActive(1)
 
 
+def test_transient_declarations_go_together(scene):
+    manager = scene.manager
+    everything = Declare().ExcludeWithin(GeometrySet(scene.a + scene.b))
+    first, second, third = (manager.ApplyTransient(everything) for _ in range(3))
+    assert manager.RemoveDeclarations([third, first, first, FilterId(0)]) == [third, first]
+    assert manager.active_filter_ids() == [second]
+    assert manager.RemoveDeclarations([first]) == []
+    with pytest.raises(RuntimeError, match='filter_id'):
+        manager.RemoveDeclarations([second, 1])
+    assert manager.IsActive(second)
+
+
 def test_a_context_has_filters_of_its_own(scene):
     context = scene.graph.CreateDefaultContext()
     of_context = scene.graph.collision_filter_manager(context)

@@ -2,6 +2,7 @@
 
 import time
 
+from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene
 
@@ -18,8 +19,8 @@ geometries:
 
 
 def live_scene(text, now=time.monotonic, world_frame='world'):
-    """Return a live scene of a file or a text."""
-    live = LiveScene('exact', now, world_frame)
+    """Return a live scene of a file or a text, where steady time is the node's."""
+    live = LiveScene('exact', Clocks(now, now), world_frame)
     with live.editing() as scene:
         scene.add(read_scene(text))
     return live

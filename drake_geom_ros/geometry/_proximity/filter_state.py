@@ -193,15 +193,20 @@ class FilterState:
             self._write(entry, CURRENT)
 
     def remove_declaration(self, filter_id: int) -> bool:
-        """Remove a transient declaration and return whether there was one of that id.
+        """Remove a transient declaration and return whether there was one of that id."""
+        return bool(self.remove_declarations((filter_id,)))
 
-        Only rows of geometries that it mentions are built anew, and of the other transient
-        declarations only what they say about these.
+    def remove_declarations(self, filter_ids: Iterable[int]) -> list[int]:
+        """Remove transient declarations and return the ids of those that there were.
+
+        Only rows of geometries that they mention are built anew, and of the other transient
+        declarations only what they say about these; one pass over these serves all that go.
         """
-        if not self.is_active(filter_id):
-            return False
-        self._replay(self._mentioned(self._log.pull(filter_id)))
-        return True
+        gone = list(filter(self.is_active, dict.fromkeys(filter_ids)))
+        if gone:
+            said = [entry for filter_id in gone for entry in self._log.pull(filter_id)]
+            self._replay(self._mentioned(said))
+        return gone
 
     def flatten(self) -> None:
         """Make the current configuration the persistent one; the history is gone."""

@@ -2,8 +2,9 @@
 
 A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or,
 where only one source has a frame of that name, ``frame``; the chain of TF must lead to the world
-frame. Nothing is looked up later: the newest transform of each TF frame is kept, and a message
-poses, whole or not at all, the frames of the scene that hang on what it brings. No ROS import.
+frame. Nothing is looked up later: the newest transform of each TF frame is kept. Messages that
+came together, each taken whole or not at all, pose the frames of the scene that hang on what they
+bring. No ROS import.
 
 A pose is as old as the oldest moving transform in its chain, so a gap in TF makes poses stale.
 A transform that is older than the one that is known is ignored, but when time has gone back by
@@ -13,7 +14,6 @@ more than a second (a bag begins anew) what was known from ``/tf`` is forgotten.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Arrival, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
@@ -40,39 +41,39 @@ class _Edge(NamedTuple):
     R_PC: Floats
     p_PC: Floats  # [m]
     stamp: float  # [s] of the message; inf for a static one
-    received: float  # [s] of the node's clock; inf for a static one
+    since: Since
 
 
 class _Placed(NamedTuple):
-    """Where a TF frame is in the world, and since when [s]."""
+    """Where a TF frame is in the world, and since when."""
 
     R_WF: Floats
     p_WF: Floats  # [m]
-    received: float
+    since: Since
 
 
-_WORLD = _Placed(np.eye(3), np.zeros(3), math.inf)
+_WORLD = _Placed(np.eye(3), np.zeros(3), ALWAYS)
 
 
 class TfInput:
     """Keeps the tree of TF, and poses the frames of a live scene by it."""
 
-    def __init__(self, now: Callable[[], float]) -> None:
-        """``now`` [s] is the clock that tells when a transform came."""
-        self._now = now
+    def __init__(self, clocks: Clocks) -> None:
+        self._clocks = clocks
         self._edges: dict[str, _Edge] = {}
+        self._changed: set[str] = set()  # the TF frames of which was heard since the last time
         self._stamp: Any = None
         self._version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
         self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
 
-    def take(self, scene: EditableScene, message: Any, *, static: bool) -> int:
-        """Take a TFMessage whole and pose what hangs on it; return how many frames were posed.
+    def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> None:
+        """Take a TFMessage whole, which came ``waited`` [s] ago; ``pose`` does what it says.
 
         Raises RuntimeError, and nothing is taken, for a transform that is none and for too many
         frames.
         """
-        fresh = self._read(message.transforms, static)
+        fresh = self._read(message.transforms, static, self._clocks.arrival(waited))
         self._refuse_too_many(fresh)
         if not static:
             self._notice_rewind(fresh)
@@ -89,13 +90,18 @@ class TfInput:
                 if _plain(entry.child_frame_id) in changed
             ]
             self._stamp = max(fresh_stamps, key=time_of)
+        self._changed |= changed
+
+    def pose(self, scene: EditableScene) -> int:
+        """Pose what hangs on what was heard since the last time; return how many frames."""
+        changed, self._changed = self._changed, set()
         return self._pose(scene, changed)
 
     def follow(self, scene: EditableScene) -> int:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
         return self._pose(scene, set()) if self._version != scene.version else 0
 
-    def _read(self, transforms: Any, static: bool) -> list[tuple[str, _Edge]]:
+    def _read(self, transforms: Any, static: bool, arrival: Arrival) -> list[tuple[str, _Edge]]:
         """Return TransformStamped messages as child's name and edge each."""
         rows = np.zeros((len(transforms), 7))
         for row, entry in zip(rows, transforms, strict=True):
@@ -108,9 +114,7 @@ class TfInput:
                 f'the translation of {far.child_frame_id[:80]!r} in {far.header.frame_id[:80]!r} '
                 f'has a coordinate beyond {_FARTHEST:.3g} m'
             )
-        stamp = received = math.inf
-        if not static:
-            received = self._now()
+        stamp, since = math.inf, ALWAYS
         edges = []
         for entry, R_PC, p_PC in zip(transforms, R_PCs, p_PCs, strict=True):
             parent, child = _plain(entry.header.frame_id), _plain(entry.child_frame_id)
@@ -121,7 +125,8 @@ class TfInput:
                 )
             if not static:
                 stamp = seconds_of(entry.header.stamp)
-            edges.append((child, _Edge(parent, R_PC, p_PC, stamp, received)))
+                since = arrival.since(stamp)
+            edges.append((child, _Edge(parent, R_PC, p_PC, stamp, since)))
         return edges
 
     def _refuse_too_many(self, fresh: list[tuple[str, _Edge]]) -> None:
@@ -178,8 +183,8 @@ class TfInput:
             ]
             ids = np.array([frame.get_value() for frame in to_pose], dtype=np.int64)
             rows = poses_from_matrices([R for R, _ in X_PFs], [p for _, p in X_PFs])
-            posed_at = {frame.get_value(): found[frame].received for frame in to_pose}
-            scene.pose(FramePoseVector.FromArrays(ids, rows), posed_at, self._stamp)
+            posed = {frame.get_value(): found[frame].since for frame in to_pose}
+            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp)
         return len(to_pose)
 
     def _names_of_frames(self, scene: EditableScene) -> list[tuple[FrameId, tuple[str, ...]]]:
@@ -211,7 +216,7 @@ class TfInput:
                 base = _Placed(
                     base.R_WF @ edge.R_PC,
                     base.p_WF + base.R_WF @ edge.p_PC,
-                    min(base.received, edge.received),
+                    Since(*map(min, base.since, edge.since)),
                 )
             placed[child] = base
         return base

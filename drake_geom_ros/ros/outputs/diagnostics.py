@@ -13,6 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from drake_geom_ros.ros.outputs.answers import CallCounts
 from drake_geom_ros.ros.outputs.cycle import Cycle
+from drake_geom_ros.ros.scene.pose_ages import UnknownAges
 from drake_geom_ros.ros.scene.waiting import Waiting
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
@@ -23,6 +24,7 @@ _KINDS_OF_REASONS = 50
 _SHOWN_REASONS = 5
 _NAMES_IN_MESSAGE = 5
 _NAMES_IN_VALUE = 50
+_LONG_LAG = 0.1  # [s] in which what moves at 1 m/s moves as far as it is to be kept away
 _STATM = Path('/proc/self/statm')
 
 
@@ -33,6 +35,8 @@ class SceneState(NamedTuple):
     ages: dict[str, float]  # [s] of all frames' poses by name
     waiting: Waiting
     filter_owners: dict[int, str]  # of the active transient filters, by id
+    unknown_ages: UnknownAges = UnknownAges([])
+    clock_jumps: int = 0
 
 
 class Diagnostics:
@@ -49,13 +53,28 @@ class Diagnostics:
         self._reasons: Counter[str] = Counter()
         self._latest = 'none'
         self._delays: list[float] = []
+        self._lags: list[float] = []
+        self._most_together = 0
+        self._passed_over = 0
+        self._passed_over_before = 0
         self._last = (0.0, 0)
 
-    def take(self, delay: float) -> None:
-        """Count a pose message that was answered ``delay`` [s] after it had come."""
+    def take(self, delay: float, messages: int = 1, passed_over: int = 0) -> None:
+        """Count pose messages that were taken together, and answered within ``delay`` [s].
+
+        Some of them may have been passed over, for newer ones waited behind them.
+        """
         with self._lock:
-            self._taken += 1
+            self._taken += messages - passed_over
+            self._passed_over += passed_over
             self._delays.append(delay)
+            self._most_together = max(self._most_together, messages)
+
+    def answer(self, lag: float) -> None:
+        """Count a cycle whose newest pose was ``lag`` [s] old at its end; inf: unknown."""
+        if math.isfinite(lag):
+            with self._lock:
+                self._lags.append(lag)
 
     def refuse(self, what: str, reason: str) -> None:
         """Count a message that was refused; ``what`` names the input."""
@@ -74,17 +93,22 @@ class Diagnostics:
         ages, waiting = scene.ages, scene.waiting
         with self._lock:
             taken, delays, self._delays = self._taken, sorted(self._delays), []
+            lags, self._lags = sorted(self._lags), []
+            together, self._most_together = self._most_together, 0
+            passed, before = self._passed_over, self._passed_over_before
+            self._passed_over_before = passed
             refused = self._refused['frame_poses']
             inputs = {f'refused from {name}': n for name, n in sorted(self._refused.items())}
             reasons, latest = self._reasons.most_common(_SHOWN_REASONS), self._latest
         stale = sorted(name for name, age in ages.items() if age > stale_after)
         status = DiagnosticStatus(name=self._name, hardware_id=self._name)
-        troubles = [waiting.in_words()] if waiting.frames else []
+        troubles = [*filter(None, (waiting.in_words(), scene.unknown_ages.in_words()))]
         if stale:
             troubles.append(
                 f'{len(stale)} of {len(ages)} frames are stale (older than {stale_after:g} s): '
                 f'{_some(stale, _NAMES_IN_MESSAGE)}'
             )
+        troubles += _haste(lags, passed - before)
         status.level = DiagnosticStatus.WARN if troubles else DiagnosticStatus.OK
         status.message = '; '.join(troubles) or f'{cycle.count} cycles, {taken} pose messages'
         elapsed, done = now - self._last[0], cycle.count - self._last[1]
@@ -94,13 +118,18 @@ class Diagnostics:
             'cycle rate [Hz]': f'{done / elapsed:.1f}' if 0.0 < elapsed < 10.0 else 'unknown',
             'delay p50 [ms]': _milliseconds(delays, 0.5),
             'delay worst [ms]': _milliseconds(delays, 1.0),
+            'lag p50 [ms]': _milliseconds(lags, 0.5),
+            'lag worst [ms]': _milliseconds(lags, 1.0),
             'pose messages taken': taken,
+            'pose messages passed over': passed,
+            'most pose messages together': together,
             'pose messages refused': refused,
             'latest refusal': latest,
             'frames': len(ages),
             'stale frames': len(stale),
             'names of stale frames': _some(stale, _NAMES_IN_VALUE),
-            'oldest pose': _oldest(ages),
+            'oldest pose': _oldest(ages, scene.unknown_ages),
+            'jumps of the clock': scene.clock_jumps,
             'frames that never had a pose': len(waiting.frames),
             'names of frames that never had a pose': _some(waiting.frames, _NAMES_IN_VALUE),
             'pairs left out for them': waiting.pairs,
@@ -140,6 +169,22 @@ def add_trouble(status: DiagnosticStatus, trouble: str) -> None:
     status.message += f'; {trouble}'
 
 
+def _haste(lags: list[float], passed_over: int) -> list[str]:
+    """Return what is wrong where more comes than can be taken; ``lags`` [s] ascend."""
+    troubles = []
+    if lags and (lag := _quantile(lags, 0.5)) > _LONG_LAG:
+        troubles.append(
+            f'half of the results came more than {1e3 * lag:.0f} ms after the time of their '
+            'newest pose: poses come late, or more of them than can be taken'
+        )
+    if passed_over:
+        troubles.append(
+            f'{passed_over} transform messages were passed over, for more come than can be read; '
+            'of each publisher the newest count'
+        )
+    return troubles
+
+
 def _some(names: list[str], count: int) -> str:
     return ', '.join(names[:count]) + (' ...' if len(names) > count else '')
 
@@ -154,16 +199,21 @@ def _milliseconds(delays: list[float], part: float) -> str:
     """Return a quantile of ascending delays [s] in words."""
     if not delays:
         return 'none'
-    return f'{1e3 * delays[min(len(delays) - 1, int(part * len(delays)))]:.3f}'
+    return f'{1e3 * _quantile(delays, part):.3f}'
 
 
-def _oldest(ages: dict[str, float]) -> str:
+def _quantile(ascending: list[float], part: float) -> float:
+    return ascending[min(len(ascending) - 1, int(part * len(ascending)))]
+
+
+def _oldest(ages: dict[str, float], unknown: UnknownAges) -> str:
     """Return the name and age of the frame with the oldest pose in words."""
     if not ages:
         return 'no frames'
     name = max(ages, key=lambda n: (ages[n], n))
-    age = ages[name]
-    return f'{name}: ' + ('never posed' if math.isinf(age) else f'{age:.3f} s old')
+    if math.isinf(ages[name]):
+        return f'{name}: ' + ('of unknown age' if name in unknown.frames else 'never posed')
+    return f'{name}: {ages[name]:.3f} s old'
 
 
 def _memory() -> int:

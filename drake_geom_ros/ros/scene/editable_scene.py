@@ -6,9 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import FilterId, FramePoseVector, SceneGraph
+from drake_geom_ros.geometry import FilterError, FilterId, FramePoseVector, SceneGraph
+from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.scene.clocks import Since
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
+
+_SHOWN = 5  # ids in a sentence
 
 
 @dataclass(frozen=True)
@@ -62,21 +66,34 @@ class EditableScene(HeldScene):
         self._scene_graph.set_default_accuracy(accuracy)
         self._context.set_default_accuracy(accuracy)
 
-    def take_poses(self, message: Any) -> int:
-        """Take a FramePoses message whole; return how many frames it posed."""
+    def take_poses(self, message: Any, waited: float = 0.0) -> int:
+        """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
         poses = self.read_poses(message)
-        now = dict.fromkeys(poses.id_values().tolist(), self._now())
-        self.pose(poses, now, message.header.stamp)
+        since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
+        self.pose(poses, dict.fromkeys(poses.id_values().tolist(), since), message.header.stamp)
         return len(poses)
 
-    def pose(self, poses: FramePoseVector, posed_at: Mapping[int, float], stamp: Any) -> None:
-        """Pose frames; ``posed_at`` [s] says since when, by the value of the frame's id."""
+    def pose(self, poses: FramePoseVector, posed: Mapping[int, Since], stamp: Any) -> None:
+        """Pose frames; ``posed`` says since when these hold, by the value of the frame's id."""
         self._context.UpdateFramePoses(poses)
-        self._ages.note(posed_at, stamp)
+        if posed:
+            self._ages.note(posed, stamp)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
         self._leases.grant(filter_id, seconds)
+
+    def refuse_too_many_filters(self, owner: str) -> None:
+        """Raise FilterError where an owner has as many transient filters as one may have."""
+        limit, owners = self.filters_per_owner, self._owners
+        if list(owners.values()).count(owner) < limit:
+            return  # some of these may be gone, which costs more to know
+        if list(self.filter_owners().values()).count(owner) >= limit:
+            raise FilterError(
+                f'the owner {owner!r} has {limit} transient filters, as many as the parameter '
+                'filters_per_owner allows; remove those that are not needed any more '
+                '(remove_filter), or let their leases run out'
+            )
 
     def own(self, filter_id: FilterId, owner: str) -> None:
         """Keep in mind who asked for a transient filter."""
@@ -86,12 +103,21 @@ class EditableScene(HeldScene):
         """Remove the transient filters whose lease ran out; return them."""
         manager = self._scene_graph.collision_filter_manager()
         expired = self._leases.take_expired()
-        for filter_id in expired:
+        numbers_of: dict[str, list[int]] = {}
+        for filter_id in manager.RemoveDeclarations(expired):
             number = filter_id.get_value()
-            owner = owned_by(self._owners.get(number, ''))
-            if manager.RemoveDeclaration(filter_id):
-                self.told.append(f'the lease of transient filter {number} ran out: removed{owner}')
+            numbers_of.setdefault(self._owners.get(number, ''), []).append(number)
+        for owner, numbers in numbers_of.items():
+            self.told.append(f'the lease of {_filters(numbers)} ran out: removed{owned_by(owner)}')
         return expired
+
+
+def _filters(numbers: list[int]) -> str:
+    """Return transient filters in words; thousands may go at once."""
+    if len(numbers) == 1:
+        return f'transient filter {numbers[0]}'
+    more = ' ...' if len(numbers) > _SHOWN else ''
+    return f'{len(numbers)} transient filters ({", ".join(map(str, numbers[:_SHOWN]))}{more})'
 
 
 def owned_by(owner: str) -> str:

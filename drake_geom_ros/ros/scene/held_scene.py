@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from typing import Any
 
 from drake_geom_ros.geometry import (
@@ -16,8 +16,9 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
 from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.leases import Leases
-from drake_geom_ros.ros.scene.pose_ages import PoseAges
+from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
@@ -36,13 +37,14 @@ class HeldScene:
     """
 
     def __init__(
-        self, scene_graph: SceneGraph, now: Callable[[], float], world_frame: str, version: int
+        self, scene_graph: SceneGraph, clocks: Clocks, world_frame: str, version: int
     ) -> None:
-        """``now`` [s] is the clock of pose ages and leases; ``version`` that of an empty scene."""
+        """``clocks`` tell the ages of poses; ``version`` is that of an empty scene."""
         self.world_frame = world_frame
-        self._now = now
+        self._clocks = clocks
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
+        self.filters_per_owner: float = math.inf  # transient ones that an owner may have
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
@@ -50,7 +52,7 @@ class HeldScene:
         self._context = scene_graph.CreateSharedContext(partial=True)
         self._version_base = version
         self._named_version = -1
-        self._ages, self._leases = PoseAges(self._now), Leases(self._now)
+        self._ages, self._leases = PoseAges(self._clocks), Leases(self._clocks.steady)
         self._robots: list[RobotDescription] = []
         self._owners: dict[int, str] = {}
 
@@ -97,8 +99,16 @@ class HeldScene:
             self._named_version = self.version
 
     def pose_ages(self) -> dict[str, float]:
-        """Return the age [s] of the pose of every frame by name; inf for one never posed."""
+        """Return the age [s] of the pose of every frame by name; inf for one that is unknown."""
         return self._ages.by_name(self.names)
+
+    def unknown_ages(self) -> UnknownAges:
+        """Return the frames that were not posed since the node's clock jumped."""
+        return UnknownAges(self._ages.unknown(self.names))
+
+    def lag(self) -> float:
+        """Return how far [s] behind the poses that were taken last the node is."""
+        return self._ages.lag()
 
     def moment(self) -> Moment:
         """Return which scene and poses an answer of now is for."""
@@ -126,7 +136,7 @@ class HeldScene:
         context = self._context.what_if()
         filters = self._scene_graph.collision_filter_manager(context)
         owners = self.filter_owners()
-        return SceneView(context, filters, self.names, self.moment(), owners)
+        return SceneView(context, filters, self.names, self.moment(), owners, self.unknown_ages())
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""

@@ -20,6 +20,7 @@ from typing import Any
 from drake_geom_ros.geometry import GeometryError, SceneGraph, SceneGraphContext
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.names import WORLD
+from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
@@ -31,20 +32,21 @@ class LiveScene:
     def __init__(
         self,
         accuracy: str,
-        now: Callable[[], float],
+        clocks: Clocks,
         world_frame: str = WORLD,
         version: int = 0,
     ) -> None:
-        """``now`` [s] is the clock that ages of poses and leases of filters are measured by.
+        """``clocks`` measure the ages of poses and the leases of filters.
 
         ``version`` is that of the scene while it is empty: it grows from there.
         """
+        self.clocks = clocks
         self.files = FileAccess([ALL_PACKAGES])
         self.most_megabytes = math.inf  # of an answer
         self.world_frame = world_frame
         self._lock = threading.RLock()
         self._closed = False
-        self._scene = EditableScene(SceneGraph(accuracy=accuracy), now, world_frame, version)
+        self._scene = EditableScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
 
     @contextmanager
     def editing(self) -> Iterator[EditableScene]:

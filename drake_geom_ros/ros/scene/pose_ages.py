@@ -1,53 +1,90 @@
-"""Since when each frame has its pose, by the node's clock and by the sender's. No ROS import."""
+"""Since when each frame has its pose, by the node's clocks and by the sender's. No ROS import."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
+
+_SHOWN = 5  # names in a sentence
+
+
+class UnknownAges(NamedTuple):
+    """The full names of the frames that were posed, but not since the node's clock jumped."""
+
+    frames: list[str]
+
+    def in_words(self) -> str:
+        """Return a sentence about it; empty where there are none."""
+        if not self.frames:
+            return ''
+        more = ' ...' if len(self.frames) > _SHOWN else ''
+        return (
+            f'{len(self.frames)} frames have poses of unknown age, from before the clock jumped: '
+            f'{", ".join(self.frames[:_SHOWN])}{more}'
+        )
 
 
 class PoseAges:
-    """Times of frame poses by the value of the frame's id; ages [s] by one clock."""
+    """Times of frame poses by the value of the frame's id; ages [s] by two clocks."""
 
-    def __init__(self, now: Callable[[], float]) -> None:
-        self._now = now
-        self._posed_at: dict[int, float] = {}
+    def __init__(self, clocks: Clocks) -> None:
+        self._clocks = clocks
+        self._posed: dict[int, Since] = {}
         self._stamps: dict[int, Any] = {}
         self.newest_stamp: Any = None  # builtin_interfaces/Time; None before the first pose
+        self._latest = ALWAYS
 
-    def note(self, posed_at: Mapping[int, float], stamp: Any) -> None:
-        """Note since when [s] frames have their poses; inf: a pose that does not grow old.
+    def note(self, posed: Mapping[int, Since], stamp: Any) -> None:
+        """Note since when frames have their poses.
 
         ``stamp`` is when these held by the sender's clock. A message that comes late must not make
-        the others' poses older, and none is newest that is not there any more.
+        the others' poses older, and none is newest that is not there any more, or that is of the
+        time before the clock jumped.
         """
-        self._posed_at.update(posed_at)
-        self._stamps.update(dict.fromkeys(posed_at, stamp))
+        self._posed.update(posed)
+        self._latest = max((s for s in set(posed.values()) if s != ALWAYS), default=ALWAYS)
+        self._stamps.update(dict.fromkeys(posed, stamp))
         if self.newest_stamp is None or time_of(stamp) >= time_of(self.newest_stamp):
             self.newest_stamp = stamp
         else:
-            self.newest_stamp = max(self._stamps.values(), key=time_of)
+            epoch = max(since.epoch for since in posed.values())
+            alive = (s for frame, s in self._stamps.items() if self._posed[frame].epoch >= epoch)
+            self.newest_stamp = max(alive, key=time_of)
 
     def by_name(self, names: NameTable) -> dict[str, float]:
-        """Return the age [s] of the pose of every frame by name; inf for one never posed."""
-        posed, now = self._posed_at, self._now()
+        """Return the age [s] of the pose of every frame by name; inf for one that is unknown."""
+        ages = {value: self._clocks.age(since) for value, since in self._posed.items()}
         return {
-            name: max(0.0, now - posed.get(frame.get_value(), -math.inf))
+            name: ages.get(frame.get_value(), math.inf)
             for frame, name in names.frame_names.items()
             if frame != names.world
         }
 
+    def unknown(self, names: NameTable) -> list[str]:
+        """Return the names of the frames that were posed, but not since the clock jumped."""
+        epoch = self._clocks.epoch
+        before = {value for value, since in self._posed.items() if since.epoch < epoch}
+        if not before:
+            return []
+        return [name for frame, name in names.frame_names.items() if frame.get_value() in before]
+
+    def lag(self) -> float:
+        """Return the age [s] of what was noted last; inf: unknown, 0: it does not grow old."""
+        return self._clocks.age(self._latest)
+
     def oldest(self, names: NameTable) -> float:
-        """Return the age [s] of the oldest frame pose; inf when a frame was never posed."""
+        """Return the age [s] of the oldest frame pose; inf when one is unknown."""
         frames = len(names.frame_names) - 1
         if not frames:
             return 0.0
-        if len(self._posed_at) < frames:
+        if len(self._posed) < frames:
             return math.inf
-        return max(0.0, self._now() - min(self._posed_at.values()))
+        # The frames of a message have their poses since the same moment.
+        return max(map(self._clocks.age, set(self._posed.values())))
 
 
 def time_of(stamp: Any) -> tuple[int, int]:

@@ -8,7 +8,8 @@ from typing import Any
 
 from drake_geom_ros.geometry import CollisionFilterManager, QueryObject, SceneGraphContext
 from drake_geom_ros.ros.conversions.names import NameTable
-from drake_geom_ros.ros.scene.waiting import Waiting, waiting
+from drake_geom_ros.ros.scene.pose_ages import UnknownAges
+from drake_geom_ros.ros.scene.waiting import waiting
 
 
 @dataclass(frozen=True)
@@ -39,12 +40,14 @@ class SceneView:
     names: NameTable
     moment: Moment
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
+    unknown_ages: UnknownAges
 
     @property
     def query(self) -> QueryObject:
         """The query object of this moment."""
         return QueryObject(self.context)
 
-    def waiting(self) -> Waiting:
-        """Return what waits for its first pose."""
-        return waiting(self.query, self.names)
+    def reservations(self) -> str:
+        """Return in words what an answer leaves out, and which poses it should not be built on."""
+        said = waiting(self.query, self.names).in_words(), self.unknown_ages.in_words()
+        return '; '.join(filter(None, said))

@@ -34,6 +34,7 @@ def _lease(request: Any) -> float:
 def apply_transient_filter(scene: EditableScene, request: Any, response: Any) -> None:
     """Apply a declaration that can be taken back, or that ends with its lease."""
     lease = _lease(request)
+    scene.refuse_too_many_filters(request.owner)
     declaration = declaration_from_message(request.declaration, scene.names)
     filter_id = scene.scene_graph.collision_filter_manager().ApplyTransient(declaration)
     scene.lease(filter_id, lease)

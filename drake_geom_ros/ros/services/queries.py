@@ -55,7 +55,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     _require_room(live, len(results), PENETRATION_SIZE, 'filter pairs that always overlap')
     fill_penetrations(response.result, results)
     view.moment.stamp(response.result)
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
@@ -69,7 +69,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     _require_room(live, len(results), SIGNED_DISTANCE_SIZE, instead)
     fill_signed_distances(response.result, results, limit)
     view.moment.stamp(response.result)
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:
@@ -99,7 +99,7 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     _require_room(live, sum(map(len, parts)), POINT_DISTANCE_SIZE, instead)
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> None:
@@ -108,14 +108,14 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
     ids = view.query.collision_candidates()
     _require_room(live, len(ids), CANDIDATE_SIZE, 'filter pairs that never matter')
     response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether any pair overlaps."""
     view = live.view(request.poses)
     response.has_collisions = view.query.HasCollisions()
-    response.message = view.waiting().in_words()
+    response.message = view.reservations()
 
 
 def get_pose(live: LiveScene, request: Any, response: Any) -> None:

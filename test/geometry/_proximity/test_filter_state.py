@@ -498,6 +498,22 @@ def test_a_removal_replays_only_the_rows_that_it_touched(written):
     np.testing.assert_array_equal(changed, np.sort(expected))
 
 
+def test_many_that_go_cost_one_pass_over_those_that_stay(written):
+    state = free(20)
+    for filter_id in range(1, 101):
+        state.apply_transient(between((filter_id % 5 + 1,), (10,)), filter_id)
+    state.apply_transient(between((1,), (20,)), 101)
+    written.rows = 0
+    assert state.remove_declarations(range(101)) == list(range(1, 101))
+    # Of #101 the one row of a geometry that the others mention.
+    assert written.rows == 1
+    assert candidates(state) == candidates(free(20)) - {frozenset((1, 20))}
+    assert state.active_ids == [101]
+    version = state.version
+    assert state.remove_declarations([1, 2]) == []
+    assert state.version == version
+
+
 def test_a_declaration_touches_only_the_rows_of_its_sets():
     state = free(300)
     before = state._bits.copy()
@@ -566,6 +582,13 @@ class AgainstPairSets(RuleBasedStateMachine):
     def remove_declaration(self, age):
         existed = self.model.history.pop(self.next_id - age, None) is not None
         assert self.state.remove_declaration(self.next_id - age) == existed
+
+    @rule(ages=st.lists(st.integers(1, 4)))
+    def remove_declarations(self, ages):
+        gone = {i for age in ages if (i := self.next_id - age) in self.model.history}
+        for filter_id in gone:
+            del self.model.history[filter_id]
+        assert set(self.state.remove_declarations(self.next_id - age for age in ages)) == gone
 
     @rule()
     def flatten(self):

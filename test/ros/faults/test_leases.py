@@ -10,6 +10,7 @@ from ros.harness import environment, start_node
 from ros.scene_calls import accepted, add_pair, exclude, refused
 
 LEASE = 1.0  # [s]
+MANY = 50  # transient filters that an owner may have
 PAIR = {'geometry_a': 's::a/ball', 'geometry_b': 's::b/ball'}
 # Applies a filter with a lease, and renews it ten times in the time of the lease.
 OWNER = f"""
@@ -39,7 +40,7 @@ while True:
 
 @pytest.fixture
 def node(tmp_path):
-    process = start_node(tmp_path / 'log')
+    process = start_node(tmp_path / 'log', filters_per_owner=MANY)
     yield process
     assert process.end() == 0, process.output()
 
@@ -78,3 +79,24 @@ def test_a_filter_outlives_its_owner_by_its_lease(node, owner, client):
     assert reasons() == []
     accepted(client.call(srv.ApplyFilter, 'apply_filter', **apply))
     assert reasons() == ['persistent declaration 0']
+
+
+def test_what_one_owner_may_have_is_limited_and_goes_with_its_leases(client):
+    add_pair(client, 's')
+    declaration = exclude(*PAIR.values())
+
+    def ask(owner):
+        fields = {'declaration': declaration, 'owner': owner}
+        return client.call(srv.ApplyTransientFilter, 'apply_transient_filter', **fields)
+
+    def active():
+        return list(accepted(client.call(srv.GetFilters, 'get_filters')).active_filter_ids)
+
+    numbers = [accepted(ask('hoarder')).filter_id for _ in range(MANY)]
+    refused(ask('hoarder'), f"owner 'hoarder' has {MANY} transient filters")
+    other = accepted(ask('other')).filter_id
+    assert active() == [*numbers, other]
+    for number in numbers:
+        accepted(client.call(srv.RenewFilter, 'renew_filter', filter_id=number, lease=0.1))
+    client.wait_for(lambda: active() == [other], 'the leases to end')
+    accepted(ask('hoarder'))

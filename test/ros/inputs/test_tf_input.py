@@ -11,6 +11,7 @@ from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.inputs import tf_input
 from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
 from drake_geom_ros.scene_files import read_scene
 
 TEXT = """
@@ -42,8 +43,8 @@ def live(clock):
 
 
 @pytest.fixture
-def tf(clock):
-    return TfInput(clock)
+def tf(live):
+    return TfInput(live.clocks)
 
 
 def transform(parent, child, X=None, stamp=0.0):
@@ -59,6 +60,13 @@ def message(*transforms):
     return Plain(transforms=list(transforms))
 
 
+def take(tf, scene, *messages, static):
+    """Have messages heard together, and return how many frames were posed by them."""
+    for each in messages:
+        tf.hear(each, static=static)
+    return tf.pose(scene)
+
+
 def at(x):
     return RigidTransform([x, 0.0, 0.0])
 
@@ -68,22 +76,22 @@ def position(scene, name):
 
 
 def test_a_frame_takes_the_transform_of_its_name(scene, tf):
-    assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 1
+    assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 1
     assert position(scene, 'tool') == [1, 0, 0]
 
 
 def test_a_name_that_two_sources_have_needs_the_source(scene, tf):
-    assert tf.take(scene, message(transform('world', 'base', at(1))), static=False) == 0
-    assert tf.take(scene, message(transform('world', 'right/base', at(2))), static=False) == 1
+    assert take(tf, scene, message(transform('world', 'base', at(1))), static=False) == 0
+    assert take(tf, scene, message(transform('world', 'right/base', at(2))), static=False) == 1
     assert position(scene, 'right::base') == [2, 0, 0]
     assert not scene.query.is_placed(scene.names.frame('left::base'))
 
 
 def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
     X_AB = RigidTransform(RollPitchYaw(0.1, 0.2, 0.3).ToRotationMatrix(), [1.0, 2.0, 3.0])
-    assert tf.take(scene, message(transform('/odom', 'tool', X_AB)), static=False) == 0
-    assert tf.take(scene, message(transform('map', 'odom', X_AB)), static=True) == 0
-    assert tf.take(scene, message(transform('world', 'map', X_AB)), static=True) == 1
+    assert take(tf, scene, message(transform('/odom', 'tool', X_AB)), static=False) == 0
+    assert take(tf, scene, message(transform('map', 'odom', X_AB)), static=True) == 0
+    assert take(tf, scene, message(transform('world', 'map', X_AB)), static=True) == 1
     X_WF = scene.query.X_WF(scene.names.frame('tool'))
     expected = (X_AB @ X_AB @ X_AB).GetAsMatrix4()
     np.testing.assert_allclose(X_WF.GetAsMatrix4(), expected, atol=1e-14)
@@ -91,88 +99,122 @@ def test_a_chain_is_followed_to_the_world_in_any_order_of_arrival(scene, tf):
 
 def test_a_nested_frame_is_posed_in_its_parent(scene, tf):
     both = transform('world', 'left/base', at(1)), transform('left/base', 'hand', at(2))
-    assert tf.take(scene, message(*both), static=False) == 2
+    assert take(tf, scene, message(*both), static=False) == 2
     assert position(scene, 'hand') == [3, 0, 0]
     assert scene.query.X_PF(scene.names.frame('hand')).translation().tolist() == [2, 0, 0]
     # The parent moves alone: both must follow, and the hand goes with it.
-    assert tf.take(scene, message(transform('world', 'left/base', at(5))), static=False) == 2
+    assert take(tf, scene, message(transform('world', 'left/base', at(5))), static=False) == 2
     assert position(scene, 'hand') == [7, 0, 0]
     # TF knows the hand in the world, and nothing of its base, which stays.
     text = TEXT.replace('base, source: left', 'base, source: left, pose: {}')
     with live_scene(text).editing() as fresh:
-        tf = TfInput(lambda: 0.0)
-        tf.take(fresh, message(transform('world', 'hand', at(4))), static=False)
+        tf = TfInput(Clocks(lambda: 0.0))
+        take(tf, fresh, message(transform('world', 'hand', at(4))), static=False)
         assert position(fresh, 'hand') == [4, 0, 0]
 
 
 def test_what_hangs_on_a_frame_that_waits_waits_with_it(scene, tf):
     """In the world TF knows the hand; in its base, of which nobody knows where it is, nobody."""
     base, hand = scene.names.frame('left::base'), scene.names.frame('hand')
-    assert tf.take(scene, message(transform('world', 'hand', at(4))), static=True) == 0
-    assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 1
+    assert take(tf, scene, message(transform('world', 'hand', at(4))), static=True) == 0
+    assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 1
     assert {base, hand} <= set(scene.query.waiting_frames())
     # The base gets its pose elsewhere; with whatever TF brings next the hand follows.
-    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): 0.0}, Plain(sec=0, nanosec=0))
-    assert tf.take(scene, message(transform('world', 'tool', at(2))), static=False) == 2
+    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): ALWAYS}, Plain(sec=0, nanosec=0))
+    assert take(tf, scene, message(transform('world', 'tool', at(2))), static=False) == 2
     assert position(scene, 'hand') == [4, 0, 0]
     assert scene.query.X_PF(hand).translation().tolist() == [3, 0, 0]
 
 
 def test_the_stamp_is_that_of_the_newest_transform_wherever_it_stands(scene, tf):
     both = transform('world', 'tool', at(1), 20.0), transform('world', 'left/base', at(1), 10.0)
-    tf.take(scene, message(*both), static=False)
+    take(tf, scene, message(*both), static=False)
     assert scene.moment().newest_stamp.sec == 20
-    tf.take(scene, message(transform('world', 'left/base', at(1), 15.0)), static=False)
+    take(tf, scene, message(transform('world', 'left/base', at(1), 15.0)), static=False)
     assert scene.moment().newest_stamp.sec == 20
 
 
 def test_a_loop_of_frames_leads_nowhere(scene, tf):
     loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
-    assert tf.take(scene, message(*loop), static=False) == 0
-    assert tf.take(scene, message(transform('world', 'a', at(1))), static=False) == 1
+    assert take(tf, scene, message(*loop), static=False) == 0
+    assert take(tf, scene, message(transform('world', 'a', at(1))), static=False) == 1
     assert position(scene, 'tool') == [2, 0, 0]
 
 
 def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
-    tf.take(
+    take(
+        tf,
         scene,
         message(transform('world', 'cart', at(1)), transform('cart', 'tool', at(1))),
         static=False,
     )
     clock.now += 3.0
     # One link of the chain goes on, the other is silent: the pose is as old as the silent one.
-    tf.take(scene, message(transform('cart', 'tool', at(2))), static=False)
+    take(tf, scene, message(transform('cart', 'tool', at(2))), static=False)
     assert position(scene, 'tool') == [3, 0, 0]
     assert scene.pose_ages()['right::tool'] == pytest.approx(3.0)
-    tf.take(scene, message(transform('world', 'cart', at(1))), static=False)
+    take(tf, scene, message(transform('world', 'cart', at(1))), static=False)
     assert scene.pose_ages()['right::tool'] == 0.0
 
 
+def test_a_chain_over_a_jump_of_the_clock_has_no_age_until_all_of_it_is_new(
+    live, scene, tf, clock
+):
+    links = transform('world', 'cart', at(1), 999.5), transform('cart', 'tool', at(1), 999.0)
+    take(tf, scene, message(transform('world', 'left/base', at(0))), static=True)
+    take(tf, scene, message(*links), static=False)
+    assert scene.pose_ages()['right::tool'] == pytest.approx(1.0)
+    clock.now = 999.75
+    live.clocks.begin_anew()
+    take(tf, scene, message(transform('cart', 'tool', at(2), 999.25)), static=False)
+    ages = scene.pose_ages()
+    assert math.isinf(ages['right::tool'])
+    assert ages['left::base'] == 0.0
+    take(tf, scene, message(transform('world', 'cart', at(1), 999.5)), static=False)
+    assert scene.pose_ages()['right::tool'] == pytest.approx(0.5)
+
+
 def test_what_is_static_does_not_grow_old(scene, tf, clock):
-    tf.take(scene, message(transform('world', 'tool', at(1))), static=True)
+    take(tf, scene, message(transform('world', 'tool', at(1))), static=True)
     clock.now += 1e6
     assert scene.pose_ages()['right::tool'] == 0.0
     assert math.isinf(scene.pose_ages()['left::hand'])
 
 
+def test_messages_that_came_together_pose_once_and_each_is_as_old_as_it_is(scene, tf, clock):
+    cart = message(transform('world', 'cart', at(1), 999.25))
+    tool = message(transform('cart', 'tool', at(1), 999.75))
+    newer = message(transform('cart', 'tool', at(2), 999.9))
+    assert take(tf, scene, cart, tool, newer, static=False) == 1
+    assert position(scene, 'tool') == [3, 0, 0]
+    assert scene.pose_ages()['right::tool'] == 0.75
+    assert tf.pose(scene) == 0
+
+
+def test_a_transform_without_a_stamp_is_as_old_as_its_message(scene, tf):
+    tf.hear(message(transform('world', 'tool', at(1))), static=False, waited=0.5)
+    tf.pose(scene)
+    assert scene.pose_ages()['right::tool'] == 0.5
+
+
 def test_a_late_transform_is_ignored(scene, tf):
-    tf.take(scene, message(transform('world', 'tool', at(1), stamp=10.5)), static=False)
+    take(tf, scene, message(transform('world', 'tool', at(1), stamp=10.5)), static=False)
     assert (
-        tf.take(scene, message(transform('world', 'tool', at(2), stamp=10.2)), static=False) == 0
+        take(tf, scene, message(transform('world', 'tool', at(2), stamp=10.2)), static=False) == 0
     )
     assert position(scene, 'tool') == [1, 0, 0]
 
 
 def test_of_two_transforms_of_a_frame_in_a_message_the_newer_one_counts(scene, tf):
     both = transform('world', 'tool', at(1), 10.5), transform('world', 'tool', at(2), 10.2)
-    assert tf.take(scene, message(*both), static=False) == 1
+    assert take(tf, scene, message(*both), static=False) == 1
     assert position(scene, 'tool') == [1, 0, 0]
 
 
 def test_what_is_static_leaves_the_stamp_of_what_moves(scene, tf):
-    tf.take(scene, message(transform('world', 'map', at(1), 3.0)), static=True)
-    tf.take(scene, message(transform('map', 'tool', at(1), 50.0)), static=False)
-    tf.take(scene, message(transform('world', 'map', at(2), 4.0)), static=True)
+    take(tf, scene, message(transform('world', 'map', at(1), 3.0)), static=True)
+    take(tf, scene, message(transform('map', 'tool', at(1), 50.0)), static=False)
+    take(tf, scene, message(transform('world', 'map', at(2), 4.0)), static=True)
     assert position(scene, 'tool') == [3, 0, 0]
     assert scene.moment().newest_stamp.sec == 50
 
@@ -180,27 +222,27 @@ def test_what_is_static_leaves_the_stamp_of_what_moves(scene, tf):
 def test_more_frames_than_are_kept_are_refused(scene, tf, monkeypatch):
     monkeypatch.setattr(tf_input, '_MOST_FRAMES', 3)
     three = [transform('world', f'link{k}', at(k)) for k in range(3)]
-    tf.take(scene, message(*three), static=False)
-    tf.take(scene, message(*three), static=False)  # nothing new
+    take(tf, scene, message(*three), static=False)
+    take(tf, scene, message(*three), static=False)  # nothing new
     # Refused whole: neither is the frame known, nor has time gone back.
     with pytest.raises(RuntimeError, match='make 4 TF frames known; at most 3'):
-        tf.take(scene, message(transform('world', 'tool', at(1))), static=False)
+        take(tf, scene, message(transform('world', 'tool', at(1))), static=False)
     assert not scene.query.is_placed(scene.names.frame('right::tool'))
 
 
 def test_time_that_goes_back_forgets_what_moved(scene, tf):
-    tf.take(scene, message(transform('world', 'map', at(1))), static=True)
+    take(tf, scene, message(transform('world', 'map', at(1))), static=True)
     chain = transform('map', 'cart', at(1), 50.0), transform('cart', 'tool', at(1), 50.0)
-    tf.take(scene, message(*chain), static=False)
+    take(tf, scene, message(*chain), static=False)
     # The bag begins anew: the old cart must not carry the new tool.
-    assert tf.take(scene, message(transform('cart', 'tool', at(7), 3.0)), static=False) == 0
+    assert take(tf, scene, message(transform('cart', 'tool', at(7), 3.0)), static=False) == 0
     assert position(scene, 'tool') == [3, 0, 0]
-    assert tf.take(scene, message(transform('map', 'cart', at(0), 3.0)), static=False) == 1
+    assert take(tf, scene, message(transform('map', 'cart', at(0), 3.0)), static=False) == 1
     assert position(scene, 'tool') == [8, 0, 0]
 
 
 def test_a_changed_scene_is_posed_by_what_is_known(scene, tf):
-    tf.take(scene, message(transform('world', 'late', at(3))), static=True)
+    take(tf, scene, message(transform('world', 'late', at(3))), static=True)
     scene.add(read_scene('frames:\n- {name: late}'))
     assert tf.follow(scene) == 1
     assert position(scene, 'late') == [3, 0, 0]
@@ -224,12 +266,11 @@ def test_a_bad_transform_refuses_the_message(scene, tf, bad, words):
         bad.transform.translation.x = math.nan
     good = transform('world', 'left/base', at(1))
     with pytest.raises(RuntimeError, match=words):
-        tf.take(scene, message(good, bad), static=False)
+        take(tf, scene, message(good, bad), static=False)
     assert not scene.query.is_placed(scene.names.frame('left::base'))
 
 
-def test_the_world_may_have_another_name(clock):
-    tf = TfInput(clock)
+def test_the_world_may_have_another_name(clock, tf):
     with live_scene(TEXT, clock, 'map').editing() as scene:
-        assert tf.take(scene, message(transform('world', 'tool', at(1))), static=False) == 0
-        assert tf.take(scene, message(transform('map', 'tool', at(2))), static=False) == 1
+        assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 0
+        assert take(tf, scene, message(transform('map', 'tool', at(2))), static=False) == 1

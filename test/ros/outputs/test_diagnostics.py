@@ -48,3 +48,32 @@ def test_without_such_frames_nothing_is_said_of_them():
 )
 def test_transient_filters_are_told_with_their_owners(owners, said):
     assert status_of({}, owners=owners)[1]['transient filters'] == said
+
+
+def test_lag_and_what_is_passed_over_are_figures_and_warnings():
+    scene, diagnostics = SceneState(7, {'s::a': 0.0}, NOBODY, {}), Diagnostics('/node')
+
+    def told():
+        (status,) = diagnostics.message(scene, 1.0, CYCLE, 1.0).status
+        return status, {v.key: v.value for v in status.values}
+
+    for lag in (0.02, 0.03, 0.2, math.inf):
+        diagnostics.answer(lag)
+    diagnostics.take(0.01, 5)
+    status, values = told()
+    assert status.level == DiagnosticStatus.OK
+    assert (values['lag p50 [ms]'], values['lag worst [ms]']) == ('30.000', '200.000')
+    assert (values['pose messages taken'], values['most pose messages together']) == ('5', '5')
+    diagnostics.answer(0.512)
+    status, values = told()
+    assert status.level == DiagnosticStatus.WARN
+    assert status.message.startswith('half of the results came more than 512 ms after the time')
+    diagnostics.take(0.01, 10, 3)
+    status, values = told()
+    assert status.level == DiagnosticStatus.WARN
+    assert status.message.startswith('3 transform messages were passed over')
+    assert (values['pose messages taken'], values['pose messages passed over']) == ('12', '3')
+    assert values['lag p50 [ms]'] == 'none'
+    status, values = told()
+    assert status.level == DiagnosticStatus.OK
+    assert values['pose messages passed over'] == '3'

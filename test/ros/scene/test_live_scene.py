@@ -12,6 +12,7 @@ from drake_geom_ros.geometry import (
     FrameId,
     GeometrySet,
 )
+from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import read_scene, to_yaml
@@ -80,7 +81,7 @@ def test_ages_of_poses(scene, clock):
 
 
 def test_an_empty_scene_has_no_old_poses(clock):
-    assert LiveScene('exact', clock).view().moment.oldest_pose_age == 0.0
+    assert LiveScene('exact', Clocks(clock)).view().moment.oldest_pose_age == 0.0
 
 
 def test_a_refused_message_leaves_everything(scene, clock):
@@ -175,7 +176,7 @@ def test_who_waits_for_a_pose_goes_on_waiting_in_a_scene_that_was_saved(scene):
 
 
 def test_an_empty_scene_has_the_world_alone_and_goes_on_counting(clock):
-    with LiveScene('exact', clock, version=7).reading() as scene:
+    with LiveScene('exact', Clocks(clock), version=7).reading() as scene:
         assert scene.version == 7
     assert scene.names.frame('world') == scene.inspector.world_frame_id()
     with pytest.raises(RuntimeError, match='no frame'):

@@ -6,10 +6,10 @@ from types import SimpleNamespace as Plain
 import pytest
 
 from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
 from drake_geom_ros.ros.scene.pose_ages import PoseAges
 
 WORLD, A, B = (FrameId.get_new_id() for _ in range(3))
-STAMP = Plain(sec=1, nanosec=0)
 NAMES = Plain(world=WORLD, frame_names={WORLD: 'world', A: 's::a', B: 's::b'})
 
 
@@ -19,27 +19,49 @@ def clock():
 
 
 @pytest.fixture
-def ages(clock):
-    return PoseAges(lambda: clock[0])
+def clocks(clock):
+    return Clocks(lambda: clock[0], lambda: clock[0])
 
 
-def test_ages_count_from_the_last_pose(ages, clock):
-    ages.note({A.get_value(): 99.0, B.get_value(): 100.0}, STAMP)
+@pytest.fixture
+def ages(clocks):
+    return PoseAges(clocks)
+
+
+@pytest.fixture
+def note(ages, clocks):
+    """Return a function that notes a stamp for frames, and returns the newest one."""
+
+    def note(stamp, *frames):
+        sec, nanosec = int(stamp), round(stamp % 1 * 1e9)
+        since = clocks.arrival().since(stamp)
+        posed = {frame.get_value(): since for frame in frames}
+        ages.note(posed, Plain(sec=sec, nanosec=nanosec))
+        return ages.newest_stamp.sec + 1e-9 * ages.newest_stamp.nanosec
+
+    return note
+
+
+def test_ages_count_from_the_last_pose(ages, clock, note):
+    note(99.0, A)
+    note(100.0, B)
     clock[0] += 2.0
     assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
     assert ages.oldest(NAMES) == 3.0
-    ages.note({A.get_value(): 102.0}, STAMP)
+    note(102.0, A)
     assert ages.oldest(NAMES) == 2.0
 
 
-def test_a_frame_that_was_never_posed_is_infinitely_old(ages):
-    ages.note({A.get_value(): 100.0}, STAMP)
+def test_a_frame_that_was_never_posed_is_infinitely_old(ages, note):
+    note(100.0, A)
     assert ages.by_name(NAMES) == {'s::a': 0.0, 's::b': math.inf}
     assert ages.oldest(NAMES) == math.inf
+    assert ages.unknown(NAMES) == []
 
 
-def test_what_holds_for_ever_and_what_is_of_the_future_is_new(ages):
-    ages.note({A.get_value(): math.inf, B.get_value(): 100.5}, STAMP)
+def test_what_holds_for_ever_is_new(ages, note):
+    note(100.0, B)
+    ages.note({A.get_value(): ALWAYS}, Plain(sec=1, nanosec=0))
     assert ages.by_name(NAMES) == {'s::a': 0.0, 's::b': 0.0}
     assert ages.oldest(NAMES) == 0.0
 
@@ -48,16 +70,27 @@ def test_without_frames_nothing_is_old(ages):
     assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'world'})) == 0.0
 
 
-def test_the_newest_stamp_is_that_of_the_newest_pose_whoever_came_last(ages):
-    def note(frame, sec, nanosec=0):
-        ages.note({frame.get_value(): 100.0}, Plain(sec=sec, nanosec=nanosec))
-        return ages.newest_stamp.sec, ages.newest_stamp.nanosec
-
+def test_the_newest_stamp_is_that_of_the_newest_pose_whoever_came_last(ages, note):
     assert ages.newest_stamp is None
-    assert note(A, 7, 5) == (7, 5)
-    assert note(B, 3) == (7, 5)
-    assert note(B, 7, 6) == (7, 6)
-    assert note(A, 9) == (9, 0)
+    assert note(7.5, A) == 7.5
+    assert note(3, B) == 7.5
+    assert note(7.625, B) == 7.625
+    assert note(9, A) == 9
     # The sender's time has gone back: the pose of 9 s is not there any more.
-    assert note(A, 2) == (7, 6)
-    assert note(B, 1) == (2, 0)
+    assert note(2, A) == 7.625
+    assert note(1, B) == 2
+
+
+def test_after_a_jump_of_the_clock_what_is_of_before_has_no_age_and_no_say(
+    ages, clocks, clock, note
+):
+    note(100.0, A, B)
+    clock[0] = 10.0
+    clocks.begin_anew()
+    assert ages.by_name(NAMES) == {'s::a': math.inf, 's::b': math.inf}
+    assert ages.unknown(NAMES) == ['s::a', 's::b']
+    assert note(10.0, A) == 10.0
+    assert ages.unknown(NAMES) == ['s::b']
+    assert ages.oldest(NAMES) == math.inf
+    note(10.0, B)
+    assert ages.oldest(NAMES) == 0.0

@@ -89,6 +89,41 @@ def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
     ]
 
 
+def test_leases_that_end_together_are_told_in_a_line_for_each_owner(live, clock):
+    numbers = [apply(live, 'planner', 5.0) for _ in range(7)]
+    other = apply(live, '', 5.0)
+    told(live)
+    clock[0] += 6.0
+    with live.editing() as scene:
+        assert len(scene.expire_filters()) == 8
+    some = ', '.join(map(str, numbers[:5]))
+    assert told(live) == [
+        f"the lease of 7 transient filters ({some} ...) ran out: removed (owner 'planner')",
+        f'the lease of transient filter {other} ran out: removed',
+    ]
+
+
+def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
+    with live.editing() as scene:
+        scene.filters_per_owner = 2
+    ids = [apply(live, 'planner', 5.0), apply(live, 'planner')]
+    with pytest.raises(RuntimeError, match=r"owner 'planner' has 2 .* filters_per_owner"):
+        apply(live, 'planner')
+    others = [apply(live, ''), apply(live, '')]
+    with pytest.raises(RuntimeError, match="owner '' has 2"):
+        apply(live, '', 1.0)
+    assert sorted(state(live)[0]) == ids + others
+    # A lease that ended, and a filter that was removed, make room.
+    clock[0] += 6.0
+    with live.editing() as scene:
+        scene.expire_filters()
+        filters.remove_filter(scene, Plain(filter_id=others[0]), Plain())
+    for owner in ('planner', ''):
+        apply(live, owner)
+        with pytest.raises(RuntimeError, match='has 2'):
+            apply(live, owner)
+
+
 def test_who_is_gone_is_forgotten(live):
     for number in range(5):
         apply(live, f'owner {number}')

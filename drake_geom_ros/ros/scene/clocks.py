@@ -1,0 +1,105 @@
+"""The two clocks that tell how old a pose is, and what becomes of ages when one of them jumps.
+
+The node's time is what stamps are in: the time of day, or simulated time, which may rest, run at
+any speed and begin anew. Steady time runs whatever becomes of the other. A pose is as old as the
+one of the two says that says more: since its stamp by the node's time, and since its message came
+by steady time. So a sender that fell silent is noticed although simulated time rests. No ROS
+import.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+# [s] a stamp that is later than the node's time by more is of another clock (transforms are dated
+# ahead by a second so that they hold until the next), and so is one that is earlier by more: no
+# message is on its way that long. Neither tells an age.
+_MOST_AHEAD = 2.0
+_MOST_BEHIND = 60.0
+# [s] a step of the time of day that no correction of its rate can be, between two looks.
+_LEAST_STEP = 0.5
+_LONGEST_LOOK = 0.05  # [s] if reading both clocks takes longer, their difference says nothing
+
+
+class Since(NamedTuple):
+    """Since when a pose holds."""
+
+    epoch: float  # how often the node's time had jumped
+    heard: float  # [s] of steady time, when its message came
+    held: float  # [s] of the node's time, its stamp
+
+
+ALWAYS = Since(math.inf, math.inf, math.inf)  # of a pose that does not grow old
+
+
+class Arrival(NamedTuple):
+    """When a message came."""
+
+    epoch: int
+    heard: float  # [s] of steady time
+    now: float  # [s] of the node's time, when it is taken
+    waited: float  # [s] until it was taken
+
+    def since(self, stamp: float) -> Since:
+        """Return since when a pose of the message holds that bears a stamp [s].
+
+        Where there is no stamp (0), and where it is of another clock or of the future, the pose
+        holds since its message came.
+        """
+        behind = self.now - stamp
+        if not stamp or not 0.0 <= behind <= _MOST_BEHIND:
+            behind = self.waited
+        return Since(self.epoch, self.heard, self.now - behind)
+
+    def is_strange(self, stamp: float) -> bool:
+        """Return whether a stamp [s] is of another clock than the node's."""
+        # Simulated time stands at 0 until it is told.
+        known = stamp != 0.0 and self.now != 0.0
+        return known and not -_MOST_AHEAD <= self.now - stamp <= _MOST_BEHIND
+
+
+class Clocks:
+    """The node's time and steady time [s]."""
+
+    def __init__(
+        self, node: Callable[[], float], steady: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.node = node
+        self.steady = steady
+        self.epoch = 0
+        self._offset: float | None = None
+
+    def begin_anew(self) -> None:
+        """Let all ages be unknown that began before now; any thread may call it."""
+        self.epoch += 1
+
+    def arrival(self, waited: float = 0.0) -> Arrival:
+        """Return the arrival of a message that is taken now, and came ``waited`` [s] ago."""
+        # The epoch first: of what jumps in between the age is then unknown, and not wrong.
+        epoch = self.epoch
+        return Arrival(epoch, self.steady() - waited, self.node(), waited)
+
+    def age(self, since: Since) -> float:
+        """Return an age [s]; inf: unknown, for the node's time has jumped."""
+        if since.epoch < self.epoch:
+            return math.inf
+        return max(0.0, self.steady() - since.heard, self.node() - since.held)
+
+    def step(self) -> float:
+        """Return by how much [s] the node's time has left steady time since the last look.
+
+        0 where it did not. To be asked only where the node's time has the speed of steady time.
+        """
+        start, now, end = self.steady(), self.node(), self.steady()
+        if end - start > _LONGEST_LOOK:
+            return 0.0
+        before, self._offset = self._offset, now - start
+        step = 0.0 if before is None else self._offset - before
+        return step if abs(step) >= _LEAST_STEP else 0.0
+
+    def forget_steps(self) -> None:
+        """Let the next look be the first one."""
+        self._offset = None

@@ -1,0 +1,42 @@
+"""Listens to TF: what comes together is taken together, and may be too much to be read."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from rclpy.callback_groups import CallbackGroup
+from rclpy.serialization import deserialize_message
+
+from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.pose_stream import PoseStream
+from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.ros.surface import Surface, transforms
+from drake_geom_ros.ros.together import Together
+
+
+def listen_to_tf(
+    surface: Surface, stream: PoseStream, guard: Guard, group: CallbackGroup, clocks: Clocks
+) -> TfInput:
+    """Pose by what comes on /tf and /tf_static; return what is known of it.
+
+    Raises ImportError without tf2_msgs, which not every installation has.
+    """
+    from tf2_msgs.msg import TFMessage
+
+    tf = TfInput(clocks)
+    for static, topic in ((True, '/tf_static'), (False, '/tf')):
+
+        def hear(raw: bytes, waited: float, static: bool = static) -> None:
+            message = deserialize_message(raw, TFMessage)
+            stream.hear_transforms(tf, static, message, waited)
+
+        together = Together(
+            partial(guard.take, topic, hear),
+            partial(guard.take, topic, stream.pose_by_transforms, tf),
+            may_pass_over=not static,
+        )
+        together.subscription = surface.subscription(
+            TFMessage, topic, together, transforms(static=static), group, raw=True
+        )
+    return tf

@@ -1,0 +1,111 @@
+"""Ages by two clocks: stamps, senders with other clocks, jumps."""
+
+import math
+
+import pytest
+
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
+
+
+class Time:
+    """A clock that the test sets."""
+
+    def __init__(self, now):
+        self.now = now
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def node():
+    return Time(1000.0)
+
+
+@pytest.fixture
+def steady():
+    return Time(5.0)
+
+
+@pytest.fixture
+def clocks(node, steady):
+    return Clocks(node, steady)
+
+
+def age(clocks, stamp, waited=0.0):
+    return clocks.age(clocks.arrival(waited).since(stamp))
+
+
+def test_an_age_counts_from_the_stamp(clocks, node, steady):
+    since = clocks.arrival().since(999.5)
+    assert clocks.age(since) == 0.5
+    node.now, steady.now = 1002.0, 7.0
+    assert clocks.age(since) == 2.5
+
+
+@pytest.mark.parametrize(
+    'stamp',
+    [
+        0.0,  # none
+        1000.3,  # dated ahead, or a clock that is not quite ours
+        12.5,  # simulated time beside the time of day, or a bag of last year
+        1.7e9,  # the time of day beside simulated time
+    ],
+)
+def test_without_a_stamp_of_ours_it_counts_from_when_the_message_came(clocks, steady, stamp):
+    assert age(clocks, stamp) == 0.0
+    assert age(clocks, stamp, waited=0.5) == 0.5
+    since = clocks.arrival(0.5).since(stamp)
+    steady.now += 1.0
+    assert clocks.age(since) == 1.5
+
+
+def test_which_stamps_are_of_another_clock(clocks, node):
+    arrival = clocks.arrival()
+    strange = [939.0, 12.5, 1003.0, 1.7e9]
+    assert [s for s in (0.0, 941.0, 1000.0, 1001.0, *strange) if arrival.is_strange(s)] == strange
+    node.now = 0.0  # no message of /clock yet
+    assert not clocks.arrival().is_strange(12.5)
+
+
+def test_silence_counts_while_the_nodes_time_rests_and_its_time_while_it_runs_fast(
+    clocks, node, steady
+):
+    since = clocks.arrival().since(1000.0)
+    steady.now += 7.0
+    assert clocks.age(since) == 7.0
+    node.now += 70.0
+    assert clocks.age(since) == 70.0
+
+
+def test_ages_are_unknown_after_a_jump_until_poses_come_anew(clocks, node, steady):
+    before = clocks.arrival().since(999.0)
+    node.now -= 900.0
+    clocks.begin_anew()
+    assert clocks.age(before) == math.inf
+    assert age(clocks, 99.5) == 0.5
+    assert age(clocks, 0.0) == 0.0
+    assert clocks.age(ALWAYS) == 0.0
+
+
+def test_a_step_of_the_time_of_day_is_seen_once(clocks, node, steady):
+    assert clocks.step() == 0.0
+    node.now, steady.now = 1010.0, 15.1
+    assert clocks.step() == 0.0  # its rate is corrected
+    node.now -= 900.0
+    assert clocks.step() == -900.0
+    assert clocks.step() == 0.0
+    node.now += 60.0
+    clocks.forget_steps()
+    assert clocks.step() == 0.0
+
+
+def test_a_look_that_was_interrupted_is_none(clocks, node, steady, monkeypatch):
+    clocks.step()
+
+    def late():
+        steady.now += 3.0
+        return node.now
+
+    monkeypatch.setattr(clocks, 'node', late)
+    assert clocks.step() == 0.0
