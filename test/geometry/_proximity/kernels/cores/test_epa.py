@@ -179,3 +179,49 @@ def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
     for points, witness in ((corners[0], np.array(a)), (corners[1], R.T @ (np.array(b) - p))):
         sides = ConvexHull(points).equations
         assert (sides[:, :3] @ witness + sides[:, 3]).max() == pytest.approx(0.0, abs=1e-12)
+
+
+def _grow_python(pair, n, size, tolerance=1e-9):
+    """Grow uncompiled, so that what it calls can be replaced."""
+    grow = getattr(epa.depth_of_cores, 'py_func', epa.depth_of_cores)
+    return grow(pair, difference_of(pair), n, False, size, tolerance, 60)
+
+
+def _cylinders():
+    R = random_rotation(np.random.default_rng(5))
+    sizes = np.array([0.4, 0.5]), np.array([0.3, 0.6])
+    return Pair(CYLINDER, sizes[0], ALIGNED, CYLINDER, sizes[1], R, (0.3, 0.2, 0.1))
+
+
+def test_a_polytope_that_folds_back_ends_the_growth_at_the_bound_before(monkeypatch):
+    """Faces beyond the fold may be farther away than the one that rounding has drawn in."""
+    popped, pop = [], epa.pop_living
+
+    def pop_folded(faces, planes, heap, waiting):
+        f, waiting = pop(faces, planes, heap, waiting)
+        popped.append(float(planes[f, epa.OFFSET]))
+        if len(popped) == 12:
+            planes[f, epa.OFFSET] -= 0.01
+        return f, waiting
+
+    monkeypatch.setattr(epa, 'pop_living', pop_folded)
+    monkeypatch.setattr(epa, 'is_in_cap', lambda *_: False)
+    depth = _grow_python(_cylinders(), X, 2.0)
+    assert len(popped) == 12
+    assert 0.0 < depth.lower == max(popped[:11])
+
+
+def test_only_a_direction_that_is_better_or_closes_the_bounds_is_looked_at_closely(monkeypatch):
+    widths, bests, look = [], [], epa.nearest_known
+
+    def looked(pair, difference, n, width, *rest):
+        known = look(pair, difference, n, width, *rest)
+        widths.append(width)
+        bests.append(known.width)
+        return known
+
+    monkeypatch.setattr(epa, 'nearest_known', looked)
+    depth = _grow_python(_cylinders(), X, 2.0)
+    assert all(width < best for width, best in zip(widths[1:-1], bests, strict=False))
+    assert widths[-1] <= min(bests) + 1e-9
+    assert depth.upper == min(bests)
