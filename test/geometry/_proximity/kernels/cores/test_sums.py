@@ -104,6 +104,7 @@ def test_common_points_are_seen():
         (supports.CYLINDER, (0.2, 0.1, 0.9), True),
         (supports.CYLINDER, (0.2, 0.1, 1.1), False),
         (supports.CYLINDER, (0.2, 0.3, 0.1), False),
+        (supports.CYLINDER, (0.0, 0.4, 0.1), False),
         (supports.CYLINDER, (0.4, 0.0, 0.1), False),
         (supports.BOX, (0.2, -0.9, 1.9), True),
         (supports.BOX, (0.4, 0.9, 0.1), False),
