@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Gap,
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 CUBE = np.array([1.0, 1.0, 1.0])
+HULL = np.concatenate(([8.0], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel()))  # the same
 
 
 @pytest.mark.parametrize(
@@ -77,8 +78,7 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=(False, 0.0, 0.0, Y, Y
     def told(found):
         return lambda *_: asked.append(found) or found
 
-    hull = np.concatenate(([8.0], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel()))
-    pair = Pair(CONVEX, hull, np.eye(3), BOX, CUBE, np.eye(3), p)
+    pair = Pair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
     monkeypatch.setattr(convex, 'distance_of_cores', told(walked))
     monkeypatch.setattr(convex, 'depth_and_bounds', told(depth))
     monkeypatch.setattr(convex, 'sharpened', told(sharper))
@@ -109,8 +109,28 @@ def test_a_normal_is_alone_if_the_depth_says_so_or_the_bodies_are_apart(
 ):
     n = (1.0, 0.0, 0.0)
     a, b = (1.0, 0.0, 0.0), (1.0 + apart, 0.0, 0.0)
-    walked = Gap(OVERLAP, 0.5, apart, n, a, b)
+    walked = Gap(OVERLAP, 0.5, apart - 0.125, n, a, b)
     depth = Depth(-apart, -apart, n, a, b, 0.0, unique)
     found, _ = _bounds_python(monkeypatch, (2.0 + apart, 0.0, 0.0), walked, depth)
-    assert found.distance == apart
+    assert (found.distance, found.lower) == (apart, apart)
     assert found.unique == (unique or apart > 0.0)
+
+
+@pytest.mark.parametrize('is_hull', [True, False])
+def test_the_last_digits_come_from_the_edge_next_to_the_normal(is_hull):
+    """The upright edge of a cube and a rod that lies across it, from a normal that is off."""
+    c = math.sqrt(0.5)
+    R = np.array([[0.0, c, c], [0.0, c, -c], [-1.0, 0.0, 0.0]])
+    cube = (CONVEX, HULL) if is_hull else (BOX, CUBE)
+    rod = CYLINDER, np.array([0.5, 2.0]), R, (3.0, 3.0, 0.0)
+    pair = Pair(*cube, np.eye(3), *rod)
+    n = np.array([c, c, 1e-3]) / np.hypot(1.0, 1e-3)
+    closed, distance, lower, m, a, b = convex.sharpened(
+        pair, convex.difference_of(pair), tuple(n), 1e-6, 1e-14, 1e-12
+    )
+    assert closed
+    assert distance == pytest.approx(math.sqrt(8.0) - 0.5, abs=1e-14)
+    assert lower == pytest.approx(distance, abs=1e-12)
+    assert m == pytest.approx((c, c, 0.0), abs=1e-8)
+    assert a == pytest.approx((1.0, 1.0, 0.0), abs=1e-7)
+    assert b == pytest.approx((3.0 - 0.5 * c, 3.0 - 0.5 * c, 0.0), abs=1e-7)

@@ -5,13 +5,14 @@ import pytest
 
 from drake_geom_ros.geometry._proximity.kernels.cores import depths, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Minimum, Pair
-from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
 
 SIZES = {
     BOX: [0.5, 0.6, 0.7],
     CAPSULE: [0.1, 0.6],
     CYLINDER: [0.3, 0.8],
     ELLIPSOID: [0.3, 0.4, 0.5],
+    CONVEX: [4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1],
 }
 TURNED = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -109,3 +110,49 @@ def test_points_are_sought_at_right_angles_to_each_segment(monkeypatch):
     assert abs(np.dot(e, m)) < 1e-16
     assert there == sums.width(terms, last, r_A + r_B, m)
     assert there <= h + 5e-7
+
+
+@pytest.mark.parametrize(
+    ('kind_A', 'kind_B', 'expected'),
+    [
+        (CYLINDER, CONVEX, ['hull']),
+        (CAPSULE, CONVEX, []),
+        (CYLINDER, ELLIPSOID, ['A', 'slices']),
+        (CYLINDER, CYLINDER, ['A', 'B', 'both']),
+        (CAPSULE, CYLINDER, ['B']),
+        (BOX, CYLINDER, ['B']),
+        (CAPSULE, ELLIPSOID, ['slices']),
+        (ELLIPSOID, ELLIPSOID, ['slices']),
+        (BOX, ELLIPSOID, []),  # a box has edges off the axis
+    ],
+)
+def test_a_ring_is_asked_for_by_the_ways_of_its_pair_until_one_is_complete(
+    monkeypatch, kind_A, kind_B, expected
+):
+    ways, last = [], 0
+
+    def asked(way):
+        ways.append(way)
+        return Least(len(ways) == last, 0.25, 0.25, Z, True)
+
+    def in_barrel(difference, k, axes, *_):
+        rows = {sums.AXES_A: (sums.SEGMENT, 'A'), sums.AXES_B: (difference.first, 'B')}
+        assert k == rows[axes][0]
+        return asked(rows[axes][1])
+
+    monkeypatch.setattr(depths, 'least_in_long_barrel', in_barrel)
+    for name, way in (
+        ('least_of_hull_in_barrel', 'hull'),
+        ('least_of_barrels', 'both'),
+        ('least_over_slices', 'slices'),
+    ):
+        monkeypatch.setattr(depths, name, lambda *_, way=way: asked(way))
+    pair = _pair(kind_A, kind_B)
+    difference = sums.difference_of(pair)
+    search = _python(depths.least_of_ring)
+    assert not search(pair, difference, X, 0.5, 0.125, 1e-9, 1e-15).complete
+    assert ways == expected
+    for last in range(1, len(expected) + 1):
+        ways.clear()
+        assert search(pair, difference, X, 0.5, 0.125, 1e-9, 1e-15).complete
+        assert ways == expected[:last]

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from numba import config
 from oracles.pairs import random_rotation
 from scipy.spatial import ConvexHull
 
@@ -56,8 +57,11 @@ def test_hulls_end_exactly():
         phi, _ = signed_distance(
             (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
         )
-        upper, lower, n, *_ = _grow(CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0)
+        upper, lower, n, *_, unique = _grow(
+            CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0
+        )
         assert upper - lower <= 1e-13
+        assert unique  # no face elsewhere is as near
         assert -phi == pytest.approx(upper, abs=1e-11)
         hint = np.add(n, 0.1 * rng.normal(size=3))
         hint = tuple(hint / np.linalg.norm(hint))
@@ -181,21 +185,16 @@ def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
         assert (sides[:, :3] @ witness + sides[:, 3]).max() == pytest.approx(0.0, abs=1e-12)
 
 
-def _grow_python(pair, n, size, tolerance=1e-9):
-    """Grow uncompiled, so that what it calls can be replaced."""
-    grow = getattr(epa.depth_of_cores, 'py_func', epa.depth_of_cores)
-    return grow(pair, difference_of(pair), n, False, size, tolerance, 60)
-
-
 def _cylinders():
     R = random_rotation(np.random.default_rng(5))
     sizes = np.array([0.4, 0.5]), np.array([0.3, 0.6])
     return Pair(CYLINDER, sizes[0], ALIGNED, CYLINDER, sizes[1], R, (0.3, 0.2, 0.1))
 
 
+@pytest.mark.skipif(not config.DISABLE_JIT, reason='compiled, it calls no replacement')
 def test_a_polytope_that_folds_back_ends_the_growth_at_the_bound_before(monkeypatch):
     """Faces beyond the fold may be farther away than the one that rounding has drawn in."""
-    popped, pop = [], epa.pop_living
+    pair, popped, pop = _cylinders(), [], epa.pop_living
 
     def pop_folded(faces, planes, heap, waiting):
         f, waiting = pop(faces, planes, heap, waiting)
@@ -206,13 +205,14 @@ def test_a_polytope_that_folds_back_ends_the_growth_at_the_bound_before(monkeypa
 
     monkeypatch.setattr(epa, 'pop_living', pop_folded)
     monkeypatch.setattr(epa, 'is_in_cap', lambda *_: False)
-    depth = _grow_python(_cylinders(), X, 2.0)
+    depth = epa.depth_of_cores(pair, difference_of(pair), X, False, 2.0, 1e-9, 60)
     assert len(popped) == 12
     assert 0.0 < depth.lower == max(popped[:11])
 
 
+@pytest.mark.skipif(not config.DISABLE_JIT, reason='compiled, it calls no replacement')
 def test_only_a_direction_that_is_better_or_closes_the_bounds_is_looked_at_closely(monkeypatch):
-    widths, bests, look = [], [], epa.nearest_known
+    pair, widths, bests, look = _cylinders(), [], [], epa.nearest_known
 
     def looked(pair, difference, n, width, *rest):
         known = look(pair, difference, n, width, *rest)
@@ -221,7 +221,7 @@ def test_only_a_direction_that_is_better_or_closes_the_bounds_is_looked_at_close
         return known
 
     monkeypatch.setattr(epa, 'nearest_known', looked)
-    depth = _grow_python(_cylinders(), X, 2.0)
+    depth = epa.depth_of_cores(pair, difference_of(pair), X, False, 2.0, 1e-9, 60)
     assert all(width < best for width, best in zip(widths[1:-1], bests, strict=False))
     assert widths[-1] <= min(bests) + 1e-9
     assert depth.upper == min(bests)
