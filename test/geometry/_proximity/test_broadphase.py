@@ -1,5 +1,7 @@
 """The sweeps against all pairs: nothing that overlaps is missed, nothing is twice."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from oracles.worlds import geometry_table, random_world
@@ -144,3 +146,17 @@ def test_the_gap_above_a_plane():
     posed = world.R_WGs, world.p_WGs, world.roundings
     gap = plane_gap(*posed, world.half_extents, 0, 1)
     assert 0.4 - 1e-13 <= gap <= 0.4
+
+
+@pytest.mark.parametrize('size', [1e-3, 1.0, 1e6])
+def test_no_box_is_smaller_than_it_is_without_rounding(size):
+    rng = np.random.default_rng(4)
+    p, half, paddings = size * rng.normal(size=(20, 3)), rng.uniform(0, 1, (20, 3)), np.ones(20)
+    boxes = sorted_boxes(0, np.arange(20), p, half, paddings)
+    for k, g in enumerate(boxes.bodies):
+        for c in range(3):
+            middle, reach = Fraction(p[g, c]), Fraction(half[g, c]) + 1
+            lower, upper = Fraction(boxes.lowers[k, c]), Fraction(boxes.uppers[k, c])
+            assert lower < middle - reach
+            assert upper > middle + reach
+            assert upper - lower <= 2 * reach + 32 * Fraction(EPS) * (abs(middle) + reach)

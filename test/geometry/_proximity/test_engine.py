@@ -9,7 +9,7 @@ from oracles.worlds import geometry_table, random_rotations, random_world, shuff
 
 from drake_geom_ros.geometry._proximity import kernel_table
 from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB
-from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
+from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Effects, Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     METHOD,
@@ -183,3 +183,8 @@ def test_two_half_spaces_are_left_out():
         batch = Engine().signed_distances(world, filters_of(world), 'exact', distance)
         assert len(batch.ids) == 0
     assert len(Engine().distance_of_pair(world, np.array([[0, 1]]), 'exact').ids) == 0
+
+
+def test_a_query_that_was_not_asked_has_no_effects():
+    for name, value in vars(Effects()).items():
+        assert not value, name

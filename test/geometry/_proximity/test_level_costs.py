@@ -76,3 +76,12 @@ def test_an_engine_that_answers_the_world_keeps_what_it_knows():
     first = engine.signed_distances(world, filters, 'exact', math.inf)
     seconds_a_pair(world, filters, math.inf, 64, 0)
     assert engine.signed_distances(world, filters, 'exact', math.inf) is first
+
+
+def test_a_pair_costs_its_share_of_the_quickest_trial(monkeypatch):
+    world = random_world(np.random.default_rng(6), 4)
+    answer, seconds = level_costs._answer, iter(np.arange(1.0, 1000.0)[::-1])
+    monkeypatch.setattr(level_costs, '_answer', lambda *a: (next(seconds), answer(*a)[1]))
+    costs, samples = seconds_a_pair(world, filters_of(world), math.inf, 64, 0)
+    quickest = [999.0 - TRIALS * (k + 1) for k in range(len(costs))]  # the first asks for pairs
+    assert list(costs.values()) == [each / (samples * LAPS) for each in quickest]

@@ -176,3 +176,10 @@ def test_the_table_holds_every_pair_but_two_half_spaces():
     kinds = [t for t, name in SHAPE_NAMES.items() if name != 'Mesh']
     expected = {(a, b) for a in kinds for b in kinds if a <= b} - {(6, 6)}
     assert pairs == expected
+
+
+def test_worst_errors_are_powers_of_ten_and_as_small_as_promised():
+    for row in PAIR_TABLE:
+        digits = -math.log10(row.worst_error)
+        assert digits == pytest.approx(round(digits), abs=1e-12)
+        assert 10 <= digits <= 14

@@ -7,7 +7,12 @@ from oracles.worlds import geometry_table, random_rotations
 
 from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.kinds import BOX, HALF_SPACE, SPHERE
-from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT, taken_roundings
+from drake_geom_ros.geometry._proximity.pose_rounding import (
+    RADIUS,
+    TILT,
+    make_orthogonal,
+    taken_roundings,
+)
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 from drake_geom_ros.math.batched import rotations_from_quaternions
 
@@ -127,3 +132,14 @@ def test_what_is_made_of_zeros_and_ones_is_exact():
     assert chain.world.roundings[2, TILT] == 0.0
     np.testing.assert_array_equal(chain.world.R_WFs[2], quarter)
     assert 0.0 < chain.world.roundings[0, RADIUS] < 2e-14
+
+
+def test_what_is_almost_a_rotation_goes_to_the_one_nearest_to_it():
+    rng = np.random.default_rng(9)
+    for R in random_rotations(rng, 5):
+        off = R @ (np.eye(3) + 1e-9 * rng.normal(size=(3, 3)))
+        u, _, v = np.linalg.svd(off)
+        matrices = np.stack((np.zeros((3, 3)), off, np.zeros((3, 3))))
+        make_orthogonal(matrices, 1)
+        np.testing.assert_allclose(matrices[1], u @ v, atol=1e-15)
+        assert not matrices[[0, 2]].any()

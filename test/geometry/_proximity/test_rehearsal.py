@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+from drake_geom_ros.geometry._proximity.rehearsal import rehearse
+
 CODE = """
 import math
 import numpy as np
@@ -42,3 +44,7 @@ def test_cycles_compile_nothing_after_it():
         env={**os.environ, 'PYTHONPATH': 'test:.'},
     )
     assert done.stdout.strip() == '0 True'
+
+
+def test_it_goes_through_in_any_process():
+    rehearse()

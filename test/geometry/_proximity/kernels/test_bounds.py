@@ -2,16 +2,28 @@
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation
+from oracles.pairs import random_rotation, support
 
 from drake_geom_ros.evidence.truth.convex import signed_distance
+from drake_geom_ros.geometry._proximity.kernels import bounds
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval, shape_radii
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
+    NORMAL,
     PAIR_WIDTH,
+    WITNESS_A,
+    WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SPHERE,
+)
 
 
 def inner_radius(kind, shape):
@@ -35,3 +47,58 @@ def test_a_hull_beside_its_origin(beside):
         poses = (np.eye(3), np.zeros(3)), (R, p)
         phi, _ = signed_distance((SPHERE, ball), poses[0], (CONVEX, hull), poses[1])
         assert abs(out[DISTANCE] - phi) <= out[ERROR_BOUND]
+
+
+SIZES = {
+    SPHERE: [0.3],
+    BOX: [0.3, 0.5, 0.7],
+    CAPSULE: [0.2, 0.6],
+    CYLINDER: [0.4, 0.25],
+    ELLIPSOID: [0.3, 0.5, 0.7],
+}
+
+
+@pytest.mark.parametrize('kind', SIZES)
+def test_support_values_are_those_of_the_shapes(kind):
+    rng, size = np.random.default_rng(2), np.array(SIZES[kind])
+    for n in random_rotation(rng):
+        expected = support(kind, size, np.eye(3), n)
+        assert bounds.support_value(kind, size, tuple(n)) == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ('kind', 'radius'),
+    [(SPHERE, 0.3), (BOX, 0.3), (CAPSULE, 0.2), (CYLINDER, 0.25), (ELLIPSOID, 0.3)],
+)
+def test_the_ball_inside_touches_the_nearest_face(kind, radius):
+    for turn in range(3):
+        size = np.array(SIZES[kind])
+        if kind in (BOX, ELLIPSOID):
+            size = np.roll(size, turn)
+        assert inner_radius(kind, size) == radius
+
+
+@pytest.mark.parametrize('kind', SIZES)
+def test_intervals_are_those_of_the_balls_inside_and_of_the_planes(kind):
+    """Beside a ball, along the line of centres; over a plane they are exact."""
+    rng, size = np.random.default_rng(3), np.array(SIZES[kind])
+    for away in (2.0, 0.1, 0.0):
+        R, ball, out = random_rotation(rng), np.array([0.25]), np.zeros(PAIR_WIDTH)
+        n = random_rotation(rng)[0]
+        body = Posed(kind, size, R, inner_radius(kind, size))
+        bounding_interval(body, Posed(SPHERE, ball, np.eye(3), 0.25), away * n, out)
+        # Concentric, the x axis of A stands for the line of centres.
+        upper = away - body.inner_radius - 0.25
+        lower = away - support(kind, size, R, n if away else R[:, 0]) - 0.25
+        assert out[DISTANCE] == pytest.approx(0.5 * (lower + upper), abs=1e-15)
+        assert out[ERROR_BOUND] == pytest.approx(0.5 * (upper - lower), abs=1e-14)
+        plane = Posed(HALF_SPACE, np.zeros(0), random_rotation(rng), 0.0)
+        nhat = plane.R_WG[:, 2]
+        height = away * (n @ nhat) - support(kind, size, R, -nhat)
+        for A, B, p, side in ((plane, body, away * n, -1.0), (body, plane, -away * n, 1.0)):
+            bounding_interval(A, B, p, out)
+            assert out[DISTANCE] == pytest.approx(height, abs=1e-15)
+            assert out[ERROR_BOUND] < 1e-14
+            assert out[NORMAL : NORMAL + 3] == pytest.approx(side * nhat, abs=1e-15)
+            witnesses = out[WITNESS_A : WITNESS_A + 3] - out[WITNESS_B : WITNESS_B + 3]
+            assert witnesses == pytest.approx(height * side * nhat, abs=1e-15)

@@ -68,9 +68,9 @@ def least_of_two(known, i, j, u):
     at, least = start, known[i, VALUE]
     if known[j, VALUE] < least:
         at, least = end, known[j, VALUE]
+    # On the arc: (y - x) . n is not negative at its start, where x is extreme, nor positive at
+    # its end.
     crossing = unit(cross(u, sub(y, x)))
-    if dot(crossing, add(start, end)) < 0.0:
-        crossing = scale(-1.0, crossing)
     for way in (crossing, unit(cross(cross(u, x), u)), unit(cross(cross(u, y), u))):
         inside = dot(cross(start, way), u) > 0.0 and dot(cross(way, end), u) > 0.0
         value = max(-dot(x, way), -dot(y, way))

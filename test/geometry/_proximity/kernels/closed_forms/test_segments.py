@@ -5,6 +5,7 @@ import pytest
 from numba import config
 from oracles.pairs import Pair, check, check_kernel, evaluate, feature_pairs, random_rotation
 
+from drake_geom_ros.geometry._proximity.kernels.closed_forms import segments
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.segments import (
     box_capsule,
     capsule_capsule,
@@ -209,3 +210,15 @@ def test_contact_far_from_a_long_capsules_middle():
     for along in (-4e3, 0.0, 3e3):
         pair = _capsules([0.0, 0.2, along], ALONG_X, size_A=(0.1, 5e3))
         assert evaluate(capsule_capsule, pair).p_ACa[2] == pytest.approx(along, abs=1e-11)
+
+
+@pytest.mark.parametrize('turn', range(3))
+@pytest.mark.parametrize('side', [1.0, -1.0])
+def test_a_short_gap_beside_an_edge_is_at_right_angles_to_the_segment_again(turn, side):
+    """Of the segment only what is across the edge counts: along it the point is between faces."""
+    d = np.roll([0.6, -0.64 * side, 0.48], turn)
+    p = np.roll([1.0, side, 0.3], turn)
+    across = np.roll([0.64, 0.6 * side, 0.0], turn) * 1e-9
+    gap = across + 1e-16 * np.roll([0.6, -0.64 * side, 0.0], turn)
+    turned = segments._across(tuple(gap), tuple(p), (1.0, 1.0, 1.0), tuple(d), 1e-15)
+    assert turned == pytest.approx(across, abs=1e-24)

@@ -1,15 +1,19 @@
 """Steps of the iterative kernel whose outcome is known."""
 
+import math
+
 import numpy as np
 import pytest
 from oracles.pairs import random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.cores import convex
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import CLOSED, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Gap, Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 CUBE = np.array([1.0, 1.0, 1.0])
+HULL = np.concatenate(([8.0], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel()))  # the same
 
 
 @pytest.mark.parametrize(
@@ -62,3 +66,71 @@ def test_the_gap_along_a_direction_is_that_of_the_planes():
     pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (3.0, 4.0, 0.0))
     assert convex.gap_along(pair, (1.0, 0.0, 0.0)) == 1.0
     assert convex.gap_along(pair, (0.6, 0.8, 0.0)) == pytest.approx(5.0 - 2.0 * 1.4)
+
+
+Y = (0.0, 1.0, 0.0)
+
+
+def _bounds_python(monkeypatch, p, walked, depth, sharper=(False, 0.0, 0.0, Y, Y, Y)):
+    """Return the bounds of two cubes at p, where GJK told ``walked`` and what is else asked."""
+    asked = []
+
+    def told(found):
+        return lambda *_: asked.append(found) or found
+
+    pair = Pair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
+    monkeypatch.setattr(convex, 'distance_of_cores', told(walked))
+    monkeypatch.setattr(convex, 'depth_and_bounds', told(depth))
+    monkeypatch.setattr(convex, 'sharpened', told(sharper))
+    monkeypatch.setattr(convex, 'witnesses_of_depth', lambda _, n, depth, *rest: (*rest[1:3], 0.0))
+    search = getattr(convex.bounds_of_cores, 'py_func', convex.bounds_of_cores)
+    found = search(pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf)
+    return found, [each for each in asked if each is not sharper]
+
+
+@pytest.mark.parametrize(('n', 'attained'), [((1.0, 0.0, 0.0), True), ((0.8, 0.6, 0.0), False)])
+def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is(
+    monkeypatch, n, attained
+):
+    walked = Gap(CLOSED, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
+    # Not closed, though told the distance: that is not what is asked of it.
+    sharper = False, 2.0, 2.0, Y, Y, Y
+    found, asked = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, sharper)
+    assert asked == ([walked] if attained else [walked, depth])
+    assert found.n == (1.0, 0.0, 0.0)
+    assert (found.distance, found.upper, found.unique) == (2.0, 2.0, True)
+
+
+@pytest.mark.parametrize('unique', [False, True])
+@pytest.mark.parametrize('apart', [-0.5, 0.5])
+def test_a_normal_is_alone_if_the_depth_says_so_or_the_bodies_are_apart(
+    monkeypatch, unique, apart
+):
+    n = (1.0, 0.0, 0.0)
+    a, b = (1.0, 0.0, 0.0), (1.0 + apart, 0.0, 0.0)
+    walked = Gap(OVERLAP, 0.5, apart - 0.125, n, a, b)
+    depth = Depth(-apart, -apart, n, a, b, 0.0, unique)
+    found, _ = _bounds_python(monkeypatch, (2.0 + apart, 0.0, 0.0), walked, depth)
+    assert (found.distance, found.lower) == (apart, apart)
+    assert found.unique == (unique or apart > 0.0)
+
+
+@pytest.mark.parametrize('is_hull', [True, False])
+def test_the_last_digits_come_from_the_edge_next_to_the_normal(is_hull):
+    """The upright edge of a cube and a rod that lies across it, from a normal that is off."""
+    c = math.sqrt(0.5)
+    R = np.array([[0.0, c, c], [0.0, c, -c], [-1.0, 0.0, 0.0]])
+    cube = (CONVEX, HULL) if is_hull else (BOX, CUBE)
+    rod = CYLINDER, np.array([0.5, 2.0]), R, (3.0, 3.0, 0.0)
+    pair = Pair(*cube, np.eye(3), *rod)
+    n = np.array([c, c, 1e-3]) / np.hypot(1.0, 1e-3)
+    closed, distance, lower, m, a, b = convex.sharpened(
+        pair, convex.difference_of(pair), tuple(n), 1e-6, 1e-14, 1e-12
+    )
+    assert closed
+    assert distance == pytest.approx(math.sqrt(8.0) - 0.5, abs=1e-14)
+    assert lower == pytest.approx(distance, abs=1e-12)
+    assert m == pytest.approx((c, c, 0.0), abs=1e-8)
+    assert a == pytest.approx((1.0, 1.0, 0.0), abs=1e-7)
+    assert b == pytest.approx((3.0 - 0.5 * c, 3.0 - 0.5 * c, 0.0), abs=1e-7)

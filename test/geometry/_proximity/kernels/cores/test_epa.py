@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from numba import config
 from oracles.pairs import random_rotation
 from scipy.spatial import ConvexHull
 
@@ -56,8 +57,11 @@ def test_hulls_end_exactly():
         phi, _ = signed_distance(
             (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
         )
-        upper, lower, n, *_ = _grow(CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0)
+        upper, lower, n, *_, unique = _grow(
+            CONVEX, hulls[0], CONVEX, hulls[1], R, p, tolerance=0.0
+        )
         assert upper - lower <= 1e-13
+        assert unique  # no face elsewhere is as near
         assert -phi == pytest.approx(upper, abs=1e-11)
         hint = np.add(n, 0.1 * rng.normal(size=3))
         hint = tuple(hint / np.linalg.norm(hint))
@@ -179,3 +183,45 @@ def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
     for points, witness in ((corners[0], np.array(a)), (corners[1], R.T @ (np.array(b) - p))):
         sides = ConvexHull(points).equations
         assert (sides[:, :3] @ witness + sides[:, 3]).max() == pytest.approx(0.0, abs=1e-12)
+
+
+def _cylinders():
+    R = random_rotation(np.random.default_rng(5))
+    sizes = np.array([0.4, 0.5]), np.array([0.3, 0.6])
+    return Pair(CYLINDER, sizes[0], ALIGNED, CYLINDER, sizes[1], R, (0.3, 0.2, 0.1))
+
+
+@pytest.mark.skipif(not config.DISABLE_JIT, reason='compiled, it calls no replacement')
+def test_a_polytope_that_folds_back_ends_the_growth_at_the_bound_before(monkeypatch):
+    """Faces beyond the fold may be farther away than the one that rounding has drawn in."""
+    pair, popped, pop = _cylinders(), [], epa.pop_living
+
+    def pop_folded(faces, planes, heap, waiting):
+        f, waiting = pop(faces, planes, heap, waiting)
+        popped.append(float(planes[f, epa.OFFSET]))
+        if len(popped) == 12:
+            planes[f, epa.OFFSET] -= 0.01
+        return f, waiting
+
+    monkeypatch.setattr(epa, 'pop_living', pop_folded)
+    monkeypatch.setattr(epa, 'is_in_cap', lambda *_: False)
+    depth = epa.depth_of_cores(pair, difference_of(pair), X, False, 2.0, 1e-9, 60)
+    assert len(popped) == 12
+    assert 0.0 < depth.lower == max(popped[:11])
+
+
+@pytest.mark.skipif(not config.DISABLE_JIT, reason='compiled, it calls no replacement')
+def test_only_a_direction_that_is_better_or_closes_the_bounds_is_looked_at_closely(monkeypatch):
+    pair, widths, bests, look = _cylinders(), [], [], epa.nearest_known
+
+    def looked(pair, difference, n, width, *rest):
+        known = look(pair, difference, n, width, *rest)
+        widths.append(width)
+        bests.append(known.width)
+        return known
+
+    monkeypatch.setattr(epa, 'nearest_known', looked)
+    depth = epa.depth_of_cores(pair, difference_of(pair), X, False, 2.0, 1e-9, 60)
+    assert all(width < best for width, best in zip(widths[1:-1], bests, strict=False))
+    assert widths[-1] <= min(bests) + 1e-9
+    assert depth.upper == min(bests)

@@ -123,6 +123,7 @@ def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_th
         pair = Pair(*pair, tuple(rng.normal(size=3)))
         ns = [tuple(n) for n in _unit(rng, 50)]
         terms, _, last, r_A, r_B = difference = sums.difference_of_edges(pair, ns[0])
+        assert (terms[sums.SEGMENT : last, sums.LENGTH] > 0.0).all()
         for n in ns:
             a, b = gjk.support_points(pair, n, 0.0)
             width = sums.width(terms, last, r_A + r_B, n)

@@ -135,6 +135,19 @@ def test_the_depth_of_a_point_in_a_core(kind, shape, q, depth, unique):
     assert found == (pytest.approx(depth, rel=1e-15, abs=1e-15), unique)
 
 
+def test_of_a_hull_the_deepest_vertex_is_told():
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        vertices, R, R_hull = rng.normal(size=(5, 3)), rotation(rng), rotation(rng)
+        hull, p, shape = np.append(5.0, vertices.ravel()), rng.normal(size=3), np.ones(3)
+        seen = (p + vertices @ R_hull.T) @ R
+        depths = [inner_balls.depth_of_point(BOX, shape, tuple(q), 0.0)[0] for q in seen]
+        found = inner_balls.deepest_vertex(BOX, shape, R, hull, R_hull, tuple(p))
+        assert found == pytest.approx(max(depths), abs=1e-14)
+        pair = Pair(BOX, shape, R, CONVEX, hull, R_hull, tuple(p))
+        assert inner_balls.deepest(pair, (0.0, 0.0, 0.0), tuple(p), 1.0) == found
+
+
 @pytest.mark.parametrize('step', [0.0, 1e-15, 1e-12])
 @pytest.mark.parametrize(
     ('A', 'B', 'p_AB', 'depth'),

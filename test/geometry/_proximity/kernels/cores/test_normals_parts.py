@@ -135,6 +135,24 @@ def test_disks_lean_by_their_share_of_what_they_balance(radii, x):
         assert not np.any(leans)
 
 
+@pytest.mark.parametrize(
+    ('x', 'shares'),
+    [
+        (0.1, [-1 / 3, 0.0]),
+        (0.45, [-1.0, -0.75]),
+        (-0.45, [1.0, 0.75]),
+        (0.7, [-1.0, -1.0]),  # more than both can balance
+    ],
+)
+def test_parallel_segments_balance_by_turns_and_are_held_still(x, shares):
+    """Of no area, so none are solved for together; a share of 1 would say that one is not held."""
+    terms, last = _terms(0.3 * X, 0.2 * X)
+    terms[0, :3] = -x * X
+    normals.settle_by_turns((terms, last, last, 0.0, 0.0), tuple(Z))
+    assert terms[1:3, sums.SHARE] == pytest.approx(shares, abs=1e-15)
+    assert (abs(terms[1:3, sums.SHARE]) < 1.0).all()
+
+
 def test_a_minimum_whose_width_is_another_than_its_terms_say_is_none(monkeypatch):
     """Shares that rounding spoilt would tell of a wrong width."""
     terms = np.zeros((sums.ROWS, 5))

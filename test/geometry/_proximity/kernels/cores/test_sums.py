@@ -96,3 +96,23 @@ def test_common_points_are_seen():
     assert sums.share_a_point(pair, (0.4, 0.0, 0.0), (0.65, 0.0, 0.0))
     apart = Pair(*pair[:6], (0.625, 0.0, 0.0))
     assert not sums.share_a_point(apart, (0.5, 0.0, 0.0), (0.525, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ('kind', 'q', 'inside'),
+    [
+        (supports.CYLINDER, (0.2, 0.1, 0.9), True),
+        (supports.CYLINDER, (0.2, 0.1, 1.1), False),
+        (supports.CYLINDER, (0.2, 0.3, 0.1), False),
+        (supports.CYLINDER, (0.0, 0.4, 0.1), False),
+        (supports.CYLINDER, (0.4, 0.0, 0.1), False),
+        (supports.BOX, (0.2, -0.9, 1.9), True),
+        (supports.BOX, (0.4, 0.9, 0.1), False),
+        (supports.BOX, (0.2, 1.1, 0.1), False),
+        (supports.BOX, (0.2, 0.9, -2.1), False),
+        (supports.CAPSULE, (0.0, 0.0, 0.0), False),  # a segment is no solid
+    ],
+)
+def test_points_of_solid_cores(kind, q, inside):
+    size = np.array([0.3, 1.0, 2.0])
+    assert sums.is_point_of(kind, size, q) == inside

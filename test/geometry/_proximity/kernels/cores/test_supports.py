@@ -91,3 +91,14 @@ def test_a_hull_is_read_from_its_vertices():
     assert tuple(point) == (0.0, 2.0, 0.0)
     assert supports.bounding_radius(supports.CONVEX, shape) == 3.0
     assert supports.core_radius(supports.CONVEX, shape) == 0.0
+
+
+def test_of_a_triangle_the_farthest_corner_is_told():
+    rng = np.random.default_rng(1)
+    for _ in range(30):
+        corners, n = rng.normal(size=(3, 3)), rng.normal(size=3)
+        shape, R = corners.ravel(), random_rotation(rng)
+        n /= np.linalg.norm(n)
+        point = supports.support(supports.TRIANGLE, shape, R, tuple(n), 0.0)
+        turned = corners @ R.T
+        assert point == pytest.approx(turned[np.argmax(turned @ n)], abs=1e-15)

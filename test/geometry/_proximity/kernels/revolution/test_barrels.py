@@ -6,7 +6,7 @@ import pytest
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels
-from drake_geom_ros.geometry._proximity.kinds import CYLINDER
+from drake_geom_ros.geometry._proximity.kinds import CYLINDER, ELLIPSOID
 
 
 def two_cylinders(sizes, tilt, p):
@@ -47,3 +47,28 @@ def test_cylinders_that_are_not_parallel_enough_are_left(floor, tried):
     difference = two_cylinders(([0.3, 0.9], [0.2, 0.8]), np.arcsin(0.2), (0.0, 0.0, 0.1))
     found = barrels.least_of_barrels(difference, (1.0, 0.0, 0.0), floor, 1e-10, 1e-15)
     assert (found[1] > 0.0) == tried
+
+
+def test_a_body_that_reaches_far_across_a_long_barrel_leaves_it_across():
+    """The barrel is longer than the way across: 5 - 0.3 > 0.1 + 0.35."""
+    sizes = np.array([0.1, 5.0]), np.array([0.4, 0.35, 0.3])
+    pair = Pair(CYLINDER, sizes[0], np.eye(3), ELLIPSOID, sizes[1], np.eye(3), (0.0, 0.1, 0.0))
+    difference = sums.difference_of(pair)
+    depth = 0.1 + 0.35 - 0.1 - 0.3 * 0.3 / 0.4  # the ball that the core of the ellipsoid is less
+    start = (0.0, 1.0, 0.0)
+    found = barrels.least_in_long_barrel(
+        difference, sums.SEGMENT, sums.AXES_A, start, depth, 1e-10, 1e-15
+    )
+    assert found.complete
+    assert found.h == pytest.approx(depth, abs=1e-15)
+    assert depth - 1e-10 <= found.floor <= found.h
+    assert found.n == pytest.approx((0.0, 1.0, 0.0), abs=1e-7)
+    assert found.unique
+
+
+def test_a_search_of_the_ring_that_came_to_no_end_is_not_complete(monkeypatch):
+    monkeypatch.setattr(barrels, 'least_on_circle', lambda difference, e, best, *_: (False, best))
+    difference = two_cylinders(([0.1, 5.0], [0.1, 0.5]), 0.0, (0, 0, 0))
+    search = getattr(barrels.least_in_long_barrel, 'py_func', barrels.least_in_long_barrel)
+    start = (1.0, 0.0, 0.0)
+    assert not search(difference, sums.SEGMENT, sums.AXES_A, start, 0.2, 1e-10, 1e-15).complete

@@ -8,7 +8,7 @@ from oracles.pairs import random_pairs
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import circles
-from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
 COUNT = 4 if config.DISABLE_JIT else 30
 ENOUGH, NOISE = 1e-10, 1e-15
@@ -197,3 +197,17 @@ def test_only_arcs_on_the_side_of_p_are_taken_and_none_where_p_is_short(height):
                 middle = start + end
                 corner = np.sign(np.round(middle[:2], 9)) + 0.5 * n[:2] - [0.25, 0.0]
                 np.testing.assert_allclose(point[:2], corner, atol=1e-15)
+
+
+def test_a_better_direction_elsewhere_is_alone_if_that_before_is_clearly_worse():
+    """An ellipse that is thin at 35 degrees, from x on, where an arc ends."""
+    c, s = np.cos(np.radians(35.0)), np.sin(np.radians(35.0))
+    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    difference = _difference(
+        ELLIPSOID, [0.2, 0.3, 0.4], R, CYLINDER, [0.2, 1.0], np.eye(3), R @ [0.05, 0.0, 0.0]
+    )
+    complete, (n, h, _, unique, floor) = _search(difference, np.eye(3)[2], np.eye(3)[0])
+    assert complete
+    assert floor >= h - ENOUGH
+    assert n == pytest.approx(R[:, 0], abs=1e-6)
+    assert unique

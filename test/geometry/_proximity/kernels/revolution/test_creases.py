@@ -107,3 +107,25 @@ def test_an_end_of_a_box_almost_on_the_face_of_a_cylinder():
         assert found.complete
         assert found.floor <= least_h + 4e-15
         assert found.h <= least_h + 1.3e-11
+
+
+@pytest.mark.parametrize(
+    ('kinds', 'radius'),
+    [
+        ((BOX, CYLINDER), 0.2 + 0.3),
+        ((CYLINDER, BOX), 0.3 + 0.2),
+        ((CAPSULE, CYLINDER), 0.0 + 0.3),  # a segment
+    ],
+)
+@pytest.mark.parametrize('turn', range(3))
+def test_the_balls_in_two_cores_are_as_wide_as_these_are_thin(kinds, radius, turn):
+    sizes = {
+        BOX: np.roll([0.2, 0.4, 0.5], turn),
+        CAPSULE: np.array([0.1, 0.6]),
+        CYLINDER: np.roll([0.3, 0.7], turn),
+    }
+    pair = [(kind, sizes[kind], np.eye(3)) for kind in kinds]
+    terms, first, last, _, _ = sums.difference_of(Pair(*pair[0], *pair[1], (0.0, 0.0, 0.0)))
+    found = creases.inner_radius(terms, sums.SEGMENT, first, sums.AXES_A)
+    found += creases.inner_radius(terms, first, last, sums.AXES_B)
+    assert found == pytest.approx(radius, abs=1e-16)

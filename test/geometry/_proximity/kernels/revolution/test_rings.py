@@ -26,7 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
-from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, slices
+from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, rings, slices
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
 
 COUNT = 3 if config.DISABLE_JIT else 60
@@ -209,3 +209,20 @@ def test_a_small_box_in_an_ellipsoid_from_any_hint():
         out[NORMAL : NORMAL + 3] = rng.normal(size=3)
         convex.signed_distance_of_cores(*pair, 1e-9 * 2.7e-5, math.inf, out)
         assert abs(out[DISTANCE] + 0.10001) <= out[ERROR_BOUND]
+
+
+def test_the_least_of_two_vertices_on_an_arc_against_all_of_it():
+    rng, seen = np.random.default_rng(8), 0
+    while seen < 50:
+        R, (x, y) = turned(rng.normal(size=3), 2.0), rng.normal(size=(2, 3))
+        angles = rng.uniform(0, 6) + np.linspace(0, rng.uniform(0.1, 1.57), 2001)
+        ns = np.outer(np.cos(angles), R[:, 0]) + np.outer(np.sin(angles), R[:, 1])
+        along = -ns @ np.array([x, y]).T
+        if along[0, 0] < along[0, 1] or along[-1, 1] < along[-1, 0]:
+            continue  # each is extreme at its end
+        seen += 1
+        known = np.array([[*ns[0], *x, along[0, 0]], [*ns[-1], *y, along[-1, 1]]])
+        n, least = rings.least_of_two(known, 0, 1, tuple(R[:, 2]))
+        assert least == pytest.approx(max(-np.dot(x, n), -np.dot(y, n)), abs=1e-14)
+        assert -1e-14 <= along.max(axis=1).min() - least <= 1e-3
+        assert np.max(ns @ n) >= 1.0 - 1e-6

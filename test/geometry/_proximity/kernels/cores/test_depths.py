@@ -1,0 +1,158 @@
+"""The ways to a depth: which is gone for which pair, and what is made of what it leaves open."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.geometry._proximity.kernels.cores import depths, sums
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Minimum, Pair
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
+
+SIZES = {
+    BOX: [0.5, 0.6, 0.7],
+    CAPSULE: [0.1, 0.6],
+    CYLINDER: [0.3, 0.8],
+    ELLIPSOID: [0.3, 0.4, 0.5],
+    CONVEX: [4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1],
+}
+TURNED = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def _pair(kind_A, kind_B, R_WB=TURNED, p=(0.3, 0.1, 0.05)):
+    size_A, size_B = np.array(SIZES[kind_A]), np.array(SIZES[kind_B])
+    return Pair(kind_A, size_A, np.eye(3), kind_B, size_B, R_WB, p)
+
+
+def _python(function):
+    """Return the function uncompiled, so that what it calls can be replaced."""
+    return getattr(function, 'py_func', function)
+
+
+@pytest.mark.parametrize(
+    ('upper', 'lower', 'axes'),
+    [(5.0, 0.1, True), (5.0, 5.0 - 5e-9, True), (5.0, 5.0 - 3e-9, False), (0.25, 0.1, False)],
+)
+@pytest.mark.parametrize('n', [X, Y])
+def test_axes_are_tried_where_bounds_are_left_apart_and_taken_where_less(
+    monkeypatch, upper, lower, axes, n
+):
+    """Out along x: half a box, the capsule's segment across it, less what they are apart."""
+    pair = _pair(BOX, CAPSULE, np.eye(3), (0.1, 0.05, 0.0))
+    found = Depth(upper, lower, n, (7.0, 0.0, 0.0), (2.0, 0.0, 0.0), 0.5, True)
+    monkeypatch.setattr(depths, 'iterated_depth', lambda *_: found)
+    monkeypatch.setattr(depths, 'guarded_hulls', lambda *_: None)  # of hulls alone
+    difference = sums.difference_of(pair)
+    depth = _python(depths.depth_and_bounds)(pair, difference, X, False, 2.0, 1e-9)
+    if not axes:
+        assert depth == found
+        return
+    assert depth.upper == pytest.approx(0.4, abs=1e-15)
+    assert depth.lower == pytest.approx(min(lower, 0.4), abs=1e-15)
+    assert depth.n == X
+    apart = np.subtract(depth.a, depth.b)
+    assert np.dot(apart, X) == pytest.approx(0.4, abs=1e-15)
+    assert depth.aside == pytest.approx(np.linalg.norm(apart - 0.4 * np.array(X)), abs=1e-15)
+    assert depth.unique == (n == X)
+
+
+@pytest.mark.parametrize(
+    ('kind_A', 'kind_B', 'by_creases'),
+    [
+        (BOX, CYLINDER, True),
+        (CAPSULE, CYLINDER, True),
+        (CYLINDER, CYLINDER, False),  # two disks: a minimum may be on no crease
+        (BOX, ELLIPSOID, False),
+        (CAPSULE, ELLIPSOID, False),
+    ],
+)
+def test_creases_are_asked_about_boxes_and_capsules_in_cylinders_only(
+    monkeypatch, kind_A, kind_B, by_creases
+):
+    pair = _pair(kind_A, kind_B)
+    nothing = Minimum(depths.NOTHING, X, 1.0, 0.0)
+    least = Least(True, 0.25, 0.125, Z, False)
+    epa = Depth(0.5, 0.5, Y, Y, Y, 0.0, True)
+    a, b = (0.0, 0.0, 0.25), (0.0, 0.0, 0.0)
+    for name, told in (
+        ('nearby_minimum', nothing),
+        ('least_on_creases', least),
+        ('guarded', 0.0625),
+        ('points_at', (Z, 0.25, a, b, 0.03125)),
+        ('share_a_point', True),
+        ('depth_of_cores', epa),
+    ):
+        monkeypatch.setattr(depths, name, lambda *_, told=told: told)
+    depth = _python(depths.iterated_depth)(pair, sums.difference_of(pair), X, False, 2.0, 1e-9)
+    assert depth == (Depth(0.25, 0.0625, Z, a, b, 0.03125, False) if by_creases else epa)
+
+
+def test_points_are_sought_at_right_angles_to_each_segment(monkeypatch):
+    """The direction was found on the crease of another segment, which is almost parallel."""
+    pair = _pair(CAPSULE, CYLINDER, np.array([[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]]))
+    difference = sums.difference_of(pair)
+    e = np.array([0.0, -0.6, 0.8])
+    n = np.array([1.0, 0.0, 1e-7])
+    n /= np.linalg.norm(n)
+    nothing = Minimum(depths.NOTHING, X, 1.0, 0.0)
+    seen = []
+
+    def settled(_, m, h):
+        seen.append(m)
+        return X, Y, abs(np.dot(e, m)) + 1e-13
+
+    monkeypatch.setattr(depths, 'nearby_minimum', lambda *_: nothing)
+    monkeypatch.setattr(depths, 'settled', settled)
+    terms, _, last, r_A, r_B = difference
+    h = sums.width(terms, last, r_A + r_B, tuple(n))
+    m, there, *_, aside = _python(depths.points_at)(difference, tuple(n), h, 1e-6, 1e-16)
+    assert len(seen) == 3
+    assert aside == pytest.approx(1e-13, abs=1e-15)
+    assert abs(np.dot(e, m)) < 1e-16
+    assert there == sums.width(terms, last, r_A + r_B, m)
+    assert there <= h + 5e-7
+
+
+@pytest.mark.parametrize(
+    ('kind_A', 'kind_B', 'expected'),
+    [
+        (CYLINDER, CONVEX, ['hull']),
+        (CAPSULE, CONVEX, []),
+        (CYLINDER, ELLIPSOID, ['A', 'slices']),
+        (CYLINDER, CYLINDER, ['A', 'B', 'both']),
+        (CAPSULE, CYLINDER, ['B']),
+        (BOX, CYLINDER, ['B']),
+        (CAPSULE, ELLIPSOID, ['slices']),
+        (ELLIPSOID, ELLIPSOID, ['slices']),
+        (BOX, ELLIPSOID, []),  # a box has edges off the axis
+    ],
+)
+def test_a_ring_is_asked_for_by_the_ways_of_its_pair_until_one_is_complete(
+    monkeypatch, kind_A, kind_B, expected
+):
+    ways, last = [], 0
+
+    def asked(way):
+        ways.append(way)
+        return Least(len(ways) == last, 0.25, 0.25, Z, True)
+
+    def in_barrel(difference, k, axes, *_):
+        rows = {sums.AXES_A: (sums.SEGMENT, 'A'), sums.AXES_B: (difference.first, 'B')}
+        assert k == rows[axes][0]
+        return asked(rows[axes][1])
+
+    monkeypatch.setattr(depths, 'least_in_long_barrel', in_barrel)
+    for name, way in (
+        ('least_of_hull_in_barrel', 'hull'),
+        ('least_of_barrels', 'both'),
+        ('least_over_slices', 'slices'),
+    ):
+        monkeypatch.setattr(depths, name, lambda *_, way=way: asked(way))
+    pair = _pair(kind_A, kind_B)
+    difference = sums.difference_of(pair)
+    search = _python(depths.least_of_ring)
+    assert not search(pair, difference, X, 0.5, 0.125, 1e-9, 1e-15).complete
+    assert ways == expected
+    for last in range(1, len(expected) + 1):
+        ways.clear()
+        assert search(pair, difference, X, 0.5, 0.125, 1e-9, 1e-15).complete
+        assert ways == expected[:last]

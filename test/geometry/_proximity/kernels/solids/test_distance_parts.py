@@ -1,0 +1,96 @@
+"""Slabs between leaves, pushes kept by direction, ways out of hulls: against all there are."""
+
+import itertools
+
+import numpy as np
+import pytest
+from oracles.pairs import random_rotation, support
+from oracles.solids import solid
+
+from drake_geom_ros.geometry._proximity.kernels.solids import distance, hulls, pairs
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, normal_of, solid_of
+from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
+
+L = solid('L', np.eye(3), np.zeros(3)).parameters
+
+
+def _corners(body, j):
+    at = body.tree.corners + 9 * j
+    return body.shape[at : at + 9].reshape(3, 3)
+
+
+@pytest.mark.parametrize('p', [(1.5, 0.2, 0.3), (0.4, 0.1, -0.05), (3.0, -2.0, 1.0)])
+def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth(p):
+    """Of a box and a triangle the axes tried are all there are; negative where they overlap."""
+    R, half, B = random_rotation(np.random.default_rng(3)), np.array([0.3, 0.2, 0.1]), solid_of(L)
+    A = body_of(BOX, half, R)
+    for j in range(B.tree.triangles):
+        corners = _corners(B, j) - p
+        edges = np.roll(corners, -1, axis=0) - corners
+        axes = [np.cross(edges[0], edges[1])]
+        axes += [np.cross(e, u) for e, u in itertools.product(edges, R.T)]
+        widths = []
+        for n in axes:
+            for m in (n, -n):
+                m = m / np.linalg.norm(m)
+                widths.append((corners @ m).min() - support(BOX, half, R, m))
+        pair = distance.leaf_pair(A, 0, B, j, p)
+        width, n = distance.widest_slab(A, 0, B, j, pair)
+        assert width == pytest.approx(max(widths), abs=1e-14)
+        assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-15)
+        assert (corners @ n).min() - support(BOX, half, R, np.array(n)) == pytest.approx(width)
+
+
+def test_pushes_are_kept_by_direction_the_longest_of_each_while_there_is_room():
+    slots, count = np.zeros((2, 4)), 0
+    x, y, z = (tuple(n) for n in np.eye(3))
+    for m, s in ((x, 1.0), (x, 3.0), (x, 2.0), (y, 5.0), (z, 7.0), (y, 6.0)):
+        count = distance.add_slot(slots, count, m, s)
+    assert count == 2
+    np.testing.assert_array_equal(slots, [[*x, 3.0], [*y, 6.0]])
+
+
+def test_pairs_of_leaves_that_are_close_are_told_once_each():
+    A, B = body_of(SOLID, L, np.eye(3)), solid_of(L)
+    p = (0.0, 0.0, 1.0)  # one on the other
+    found = np.full((1000, 2), -1)
+    count = distance.close_pairs(A, B, p, (0.0, 0.0, -1.0), 8.0, 1e-9, 1e-12, found)
+    told = {tuple(pair) for pair in found[:count].tolist()}
+    assert len(told) == count
+    assert (found[count:] == -1).all()
+    expected, some = set(), range(0, A.tree.triangles, 6)
+    for i, j in itertools.product(some, range(B.tree.triangles)):
+        gap = distance.leaf_gap(A, i, B, j, p, (0.0, 0.0, -1.0), 8.0, 1e-9, 1e-12)
+        if gap.upper <= 1e-12:
+            expected.add((i, j))
+    assert {pair for pair in told if pair[0] in some} == expected != set()
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_the_way_out_of_the_hulls_is_the_shortest_that_is_tried(seed):
+    rng = np.random.default_rng(seed)
+    R, p = random_rotation(rng), tuple(rng.uniform(0.0, 1.0, 3))
+    A, B = body_of(SOLID, L, R), solid_of(L)
+    m, s = hulls.way_out_of_hull(A, B, p, 0.0)
+    assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
+    mine = np.vstack([_corners(A, j) for j in range(A.tree.triangles)]) @ R.T + p
+    its = np.vstack([_corners(B, j) for j in range(B.tree.triangles)])
+
+    def width(n):
+        return (its @ n).max() - (mine @ n).min()
+
+    assert width(np.array(m)) == pytest.approx(s, abs=1e-14)
+    normals = [np.array(normal_of(L, B.tree, j)) for j in range(B.tree.triangles)]
+    tried = [*normals, *(-R @ n for n in normals), *R.T, *-R.T]
+    # The hull of the L has one face more, across its notch.
+    tried += [np.array([0.5**0.5, 0.5**0.5, 0.0]), -R @ [0.5**0.5, 0.5**0.5, 0.0]]
+    assert s == pytest.approx(min(width(n) for n in tried), abs=1e-14)
+
+
+def test_the_first_direction_is_a_hint_of_any_length_else_towards_the_other():
+    R, out = random_rotation(np.random.default_rng(2)), np.zeros(13)
+    assert pairs.first_direction(out, R, (0.0, 0.0, 0.0)) == (1.0, 0.0, 0.0)
+    assert pairs.first_direction(out, R, (0.0, -2.0, 0.0)) == (0.0, 1.0, 0.0)
+    out[pairs.NORMAL : pairs.NORMAL + 3] = -1e-9 * R[:, 2]
+    found = pairs.first_direction(out, R, (0.0, -2.0, 0.0))
+    assert found == pytest.approx((0.0, 0.0, 1.0), abs=1e-15)
