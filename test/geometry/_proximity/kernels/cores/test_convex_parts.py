@@ -69,9 +69,10 @@ def test_the_gap_along_a_direction_is_that_of_the_planes():
 
 
 Y = (0.0, 1.0, 0.0)
+NOT_CLOSED = Gap(OVERLAP, 0.0, 0.0, Y, Y, Y)
 
 
-def _bounds_python(monkeypatch, p, walked, depth, sharper=(False, 0.0, 0.0, Y, Y, Y)):
+def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED):
     """Return the bounds of two cubes at p, where GJK told ``walked`` and what is else asked."""
     asked = []
 
@@ -95,7 +96,7 @@ def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is
     walked = Gap(CLOSED, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     # Not closed, though told the distance: that is not what is asked of it.
-    sharper = False, 2.0, 2.0, Y, Y, Y
+    sharper = Gap(OVERLAP, 2.0, 2.0, Y, Y, Y)
     found, asked = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, sharper)
     assert asked == ([walked] if attained else [walked, depth])
     assert found.n == (1.0, 0.0, 0.0)
@@ -125,12 +126,46 @@ def test_the_last_digits_come_from_the_edge_next_to_the_normal(is_hull):
     rod = CYLINDER, np.array([0.5, 2.0]), R, (3.0, 3.0, 0.0)
     pair = Pair(*cube, np.eye(3), *rod)
     n = np.array([c, c, 1e-3]) / np.hypot(1.0, 1e-3)
-    closed, distance, lower, m, a, b = convex.sharpened(
+    end, distance, lower, m, a, b = convex.sharpened(
         pair, convex.difference_of(pair), tuple(n), 1e-6, 1e-14, 1e-12
     )
-    assert closed
+    assert end == CLOSED
     assert distance == pytest.approx(math.sqrt(8.0) - 0.5, abs=1e-14)
     assert lower == pytest.approx(distance, abs=1e-12)
     assert m == pytest.approx((c, c, 0.0), abs=1e-8)
     assert a == pytest.approx((1.0, 1.0, 0.0), abs=1e-7)
     assert b == pytest.approx((3.0 - 0.5 * c, 3.0 - 0.5 * c, 0.0), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ('hinted', 'widths', 'starts', 'kept'),
+    [
+        (False, [1e-9], ['x'], 0),
+        (False, [1e-3, 1e-9], ['x', 'found 0'], 1),
+        (True, [1e-3, 1e-9], ['x', 'centres'], 1),
+        (True, [1e-3, 1e-2, 1e-9], ['x', 'centres', 'found 0'], 2),
+        (False, [1e-3, 1e-2, 1e-2], ['x', 'found 0', 'found 0'], 0),
+    ],
+)
+def test_bounds_that_stay_loose_are_sought_from_elsewhere(
+    monkeypatch, hinted, widths, starts, kept
+):
+    """From the line of centres after a bad hint, then from the best normal so far."""
+    names = {(1.0, 0.0, 0.0): 'x', Y: 'centres'}
+    seen = []
+
+    def bounds_of_cores(_, n, is_hint, *rest):
+        k = len(seen)
+        seen.append(names[n])
+        assert is_hint == (hinted if k == 0 else names[n] != 'centres')
+        names[0.0, float(k), 1.0] = f'found {k}'
+        zero = 0.0, 0.0, 0.0
+        m = 0.0, float(k), 1.0
+        return convex.Bounds(CLOSED, 1.0, 1.0, 1.0 - widths[k], m, zero, zero, 0.0, True)
+
+    monkeypatch.setattr(convex, 'bounds_of_cores', bounds_of_cores)
+    pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (0.0, 4.0, 0.0))
+    search = getattr(convex.bounds_of_best_start, 'py_func', convex.bounds_of_best_start)
+    found = search(pair, (1.0, 0.0, 0.0), hinted, 6.0, 1e-9, math.inf)
+    assert seen == starts
+    assert found.n == (0.0, float(kept), 1.0)

@@ -3,8 +3,14 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.geometry._proximity.kernels.cores import depths, sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Minimum, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores import depths, normals, sums
+from drake_geom_ros.geometry._proximity.kernels.cores.records import (
+    Depth,
+    Least,
+    Minimum,
+    Pair,
+    Touch,
+)
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
 
 SIZES = {
@@ -96,7 +102,7 @@ def test_points_are_sought_at_right_angles_to_each_segment(monkeypatch):
     nothing = Minimum(depths.NOTHING, X, 1.0, 0.0)
     seen = []
 
-    def settled(_, m, h):
+    def settled(_, m, h, noise):
         seen.append(m)
         return X, Y, abs(np.dot(e, m)) + 1e-13
 
@@ -156,3 +162,28 @@ def test_a_ring_is_asked_for_by_the_ways_of_its_pair_until_one_is_complete(
         ways.clear()
         assert search(pair, difference, X, 0.5, 0.125, 1e-9, 1e-15).complete
         assert ways == expected[:last]
+
+
+@pytest.mark.parametrize(('off', 'taken'), [(1e-13, True), (-1e-13, True), (1e-11, False)])
+def test_points_follow_the_normal_that_newton_knows_of_the_same_depth(monkeypatch, off, taken):
+    """Where h is almost level its least tells little of the normal, which moves the points."""
+    difference, m = sums.difference_of(_pair(CAPSULE, ELLIPSOID)), (0.6, 0.0, 0.8)
+    newton = Minimum(normals.SMOOTH, m, 1.0 + off, 0.0)
+    monkeypatch.setattr(depths, 'nearby_minimum', lambda *_: newton)
+    found = _python(depths.points_at)(difference, Z, 1.0, 1e-9, 1e-12)
+    assert (found.n, found.h) == ((m, 1.0 + off) if taken else (Z, 1.0))
+    a, b = sums.witness_points(difference, found.n)
+    off_line = np.linalg.norm(np.subtract(a, b) - found.h * np.array(found.n))
+    assert found.aside == pytest.approx(off_line, rel=1e-12)
+
+
+@pytest.mark.parametrize(('there', 'taken'), [(1.0, True), (1.0 + 1e-11, False)])
+def test_points_of_hulls_count_where_the_hulls_are_as_deep(monkeypatch, there, taken):
+    """The edges next to a normal are in the hulls, which may reach beyond them elsewhere."""
+    pair, zero = _pair(BOX, CONVEX), (0.0, 0.0, 0.0)
+    touch = Touch(X, 0.5, X, zero, 0.0)
+    monkeypatch.setattr(depths, 'points_at', lambda *_: touch)
+    monkeypatch.setattr(depths, 'settled', lambda *_: (Y, Z, 0.125))
+    monkeypatch.setattr(depths, 'support_points', lambda *_: ((there, 0.0, 0.0), zero))
+    found = _python(depths.points_on_edges)(pair, Z, 1.0, 1e-9, 1e-12)
+    assert found == (Touch(X, 1.0, X, zero, 0.0) if taken else Touch(Z, 1.0, Y, Z, 0.125))
