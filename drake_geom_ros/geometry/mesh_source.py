@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._hull_polygons import united
 from drake_geom_ros.geometry._mesh_library import convex_hull, parse_mesh, readable_kinds
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
 from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh
+from drake_geom_ros.math.tolerances import FARTHEST
 
 # A file is read whole, and trimesh needs some ten times its size; a scan of 2 million triangles as
 # binary STL has 100 MB.
@@ -155,14 +156,28 @@ def hull_vertices(mesh: MeshGiven, scale3: Floats) -> Floats:
 
 def hull_surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
     """Return ``hull_vertices`` and the hull's triangles (m, 3), counter-clockwise from outside."""
-    vertices, triangles = hull_of(mesh_source(mesh))
-    return vertices * scale3, turned(triangles, scale3)
+    source = mesh_source(mesh)
+    vertices, triangles = hull_of(source)
+    return _scaled(vertices, scale3, source), turned(triangles, scale3)
 
 
 def surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
     """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh itself, scaled along x, y, z."""
-    vertices, triangles = triangles_of(mesh_source(mesh))
-    return vertices * scale3, turned(triangles, scale3)
+    source = mesh_source(mesh)
+    vertices, triangles = triangles_of(source)
+    return _scaled(vertices, scale3, source), turned(triangles, scale3)
+
+
+def _scaled(vertices: Floats, scale3: Floats, source: MeshKey) -> Floats:
+    """Return the vertices of a scaled mesh; raises MeshFileError for one beyond FARTHEST."""
+    with np.errstate(over='ignore'):
+        points = vertices * scale3
+    if (np.abs(points) > FARTHEST).any():
+        raise MeshFileError(
+            f'{name_of(source)}: scaled by {scale3.tolist()}, it reaches to '
+            f'{np.abs(points).max():g} m; no coordinate may be beyond {FARTHEST:.3g} m'
+        )
+    return points
 
 
 def turned(triangles: Indices, scale3: Floats) -> Indices:
@@ -204,4 +219,4 @@ def hull_polygons(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, list[list[in
     source = mesh_source(mesh)
     mirrored = np.prod(np.sign(scale3)) < 0.0
     polygons = [polygon[:: -1 if mirrored else 1] for polygon in _polygons_of(source)]
-    return hull_of(source)[0] * scale3, polygons
+    return _scaled(hull_of(source)[0], scale3, source), polygons

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry.query_results import (
 )
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.tolerances import FARTHEST
 
 
 class QueryObject:
@@ -174,7 +175,12 @@ class QueryObject:
         return PenetrationResults(batch.penetrating() if unsure else batch)
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
-        """Return whether ComputePointPairPenetration would report a pair; stops at the first."""
+        """Return whether ComputePointPairPenetration would report a pair; stops at the first.
+
+        Where sizes, distances or coordinates are so large, from about 1e11 m on, that rounding
+        hides contacts deeper than a millimetre, a pair counts as colliding when the certified
+        interval of its distance reaches below 0: there a contact is possible.
+        """
         context = self._context
         world = context._posed_world()
         return context._engine.has_overlap(world, context._filters, self._level(accuracy))
@@ -302,8 +308,8 @@ class QueryObject:
         (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
         On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
         is the mean of the outward normals that adjoin there, at unit length.
-        Raises ArgumentError for points that are not finite or not of these shapes and for a
-        threshold that is NaN.
+        Raises ArgumentError for points that are not finite, not of these shapes or beyond 1e302 m,
+        and for a threshold that is NaN.
         """
         reach = _checked_distance('threshold', threshold)
         self._level(accuracy)
@@ -319,6 +325,12 @@ class QueryObject:
             raise ArgumentError(
                 'ComputeSignedDistanceToPoint was given a point that is not finite: '
                 f'{p_WQs[~np.isfinite(p_WQs).all(axis=-1)][:1].tolist()}.'
+            )
+        far = np.abs(p_WQs) > FARTHEST
+        if far.any():
+            raise ArgumentError(
+                f'ComputeSignedDistanceToPoint was given a point with the coordinate '
+                f'{p_WQs[far][0]:.3g} m; none may be beyond {FARTHEST:.3g} m.'
             )
         context = self._context
         world = context._posed_world()

@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.arrays import as_vector
-from drake_geom_ros.math.tolerances import DIRECTION_NORM
+from drake_geom_ros.math.tolerances import DIRECTION_NORM, FARTHEST
 
 Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
@@ -264,7 +264,7 @@ class MeshcatCone(Shape):
 
 
 def _number(kind: str, name: str, value: Any) -> float:
-    """Return a finite float, or raise an error that names the argument and its value."""
+    """Return a float up to FARTHEST, or raise an error that names the argument and its value."""
     if value is None:
         raise ArgumentTypeError(f'{kind}: {name} is missing')
     try:
@@ -273,6 +273,8 @@ def _number(kind: str, name: str, value: Any) -> float:
         raise ArgumentTypeError(f'{kind}: {name} = {value!r} must be a number [m]') from None
     if not math.isfinite(number):
         raise ArgumentError(f'{kind}: {name} = {number} must be finite')
+    if number > FARTHEST:
+        raise ArgumentError(f'{kind}: {name} = {number:g} must be <= {FARTHEST:.3g} [m]')
     return number
 
 

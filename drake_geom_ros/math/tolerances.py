@@ -7,8 +7,8 @@ They are here because ``math`` imports nothing of ours.
 # below what a wrong field order produces (INTERFACE.md, Behaviour). The quaternion is normalised.
 QUATERNION_NORM = 1e-3
 
-# A pose that a scene takes in may have no coordinate beyond this [m]: the sums over a chain of
-# poses, a million of them, then stay within float64.
+# A pose, a shape or a point that a scene takes in may have no coordinate and no size beyond this
+# [m]: the sums over a chain of poses, a million of them, then stay within float64.
 FARTHEST = 2.0**1004
 
 # max |R R^T - I| [-] of a rotation to working precision: what the results promise of their unit

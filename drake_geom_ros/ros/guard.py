@@ -6,11 +6,13 @@ on. No ROS import here.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
 
 _LOG_PERIOD = 5.0  # [s] at most one line about the same thing in this time
+_MOST_TOLD_ONCE = 1000  # things that are remembered, for their names may be ever new
 _LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
 
 
@@ -53,10 +55,12 @@ class Guard:
         if self._may_tell(name):
             self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
 
-    def tell(self, about: str, what: str) -> None:
+    def tell(self, about: str, what: str, *, once: bool = False) -> None:
         """Warn of something that is no failure, now and then if it comes again and again."""
         if self._may_tell(about):
             self._logger.warning(what)
+        if once and len(self._silent_until) < _MOST_TOLD_ONCE:
+            self._silent_until[about] = math.inf
 
     def answer(
         self, handler: Callable[[Any, Any, Any], None], scene: Any, request: Any, response: Any

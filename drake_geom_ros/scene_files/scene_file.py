@@ -23,6 +23,8 @@ from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
+# Frames, geometries or whatever else of one kind: reading so many takes half a minute.
+MOST_ITEMS = 100_000
 FORMATS = ('yaml', 'urdf')
 
 
@@ -61,7 +63,7 @@ def read_scene(
     if srdf:
         raise SceneFileError('srdf goes with a URDF; in YAML a robot has the key `srdf`', file)
     try:
-        return parse_scene(read_yaml(data.decode(), file), folder, resolver)
+        return parse_scene(read_yaml(data.decode(), file, MOST_ITEMS), folder, resolver)
     except UnicodeDecodeError as error:
         raise SceneFileError(f'not UTF-8: {error.reason} at byte {error.start}', file) from error
 

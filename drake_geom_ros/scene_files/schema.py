@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator
 from functools import cache
 from importlib import resources
+from itertools import islice
 from typing import Any
 
 import jsonschema
@@ -19,6 +20,8 @@ _TYPE_NAMES = {
     'boolean': 'true or false',
     'null': 'nothing',
 }
+# Faults that are looked at: one is told, and a list of nothing else would take a minute.
+_MOST_FAULTS = 1000
 # Longest value that a message quotes.
 _QUOTED = 60
 
@@ -44,17 +47,17 @@ def check_schema(document: Document, schema: dict[str, Any]) -> None:
 
 def faults(value: Any, schema: dict[str, Any]) -> Iterator[tuple[KeyPath, str]]:
     """Yield where a value breaks a schema, and in what: with the value and what is allowed."""
-    errors = list(jsonschema.Draft7Validator(schema).iter_errors(value))
-    unknown = [_rule_for_keys(e) for e in errors if e.validator == 'additionalProperties']
+    errors = list(islice(jsonschema.Draft7Validator(schema).iter_errors(value), _MOST_FAULTS))
+    unknown = {_rule_for_keys(e) for e in errors if e.validator == 'additionalProperties'}
     for error in errors:
         # A key that is misspelt is missed too, and the misspelling is to blame.
         if error.validator != 'required' or _rule_for_keys(error) not in unknown:
             yield _blamed_path(error), _reason(error)
 
 
-def _rule_for_keys(error: Any) -> tuple[list[str | int], list[str | int]]:
+def _rule_for_keys(error: Any) -> tuple[KeyPath, KeyPath]:
     """Return the mapping that is at fault, and the part of the schema that says its keys."""
-    return list(error.absolute_path), list(error.absolute_schema_path)[:-1]
+    return tuple(error.absolute_path), tuple(error.absolute_schema_path)[:-1]
 
 
 def _blamed_path(error: Any) -> KeyPath:

@@ -76,10 +76,11 @@ class _Open:
     key: str | None = None  # of a mapping: read, its value not yet
 
 
-def read_yaml(text: str, file: str) -> Document:
+def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
     r"""Return the one document of ``text``; errors call it ``file``.
 
-    Raises SceneFileError for text that is not YAML and for everything refused above.
+    Raises SceneFileError for text that is not YAML, for everything refused above, and, as soon as
+    it is read so far, for a list of more than ``most_items``.
 
     >>> document = read_yaml('frames:\n- {name: cup, group: 2}', 'cups.yaml')
     >>> document.value
@@ -90,7 +91,7 @@ def read_yaml(text: str, file: str) -> Document:
     size = len(text.encode(errors='surrogatepass'))
     if size > MAX_BYTES:
         raise SceneFileError(f'{size} bytes; at most {MAX_BYTES} are read', file)
-    builder = _Builder(file)
+    builder = _Builder(file, most_items)
     try:
         for event in yaml.parse(text, Loader=_LOADER):
             builder.take(event)
@@ -110,8 +111,9 @@ def read_yaml(text: str, file: str) -> Document:
 class _Builder:
     """Builds the value from the parser's events."""
 
-    def __init__(self, file: str):
+    def __init__(self, file: str, most_items: float):
         self.file = file
+        self._most_items = most_items
         self.root: Any = None
         self.lines: dict[KeyPath, int] = {}
         self.documents = 0
@@ -192,6 +194,9 @@ class _Builder:
             return
         top = self._open[-1]
         if isinstance(top.value, list):
+            if len(top.value) >= self._most_items:
+                place = Location(self.file, line, key_text(top.path))
+                raise place.error(f'has more than {self._most_items} items')
             top.value.append(value)
         elif top.key is not None:
             top.value[top.key] = value

@@ -96,13 +96,19 @@ class Observer:
 
     def status(self):
         """Return the values that the node tells next."""
+        return {v.key: v.value for v in self._next_status().values}
+
+    def message(self):
+        """Return what the node warns of next."""
+        return self._next_status().message
+
+    def _next_status(self):
         self._diagnostics.clear()
 
         def told():
             return [d for d in self._diagnostics if d.status[0].name == self.client.server]
 
-        found = self.client.wait_for(told, 'diagnostics')[-1].status[0]
-        return {v.key: v.value for v in found.values}
+        return self.client.wait_for(told, 'diagnostics')[-1].status[0]
 
     def stale(self):
         """Return which frames of the test are stale."""
@@ -288,6 +294,17 @@ def test_a_publisher_is_killed_and_comes_back(tf):
     finally:
         publisher.kill()
         publisher.wait()
+
+
+def test_two_parents_and_loops_are_told(tf, node):
+    def quarrel():
+        tf.send(transform('world', '.cart', 1, 5), transform('.b', '.base', 1, 5))
+        tf.send(transform('.a', '.cart', 1, 5), transform('.base', '.b', 1, 5))
+        text = tf.message()
+        return f"'{tf.source}/cart' has two parents by turns" in text and 'is a loop' in text
+
+    tf.client.wait_for(quarrel, 'a warning of both')
+    assert node.output().count(f"'{tf.source}/cart' has two parents by turns") == 1
 
 
 def test_what_was_latched_before_the_node_came_is_taken(tmp_path, lone_client):

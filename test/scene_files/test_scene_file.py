@@ -108,3 +108,19 @@ def test_paths_in_a_text_count_from_the_working_folder(folder, monkeypatch):
     text = 'geometries:\n- {name: m, shape: {type: mesh, uri: parts/m.obj}}'
     (geometry,) = read_scene(text).geometries
     assert Path(geometry.shape.filename()) == folder / 'parts' / 'm.obj'
+
+
+def test_a_list_that_is_too_long_is_refused_where_it_gets_so(monkeypatch):
+    monkeypatch.setattr(scene_file, 'MOST_ITEMS', 3)
+    entries = ''.join(f'- {{name: f{k}}}\n' for k in range(3))
+    assert len(scene_file.read_scene(f'frames:\n{entries}').frames) == 3
+    # What follows is not looked at.
+    with pytest.raises(SceneFileError, match=r'^<text>:5: frames: has more than 3 items$'):
+        scene_file.read_scene(f'frames:\n{entries}- {{name: more}}\n- : :')
+
+
+def test_of_very_many_faults_one_is_told():
+    """Each was compared with all others, which took minutes."""
+    entries = ''.join(f'- {{nam: f{k}}}\n' for k in range(20_000))
+    with pytest.raises(SceneFileError, match=r'^<text>:2: frames\[0\].nam: is no key here'):
+        scene_file.read_scene(f'frames:\n{entries}')

@@ -159,7 +159,10 @@ class Engine:
         return batch
 
     def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
-        """Return whether ``signed_distances`` would return a pair that overlaps."""
+        """Return whether ``signed_distances`` would return a pair that overlaps.
+
+        Or one that may, where rounding hides more than UNSEEN_DEPTH.
+        """
         near = self._near(world, filters, 0.0)
         self._compile_for(world, near, accuracy)
         query = _GAPS[accuracy], 0.0, True

@@ -47,6 +47,7 @@ from drake_geom_ros.geometry._proximity.pair_gaps import (
 )
 from drake_geom_ros.geometry._proximity.pair_table import TYPE_COUNT
 from drake_geom_ros.geometry._proximity.promise import (
+    hides_contact,
     rounding_of_pair,
     size_of_pair,
     tolerance_of_pair,
@@ -312,9 +313,9 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             slacks[s] = _slack(least, travelled, types[a], types[b])
             if not near:
                 continue
-        if _is_hit(out, gaps[s], size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
+        hit = _is_hit(out, gaps[s], size, cutoff, penetrating)
+        if hit or (first >= 0 and hides_contact(out, a, b, size + _apart(p_WGs, a, b), roundings)):
+            hits[found], found = k, found + 1
             if first >= 0:
                 break
     return found

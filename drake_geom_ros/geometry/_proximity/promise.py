@@ -9,9 +9,15 @@ hold.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
-from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    PROMISED_ROUNDING,
+    TOUCHING_DEPTH,
+    UNSEEN_DEPTH,
+)
 
 
 @inlined
@@ -40,6 +46,13 @@ def rounding_of_pair(a, b, extent, roundings):  # type: ignore[no-untyped-def]
     rounding = roundings[a, RADIUS] + roundings[b, RADIUS]
     tilt = roundings[a, TILT] + roundings[b, TILT]
     return rounding + tilt * extent if tilt > 0.0 else rounding
+
+
+@inlined
+def hides_contact(out, a, b, extent, roundings):  # type: ignore[no-untyped-def]
+    """Tell whether a pair may overlap, and rounding hides a depth that anybody would see."""
+    hidden = max(TOUCHING_DEPTH * extent, rounding_of_pair(a, b, extent, roundings))
+    return hidden > UNSEEN_DEPTH and out[DISTANCE] < out[ERROR_BOUND]
 
 
 @inlined

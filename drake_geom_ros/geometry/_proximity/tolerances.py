@@ -38,6 +38,11 @@ ROTATION_DEFECT = 2.0 * ROTATION_TAKEN + ROTATION_STEP
 # touching is not penetrating, and rounding leaves a touching pair within a few EPS of zero.
 TOUCHING_DEPTH = 1e-14
 
+# Where that, or the rounding of poses, hides more than this depth [m], from sizes, distances and
+# coordinates of 1e11 m on, contacts are hidden that anybody would see: ``HasCollisions`` then
+# counts those that may be.
+UNSEEN_DEPTH = 1e-3
+
 
 # A direction whose component [-] along an edge is below this is at right angles to the edge: a few
 # EPS, what is left of an exact right angle after turning a unit vector into another frame. The

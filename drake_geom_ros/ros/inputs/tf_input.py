@@ -27,6 +27,9 @@ from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
+_BY_TURNS = 1.0  # [s] who goes back to a parent that soon has two, and is not handed over
+_REMEMBERED = 5.0  # [s] for which two parents are told after they were seen
+_SHOWN = 5  # frames in a sentence, and sentences
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
 # [m] longest translation: chains of so many stay within what a scene takes, 2**1004 m.
 _FARTHEST = 2.0**900
@@ -62,6 +65,11 @@ class TfInput:
         self._clocks = clocks
         self._edges: dict[str, _Edge] = {}
         self._changed: set[str] = set()  # the TF frames of which was heard since the last time
+        self._left: dict[
+            str, tuple[str, float]
+        ] = {}  # the former parent, and when [s] it was left
+        self._claims: dict[str, tuple[str, float]] = {}  # what is wrong, and since when [s]
+        self._loops: list[str] = []
         self._stamp: Any = None
         self._version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
@@ -80,6 +88,7 @@ class TfInput:
         changed = set()
         for child, edge in fresh:
             if self._is_news(child, edge):
+                self._notice_claims(child, edge)
                 self._edges[child] = edge
                 changed.add(child)
         # What is static holds at any time: its own does not tell how new the poses are.
@@ -147,6 +156,25 @@ class TfInput:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
                 return
 
+    def troubles(self) -> list[str]:
+        """Return what is wrong with the tree of TF now, in words."""
+        now = self._clocks.steady()
+        claims = [told for told, heard in self._claims.values() if now - heard < _REMEMBERED]
+        return claims[:_SHOWN] + self._loops[:_SHOWN]
+
+    def _notice_claims(self, child: str, edge: _Edge) -> None:
+        """Notice a frame that has two parents by turns; to change the parent once is no fault."""
+        known = self._edges.get(child)
+        if known is None or known.parent == edge.parent:
+            return
+        now = self._clocks.steady()
+        former, left = self._left.get(child, ('', -math.inf))
+        if former == edge.parent and now - left < _BY_TURNS:
+            both = ' and '.join(repr(name[:80]) for name in sorted((known.parent, edge.parent)))
+            told = f'the TF frame {child[:80]!r} has two parents by turns, {both}: who sends them?'
+            self._claims[child] = told, now
+        self._left[child] = known.parent, now
+
     def _is_news(self, child: str, edge: _Edge) -> bool:
         known = self._edges.get(child)
         return known is None or known.stamp == math.inf or edge.stamp >= known.stamp
@@ -156,6 +184,7 @@ class TfInput:
         if self._version != scene.version:
             changed = set(self._edges)
         placed: dict[str, _Placed | None] = {scene.world_frame: _WORLD}
+        self._loops = []
         moved: dict[str, bool] = {}
         found: dict[FrameId, _Placed] = {}
         affected = set()
@@ -210,6 +239,9 @@ class TfInput:
                 chain.append(name)
                 name = self._edges[name].parent
         base = placed[name]
+        if name in chain:
+            loop = ', '.join(sorted(repr(n[:80]) for n in chain[chain.index(name) :][:_SHOWN]))
+            self._loops.append(f'the chain of these TF frames is a loop: {loop}')
         for child in reversed(chain):
             if base is not None:
                 edge = self._edges[child]

@@ -141,6 +141,34 @@ def test_a_loop_of_frames_leads_nowhere(scene, tf):
     assert position(scene, 'tool') == [2, 0, 0]
 
 
+def test_a_loop_is_told_while_it_is_there(scene, tf):
+    loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
+    take(tf, scene, message(*loop), static=False)
+    assert tf.troubles() == ["the chain of these TF frames is a loop: 'a', 'tool'"]
+    take(tf, scene, message(transform('world', 'a', at(1))), static=False)
+    assert tf.troubles() == []
+
+
+def test_two_parents_by_turns_are_told_and_a_frame_that_is_handed_over_is_none(scene, tf, clock):
+    def send(parent):
+        take(tf, scene, message(transform(parent, 'tool', at(1), clock.now)), static=False)
+        clock.now += 0.1
+
+    send('world')
+    send('left/base')  # grasped
+    clock.now += 2.0
+    send('world')  # and put down
+    assert tf.troubles() == []
+    send('left/base')
+    told = "the TF frame 'tool' has two parents by turns, 'left/base' and 'world': who sends them?"
+    assert tf.troubles() == [told]
+    send('left/base')
+    assert tf.troubles() == [told]
+    clock.now += 6.0
+    send('left/base')
+    assert tf.troubles() == []
+
+
 def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
     take(
         tf,
