@@ -7,12 +7,17 @@ import trimesh
 from oracles.solids import solid
 
 from drake_geom_ros.geometry import MeshData
+from drake_geom_ros.geometry._proximity.kernels.solids import winding as winding_module
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+    CENTRE,
+    NODE_WIDTH,
+    RADIUS,
+    first_of_leaf,
     rounding_of_angle,
     solid_angle,
     tree_of,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside, winding
+from drake_geom_ros.geometry._proximity.kernels.solids.winding import dipole, is_inside, winding
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
@@ -94,3 +99,41 @@ def test_beside_needles_the_angle_is_as_far_off_as_told_at_most():
         assert min(off, abs(off - 2 * mpmath.pi)) <= told[-1]
     assert max(told) == np.pi
     assert np.median(told) < 1e-3
+
+
+def test_the_error_of_a_dipole_holds_for_every_node_however_near():
+    """From just outside the ball about it, where the field bends most."""
+    parameters, rng = torus(), np.random.default_rng(7)
+    tree = tree_of(SOLID, parameters)
+    for k in range(tree.leaves // 2, 2 * tree.leaves - 1, 9):  # leaves, and those above
+        leaves = [k] if k >= tree.leaves - 1 else [2 * k + 1, 2 * k + 2]
+        at = tree.nodes + NODE_WIDTH * k
+        centre, radius = parameters[at + CENTRE : at + CENTRE + 3], parameters[at + RADIUS]
+        for away in (1.2, 2.0):
+            n = rng.normal(size=3)
+            q = centre + away * radius * n / np.linalg.norm(n)
+            exact = 0.0
+            for leaf in leaves:
+                first, last = (first_of_leaf(tree, leaf - tree.leaves + 1 + i) for i in (0, 1))
+                for j in range(first, last):
+                    c = tree.corners + 9 * j
+                    corners = parameters[c : c + 9].reshape(3, 3) - q
+                    exact += solid_angle(*map(tuple, corners))
+            half, error, radii = dipole(parameters, at, tuple(q))
+            assert radii == pytest.approx(away, rel=1e-9)
+            assert abs(half - exact) <= error + 1e-14
+
+
+def test_a_sign_is_told_when_no_dipole_can_change_it(monkeypatch):
+    told = iter([(0.625, 0.25), (0.375, 0.2), (0.25, 0.125), (1.0, 0.0)])
+    ratios = []
+
+    def scripted(shape, tree, q, ratio, without):
+        ratios.append(ratio)
+        return next(told)
+
+    monkeypatch.setattr(winding_module, 'winding', scripted)
+    look = getattr(is_inside, 'py_func', is_inside)
+    assert not look(RING, tree_of(SOLID, RING), (0.5, 0.5, 0.5))
+    assert ratios == [6.0, 24.0, 96.0]
+    assert look(RING, tree_of(SOLID, RING), (0.5, 0.5, 0.5))
