@@ -102,3 +102,14 @@ def test_intervals_are_those_of_the_balls_inside_and_of_the_planes(kind):
             assert out[NORMAL : NORMAL + 3] == pytest.approx(side * nhat, abs=1e-15)
             witnesses = out[WITNESS_A : WITNESS_A + 3] - out[WITNESS_B : WITNESS_B + 3]
             assert witnesses == pytest.approx(height * side * nhat, abs=1e-15)
+
+
+def test_the_vertex_towards_a_ball_bounds_from_above():
+    corners = np.array(np.meshgrid(*[[-0.1, 0.1]] * 3)).T.reshape(-1, 3)
+    hull, ball, out = np.append(8.0, corners.ravel()), np.array([0.25]), np.zeros(PAIR_WIDTH)
+    bodies = Posed(CONVEX, hull, np.eye(3), 0.0), Posed(SPHERE, ball, np.eye(3), 0.25)
+    p = np.array([2.0, 3.0, 6.0])
+    upper = np.linalg.norm(p - 0.1) - 0.25
+    for A, B, p_AB in ((*bodies, p), (*bodies[::-1], -p)):
+        bounding_interval(A, B, p_AB, out)
+        assert out[DISTANCE] + out[ERROR_BOUND] == pytest.approx(upper, abs=1e-13)

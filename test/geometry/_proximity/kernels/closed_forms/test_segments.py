@@ -217,8 +217,9 @@ def test_contact_far_from_a_long_capsules_middle():
 def test_a_short_gap_beside_an_edge_is_at_right_angles_to_the_segment_again(turn, side):
     """Of the segment only what is across the edge counts: along it the point is between faces."""
     d = np.roll([0.6, -0.64 * side, 0.48], turn)
-    p = np.roll([1.0, side, 0.3], turn)
+    h = np.roll([1.0, 2.0, 3.0], turn)
+    p = np.roll([1.0, 2.0 * side, 0.3], turn)
     across = np.roll([0.64, 0.6 * side, 0.0], turn) * 1e-9
     gap = across + 1e-16 * np.roll([0.6, -0.64 * side, 0.0], turn)
-    turned = segments._across(tuple(gap), tuple(p), (1.0, 1.0, 1.0), tuple(d), 1e-15)
+    turned = segments._across(tuple(gap), tuple(p), tuple(h), tuple(d), 1e-15)
     assert turned == pytest.approx(across, abs=1e-24)

@@ -54,6 +54,8 @@ def test_parallel_cylinders_touch_where_they_are_side_by_side():
     assert unique
     assert a[2] == pytest.approx(b[2], abs=1e-15)
     assert 0.7 <= a[2] <= 0.9
+    assert a[:2] == pytest.approx((0.25, 0.0), abs=1e-15)
+    assert b[:2] == pytest.approx((0.2, 0.0), abs=1e-15)
 
 
 def test_a_ring_of_answers_points_along_x_of_B():

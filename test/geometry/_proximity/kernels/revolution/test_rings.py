@@ -27,6 +27,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sum
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, rings, slices
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
 
 COUNT = 3 if config.DISABLE_JIT else 60
@@ -226,3 +227,13 @@ def test_the_least_of_two_vertices_on_an_arc_against_all_of_it():
         assert least == pytest.approx(max(-np.dot(x, n), -np.dot(y, n)), abs=1e-14)
         assert -1e-14 <= along.max(axis=1).min() - least <= 1e-3
         assert np.max(ns @ n) >= 1.0 - 1e-6
+
+
+def test_a_search_about_a_barrel_that_comes_to_no_end_says_so():
+    """No cut is ever as low as this noise asks for."""
+    hull = np.append(3.0, 0.01 * np.eye(3))
+    pair = Pair(CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0,) * 3)
+    found = rings.least_of_hull_in_barrel(pair, 1e-15, -1.0)
+    assert not found.complete
+    assert found.floor == -math.inf
+    assert found.h <= 0.31

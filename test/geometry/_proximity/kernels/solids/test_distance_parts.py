@@ -1,4 +1,4 @@
-"""Slabs between leaves, pushes kept by direction, ways out of hulls: against all there are."""
+"""Slabs between leaves, pushes kept by direction, leaves that are close: against all there are."""
 
 import itertools
 
@@ -7,8 +7,8 @@ import pytest
 from oracles.pairs import random_rotation, support
 from oracles.solids import solid
 
-from drake_geom_ros.geometry._proximity.kernels.solids import distance, hulls, pairs
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, normal_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids import distance
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 
 L = solid('L', np.eye(3), np.zeros(3)).parameters
@@ -64,33 +64,3 @@ def test_pairs_of_leaves_that_are_close_are_told_once_each():
         if gap.upper <= 1e-12:
             expected.add((i, j))
     assert {pair for pair in told if pair[0] in some} == expected != set()
-
-
-@pytest.mark.parametrize('seed', range(4))
-def test_the_way_out_of_the_hulls_is_the_shortest_that_is_tried(seed):
-    rng = np.random.default_rng(seed)
-    R, p = random_rotation(rng), tuple(rng.uniform(0.0, 1.0, 3))
-    A, B = body_of(SOLID, L, R), solid_of(L)
-    m, s = hulls.way_out_of_hull(A, B, p, 0.0)
-    assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
-    mine = np.vstack([_corners(A, j) for j in range(A.tree.triangles)]) @ R.T + p
-    its = np.vstack([_corners(B, j) for j in range(B.tree.triangles)])
-
-    def width(n):
-        return (its @ n).max() - (mine @ n).min()
-
-    assert width(np.array(m)) == pytest.approx(s, abs=1e-14)
-    normals = [np.array(normal_of(L, B.tree, j)) for j in range(B.tree.triangles)]
-    tried = [*normals, *(-R @ n for n in normals), *R.T, *-R.T]
-    # The hull of the L has one face more, across its notch.
-    tried += [np.array([0.5**0.5, 0.5**0.5, 0.0]), -R @ [0.5**0.5, 0.5**0.5, 0.0]]
-    assert s == pytest.approx(min(width(n) for n in tried), abs=1e-14)
-
-
-def test_the_first_direction_is_a_hint_of_any_length_else_towards_the_other():
-    R, out = random_rotation(np.random.default_rng(2)), np.zeros(13)
-    assert pairs.first_direction(out, R, (0.0, 0.0, 0.0)) == (1.0, 0.0, 0.0)
-    assert pairs.first_direction(out, R, (0.0, -2.0, 0.0)) == (0.0, 1.0, 0.0)
-    out[pairs.NORMAL : pairs.NORMAL + 3] = -1e-9 * R[:, 2]
-    found = pairs.first_direction(out, R, (0.0, -2.0, 0.0))
-    assert found == pytest.approx((0.0, 0.0, 1.0), abs=1e-15)

@@ -7,12 +7,17 @@ import trimesh
 from oracles.solids import solid
 
 from drake_geom_ros.geometry import MeshData
+from drake_geom_ros.geometry._proximity.kernels.solids import winding as winding_module
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+    AREA,
+    AREA_VECTOR,
+    NODE_WIDTH,
+    RADIUS,
     rounding_of_angle,
     solid_angle,
     tree_of,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside, winding
+from drake_geom_ros.geometry._proximity.kernels.solids.winding import dipole, is_inside, winding
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
@@ -94,3 +99,31 @@ def test_beside_needles_the_angle_is_as_far_off_as_told_at_most():
         assert min(off, abs(off - 2 * mpmath.pi)) <= told[-1]
     assert max(told) == np.pi
     assert np.median(told) < 1e-3
+
+
+@pytest.mark.parametrize('away', [1.1, 1.5, 3.0])
+def test_the_error_of_a_dipole_holds_for_the_worst_of_nodes(away):
+    """Two specks of area 1 at either end of the ball, level, seen from beyond one of them."""
+    node = np.zeros(NODE_WIDTH)
+    node[AREA_VECTOR : AREA_VECTOR + 3] = 2.0, 0.0, 0.0
+    node[AREA], node[RADIUS] = 2.0, 1.0
+    half, error, radii = dipole(node, 0, (-away, 0.0, 0.0))
+    exact = 0.5 / (away - 1.0) ** 2 + 0.5 / (away + 1.0) ** 2
+    assert radii == away
+    assert half == pytest.approx(1.0 / away**2, rel=1e-15)
+    assert abs(half - exact) <= error
+
+
+def test_a_sign_is_told_when_no_dipole_can_change_it(monkeypatch):
+    told = iter([(0.625, 0.25), (0.375, 0.2), (0.25, 0.125), (1.0, 0.0)])
+    ratios = []
+
+    def scripted(shape, tree, q, ratio, without):
+        ratios.append(ratio)
+        return next(told)
+
+    monkeypatch.setattr(winding_module, 'winding', scripted)
+    look = getattr(is_inside, 'py_func', is_inside)
+    assert not look(RING, tree_of(SOLID, RING), (0.5, 0.5, 0.5))
+    assert ratios == [6.0, 24.0, 96.0]
+    assert look(RING, tree_of(SOLID, RING), (0.5, 0.5, 0.5))

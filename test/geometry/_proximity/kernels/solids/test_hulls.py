@@ -1,0 +1,38 @@
+"""Ways out of the hulls of two solids, against all that are tried."""
+
+import numpy as np
+import pytest
+from oracles.pairs import random_rotation
+from oracles.solids import solid
+
+from drake_geom_ros.geometry._proximity.kernels.solids import hulls
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, normal_of, solid_of
+from drake_geom_ros.geometry._proximity.kinds import SOLID
+
+L = solid('L', np.eye(3), np.zeros(3)).parameters
+
+
+def _corners(body, j):
+    at = body.tree.corners + 9 * j
+    return body.shape[at : at + 9].reshape(3, 3)
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_the_way_out_of_the_hulls_is_the_shortest_that_is_tried(seed):
+    rng = np.random.default_rng(seed)
+    R, p = random_rotation(rng), tuple(rng.uniform(0.0, 1.0, 3))
+    A, B = body_of(SOLID, L, R), solid_of(L)
+    m, s = hulls.way_out_of_hull(A, B, p, 0.0)
+    assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
+    mine = np.vstack([_corners(A, j) for j in range(A.tree.triangles)]) @ R.T + p
+    its = np.vstack([_corners(B, j) for j in range(B.tree.triangles)])
+
+    def width(n):
+        return (its @ n).max() - (mine @ n).min()
+
+    assert width(np.array(m)) == pytest.approx(s, abs=1e-14)
+    normals = [np.array(normal_of(L, B.tree, j)) for j in range(B.tree.triangles)]
+    tried = [*normals, *(-R @ n for n in normals), *R.T, *-R.T]
+    # The hull of the L has one face more, across its notch.
+    tried += [np.array([0.5**0.5, 0.5**0.5, 0.0]), -R @ [0.5**0.5, 0.5**0.5, 0.0]]
+    assert s == pytest.approx(min(width(n) for n in tried), abs=1e-14)

@@ -1,0 +1,43 @@
+"""What the kernel of solids begins with, and whether its answer is the only one."""
+
+import numpy as np
+import pytest
+from oracles.pairs import random_rotation
+from oracles.solids import Body, row_of, solid
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+    UNIQUE,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids import pairs
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
+
+
+def test_the_first_direction_is_a_hint_of_any_length_else_towards_the_other():
+    R, out = random_rotation(np.random.default_rng(2)), np.zeros(13)
+    assert pairs.first_direction(out, R, (0.0, 0.0, 0.0)) == (1.0, 0.0, 0.0)
+    assert pairs.first_direction(out, R, (0.0, -2.0, 0.0)) == (0.0, 1.0, 0.0)
+    out[NORMAL : NORMAL + 3] = -1e-9 * R[:, 2]
+    found = pairs.first_direction(out, R, (0.0, -2.0, 0.0))
+    assert found == pytest.approx((0.0, 0.0, 1.0), abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ('p', 'm', 'depth', 'unique'),
+    [
+        ((0.5, 0.25, 0.5), (0.0, -1.0, 0.0), 0.25, True),
+        ((1.5, 0.9375, 0.5), (0.0, 1.0, 0.0), 0.0625, True),
+        ((0.25, 0.25, 0.5), None, 0.25, False),  # two walls as near
+    ],
+)
+def test_a_ball_in_a_solid_leaves_through_its_nearest_wall(p, m, depth, unique):
+    R = random_rotation(np.random.default_rng(4))
+    ball = Body(SPHERE, np.array([0.03125]), np.eye(3), R @ np.array(p))
+    out = row_of(ball, solid('L', R, np.zeros(3)))
+    assert out[DISTANCE] == pytest.approx(-(depth + 0.03125), abs=1e-12)
+    assert out[ERROR_BOUND] <= 1e-9
+    assert out[UNIQUE] == unique
+    if m is not None:
+        assert out[NORMAL : NORMAL + 3] == pytest.approx(R @ m, abs=1e-9)

@@ -1,0 +1,71 @@
+"""Boxes of cores, gaps of boxes, and walks over two trees, against all pairs of leaves."""
+
+import itertools
+
+import numpy as np
+import pytest
+from oracles.pairs import random_rotation, support
+from oracles.solids import solid
+
+from drake_geom_ros.geometry._proximity.kernels.solids import tree
+from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, CYLINDER, SOLID
+
+L = solid('L', np.eye(3), np.zeros(3), cuts=2).parameters
+
+
+@pytest.mark.parametrize(('kind', 'size'), [(BOX, [0.3, 0.2, 0.1]), (CYLINDER, [0.3, 0.5])])
+def test_the_box_of_a_core_touches_it_on_every_side(kind, size):
+    box = tree.box_of_core(kind, np.array(size))
+    assert box.middle == (0.0, 0.0, 0.0)
+    assert box.half == tuple(support(kind, np.array(size), np.eye(3), n) for n in np.eye(3))
+
+
+def test_the_box_of_a_hull_is_between_its_ends():
+    vertices = np.random.default_rng(1).normal(size=(7, 3))
+    box = tree.box_of_core(CONVEX, np.append(7.0, vertices.ravel()))
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    np.testing.assert_allclose(box.middle, (low + high) / 2, atol=1e-15)
+    np.testing.assert_allclose(box.half, (high - low) / 2, atol=1e-15)
+
+
+@pytest.mark.parametrize('axis', range(3))
+@pytest.mark.parametrize('turned', [False, True])
+def test_the_gap_of_boxes_is_that_along_an_axis_of_either(axis, turned):
+    rng = np.random.default_rng(axis)
+    R = random_rotation(rng)
+    one = tree.Box((0.1, 0.2, 0.3), (0.5, 0.4, 0.3))
+    other = tree.Box((-0.3, 0.1, 0.2), (0.2, 0.6, 0.7))
+    n = R[:, axis] if turned else np.eye(3)[axis]
+    reach = support(BOX, np.array(one.half), R, n)
+    reach += support(BOX, np.array(other.half), np.eye(3), n)
+    for gap in (0.5, 1e-3):
+        p = np.array(other.middle) + (reach + gap) * n - R @ one.middle
+        found = tree.gap_of_boxes(one, R, tuple(p), other)
+        assert gap - 1e-14 <= found
+        # It is a lower bound of the distance of any two points of theirs.
+        u, v = rng.uniform(-1, 1, (2, 4000, 3))
+        a = p + (one.middle + one.half * u) @ R.T
+        assert found <= np.linalg.norm(a - (other.middle + other.half * v), axis=1).min()
+    assert tree.gap_of_boxes(one, R, tuple(-R @ one.middle), other) == 0.0
+
+
+@pytest.mark.parametrize('limit', [0.0, 0.3, 100.0])
+def test_a_walk_hands_out_all_leaves_within_its_limit_once(limit):
+    R, p = random_rotation(np.random.default_rng(5)), (0.7, 0.2, 0.6)
+    A, B = tree.body_of(SOLID, L, R), tree.solid_of(L)
+    path, top, told, left_out = tree.walk(A, B, p), 1, [], np.inf
+    while True:
+        top, i, j, skipped = tree.next_leaves(A, B, p, path, top, limit)
+        left_out = min(left_out, skipped)
+        if i < 0:
+            break
+        told.append((i, j))
+    assert len(told) == len(set(told))
+    assert left_out > limit
+
+    def box(body, leaf):
+        return tree.box_of_node(body.shape, body.tree, leaf + body.tree.leaves - 1)
+
+    leaves = range(A.tree.leaves)
+    for i, j in set(itertools.product(leaves, leaves)) - set(told):
+        assert tree.gap_of_boxes(box(A, i), R, p, box(B, j)) > limit - 1e-14  # rounding
