@@ -314,7 +314,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             if not near:
                 continue
         hit = _is_hit(out, gaps[s], size, cutoff, penetrating)
-        if hit or (first >= 0 and hides_contact(out, a, b, size + _apart(p_WGs, a, b), roundings)):
+        if hit or (first >= 0 and hides_contact(out, a, b, size + apart(p_WGs, a, b), roundings)):
             hits[found], found = k, found + 1
             if first >= 0:
                 break
