@@ -40,13 +40,13 @@ from drake_geom_ros.geometry._proximity.tolerances import TIE
 @inlined
 def _each(near_shape, at_edge, body, p_WQs, threshold, span, answers):
     """Answer for the points by ``points.near_<shape>`` and ``at_edge``, if it has any."""
+    shape, tilt = body.shape, body.tilt
     for k in range(span.first, span.last):
         near, q, rounding = seen(body, p_WQs, k, threshold)
         if near:
-            size, nearest = near_shape(body.shape, q)
-            nearest = at_edge(body.shape, q, TIE * size + rounding, nearest)
-            if body.tilt > 0.0:
-                rounding += body.tilt * size
+            size, nearest = near_shape(shape, q)
+            nearest = at_edge(shape, q, TIE * size + rounding, nearest)
+            rounding += tilt * size  # 0 but of a half space; to ask made boxes a third slower
             take(answers, k * span.n + span.g, body, threshold, size, rounding, nearest)
 
 
