@@ -27,6 +27,11 @@ class UnknownNameError(GeometryError):
     """A name or an id that the scene does not hold, or that several things bear."""
 
 
+def some_of(names: Sequence[object], most: int = 5) -> str:
+    """Return the first names with commas, and dots where there are more."""
+    return ', '.join(map(str, names[:most])) + (' ...' if len(names) > most else '')
+
+
 class NameTable:
     """Sources, frames and geometries of one version of a scene by name."""
 

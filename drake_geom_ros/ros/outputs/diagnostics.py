@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.outputs.answers import CallCounts
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.scene.pose_ages import UnknownAges
@@ -106,7 +107,7 @@ class Diagnostics:
         if stale:
             troubles.append(
                 f'{len(stale)} of {len(ages)} frames are stale (older than {stale_after:g} s): '
-                f'{_some(stale, _NAMES_IN_MESSAGE)}'
+                f'{some_of(stale, _NAMES_IN_MESSAGE)}'
             )
         troubles += _haste(lags, passed - before)
         status.level = DiagnosticStatus.WARN if troubles else DiagnosticStatus.OK
@@ -127,11 +128,11 @@ class Diagnostics:
             'latest refusal': latest,
             'frames': len(ages),
             'stale frames': len(stale),
-            'names of stale frames': _some(stale, _NAMES_IN_VALUE),
+            'names of stale frames': some_of(stale, _NAMES_IN_VALUE),
             'oldest pose': _oldest(ages, scene.unknown_ages),
             'jumps of the clock': scene.clock_jumps,
             'frames that never had a pose': len(waiting.frames),
-            'names of frames that never had a pose': _some(waiting.frames, _NAMES_IN_VALUE),
+            'names of frames that never had a pose': some_of(waiting.frames, _NAMES_IN_VALUE),
             'pairs left out for them': waiting.pairs,
             'transient filters': _owned(scene.filter_owners),
             'scene version': scene.version,
@@ -185,14 +186,10 @@ def _haste(lags: list[float], passed_over: int) -> list[str]:
     return troubles
 
 
-def _some(names: list[str], count: int) -> str:
-    return ', '.join(names[:count]) + (' ...' if len(names) > count else '')
-
-
 def _owned(owners: dict[int, str]) -> str:
     """Return the transient filters and who asked for them in words."""
     told = [f'{number} ({owner or "nobody said whose"})' for number, owner in owners.items()]
-    return _some(told, _NAMES_IN_VALUE) or 'none'
+    return some_of(told, _NAMES_IN_VALUE) or 'none'
 
 
 def _milliseconds(delays: list[float], part: float) -> str:

@@ -8,11 +8,10 @@ from typing import Any
 
 from drake_geom_ros.geometry import FilterError, FilterId, FramePoseVector, SceneGraph
 from drake_geom_ros.ros.conversions.fields import seconds_of
+from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.scene.clocks import Since
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
-
-_SHOWN = 5  # ids in a sentence
 
 
 @dataclass(frozen=True)
@@ -116,8 +115,7 @@ def _filters(numbers: list[int]) -> str:
     """Return transient filters in words; thousands may go at once."""
     if len(numbers) == 1:
         return f'transient filter {numbers[0]}'
-    more = ' ...' if len(numbers) > _SHOWN else ''
-    return f'{len(numbers)} transient filters ({", ".join(map(str, numbers[:_SHOWN]))}{more})'
+    return f'{len(numbers)} transient filters ({some_of(numbers)})'
 
 
 def owned_by(owner: str) -> str:

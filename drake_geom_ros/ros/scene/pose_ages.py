@@ -6,10 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
-
-_SHOWN = 5  # names in a sentence
 
 
 class UnknownAges(NamedTuple):
@@ -21,10 +19,9 @@ class UnknownAges(NamedTuple):
         """Return a sentence about it; empty where there are none."""
         if not self.frames:
             return ''
-        more = ' ...' if len(self.frames) > _SHOWN else ''
         return (
             f'{len(self.frames)} frames have poses of unknown age, from before the clock jumped: '
-            f'{", ".join(self.frames[:_SHOWN])}{more}'
+            f'{some_of(self.frames)}'
         )
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from drake_geom_ros.geometry import QueryObject
-from drake_geom_ros.ros.conversions.names import NameTable
-
-_SHOWN = 5  # names in a sentence
+from drake_geom_ros.ros.conversions.names import NameTable, some_of
 
 
 class Waiting(NamedTuple):
@@ -20,10 +18,9 @@ class Waiting(NamedTuple):
         """Return a sentence about it; empty where nothing waits."""
         if not self.frames:
             return ''
-        more = ' ...' if len(self.frames) > _SHOWN else ''
         return (
             f'{self.pairs} pairs are left out, for {len(self.frames)} frames never had a pose: '
-            f'{", ".join(self.frames[:_SHOWN])}{more}'
+            f'{some_of(self.frames)}'
         )
 
 
