@@ -8,6 +8,9 @@ from matplotlib.figure import Figure
 
 from drake_geom_ros.ros.demo.recording import Recording
 
+_MOST_LISTED = 12  # changes of filters that have a number and a line of text: the last ones
+_MOST_LABELS = 12  # spells of contact that have a name; of more only the deepest one
+
 _BLUE, _GREEN, _RED, _GREY = '#1f5fa8', '#2a8a57', '#c0392b', '#555555'
 
 
@@ -17,11 +20,15 @@ def draw_distances(recording: Recording, path: Path) -> None:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     _draw_smallest(upper, recording)
     _draw_deepest(lower, recording)
+    # A long recording keeps its end: what changed before is not in the picture.
+    first = recording.pairs[0].time if recording.pairs else recording.start
+    changes = [each for each in enumerate(recording.changes, start=1) if each[1].time >= first]
+    listed = changes[-_MOST_LISTED:]
     for axes in (upper, lower):
         axes.grid(alpha=0.3)
-        for number, change in enumerate(recording.changes, start=1):
+        for number, change in changes:
             axes.axvline(change.time - recording.start, color=_GREY, lw=0.9, ls='--')
-            if axes is upper:
+            if axes is upper and (number, change) in listed:
                 axes.annotate(
                     str(number),
                     (change.time - recording.start, 1.0),
@@ -30,13 +37,14 @@ def draw_distances(recording: Recording, path: Path) -> None:
                     bbox={'boxstyle': 'circle,pad=0.2', 'fc': _GREY, 'ec': 'none'},
                 )  # fmt: skip
     lower.set_xlabel('time since the first result [s]')
-    if recording.changes:
+    if listed:
         legend = '\n'.join(
             f'{number}  {change.time - recording.start:5.2f} s  {change.text}'
-            for number, change in enumerate(recording.changes, start=1)
+            for number, change in listed
         )
+        which = '' if len(listed) == len(changes) else f', the last {len(listed)}'
         figure.supxlabel(
-            f'Changes of the collision filters\n{legend}', x=0.06, ha='left', fontsize=8.5,
+            f'Changes of the collision filters{which}\n{legend}', x=0.06, ha='left', fontsize=8.5,
             color=_GREY, family='monospace',
         )  # fmt: skip
     figure.savefig(path, dpi=130)
@@ -84,7 +92,10 @@ def _draw_deepest(axes: Any, recording: Recording) -> None:
     top = 1.7 * top if top > 0.0 else 1.0
     axes.set_ylim(0.0, top)
     # Labels of neighbours stand at two heights, so that they do not overlap.
-    for number, (name, begin, end, deepest) in enumerate(_spells(recording)):
+    spells = _spells(recording)
+    if len(spells) > _MOST_LABELS:
+        spells = [max(spells, key=lambda spell: spell[3])]
+    for number, (name, begin, end, deepest) in enumerate(spells):
         middle = (begin + end) / 2 - recording.start
         label, height, align = name.replace(' - ', '\n'), deepest * 1e3, 'center'
         if height > top:
