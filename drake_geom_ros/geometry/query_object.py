@@ -321,17 +321,8 @@ class QueryObject:
                 f'ComputeSignedDistanceToPoint was given p_WQ of shape {p_WQs.shape}; '
                 'it must be one point (3,) or points (m, 3), in metres.'
             )
-        if not np.isfinite(p_WQs).all():
-            raise ArgumentError(
-                'ComputeSignedDistanceToPoint was given a point that is not finite: '
-                f'{p_WQs[~np.isfinite(p_WQs).all(axis=-1)][:1].tolist()}.'
-            )
-        far = np.abs(p_WQs) > FARTHEST
-        if far.any():
-            raise ArgumentError(
-                f'ComputeSignedDistanceToPoint was given a point with the coordinate '
-                f'{p_WQs[far][0]:.3g} m; none may be beyond {FARTHEST:.3g} m.'
-            )
+        if not (np.abs(p_WQs) <= FARTHEST).all():  # no NaN is
+            raise ArgumentError(_why_refused(p_WQs))
         context = self._context
         world = context._posed_world()
         points = np.ascontiguousarray(np.atleast_2d(p_WQs))
@@ -369,3 +360,17 @@ def _checked_hint(hint: ArrayLike) -> NDArray[np.float64]:
 
 def _transform(R: NDArray[np.float64], p: NDArray[np.float64]) -> RigidTransform:
     return RigidTransform(RotationMatrix(R.copy()), p.copy())
+
+
+def _why_refused(p_WQs: NDArray[np.float64]) -> str:
+    """Return why points are refused, one of which is not finite or beyond FARTHEST."""
+    finite = np.isfinite(p_WQs).all(axis=-1)
+    if not finite.all():
+        return (
+            'ComputeSignedDistanceToPoint was given a point that is not finite: '
+            f'{p_WQs[~finite][:1].tolist()}.'
+        )
+    return (
+        'ComputeSignedDistanceToPoint was given a point with the coordinate '
+        f'{p_WQs[np.abs(p_WQs) > FARTHEST][0]:.3g} m; none may be beyond {FARTHEST:.3g} m.'
+    )
