@@ -92,6 +92,10 @@ ELLIPSOID_STEPS = 32
 # EPS.
 SLIVER = 1e-13
 
+# A difference of hulls in which the first tetrahedron is thinner than this [-], relative to the
+# pair's size, may have no volume that rounding leaves: what EPA says of it is looked at again.
+THIN = 1e-6
+
 # Cosine [-] of the angle, 8 degrees, beyond which two normals are different answers and not two
 # faces around the same minimum.
 SAME_DIRECTION = 0.99

@@ -7,7 +7,7 @@ concentric spheres the normal is the x axis of B.
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
-    near_box,
+    box_point,
     near_capsule,
     near_cylinder,
     near_ellipsoid,
@@ -16,13 +16,14 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
+    norm,
     rotate,
     scale,
     unrotate,
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
-from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 
 @inlined
@@ -51,8 +52,10 @@ def sphere_sphere(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, toleranc
 @compiled
 def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a box."""
-    size, nearest = near_box(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+    # Not by ``points.near_box``: a function between, though inlined, costs half as much again.
+    q, h = _centre(R_WB, p_AB_W), vector_at(shape_B, 0)
+    size = norm(h) + norm(q)
+    _write(out, shape_A[0], R_WB, p_AB_W, size, box_point(h, q, TIE * size))
 
 
 @compiled

@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.depths import depth_and_bo
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
+    CLOSED_ASIDE,
     OVERLAP,
     distance_of_cores,
     support_points,
@@ -242,15 +243,14 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
     if end == BEYOND_CUTOFF:
         return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
-    if end == CLOSED and not near:
+    if end != OVERLAP and not near:
         sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
         if sharper.end == CLOSED:
             _, distance, lower, n, a, b = sharper
             a, b, miss = drawn_to(distance, n, a, b)
-            return Bounds(end, distance, distance, lower, n, a, b, miss, True)
-        # The slab that closed the bounds may be another one's than that along the gap vector.
-        if gap_along(pair, n) >= upper - max(tolerance, noise):
-            return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
+            return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
+        if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
+            return Bounds(CLOSED, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
     )

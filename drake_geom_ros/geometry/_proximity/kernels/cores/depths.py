@@ -9,7 +9,7 @@ left open then, in symmetric positions and where the difference has no volume, `
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.axes import least_along_axes
-from drake_geom_ros.geometry._proximity.kernels.cores.epa import depth_of_cores
+from drake_geom_ros.geometry._proximity.kernels.cores.epa import depth_of_cores, guarded_hulls
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
 from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import (
     deepest,
@@ -48,10 +48,8 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution.slices import least_over_slices
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    cross,
     dot,
     norm,
-    perpendicular,
     scale,
     sub,
     unit,
@@ -87,8 +85,6 @@ def depth_and_bounds(pair, difference, n, near, size, tolerance):
     """
     noise = ROUNDING * EPS * size
     found = iterated_depth(pair, difference, n, near, size, tolerance)
-    if difference.last == 0 and found.lower > 0.0:
-        found = guarded_hulls(pair, found, noise)
     if found.upper - found.lower <= 4.0 * max(tolerance, noise):
         return found
     h, m, a, b = least_along_axes(pair, found.upper)
@@ -138,7 +134,9 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
         )
         if complete and hulls:
             m, h, a, b, aside = points_on_edges(pair, m, h, enough, noise)
-            return Depth(h, min(floor, h), m, a, b, aside, unique)
+            return guarded_hulls(
+                pair, Depth(h, min(floor, h), m, a, b, aside, unique), noise
+            )
         if complete:
             m, h, a, b, aside = points_at(difference, m, h, enough, noise)
             return Depth(h, guarded(difference, min(floor, h), noise), m, a, b, aside, unique)
@@ -162,25 +160,6 @@ def guarded(difference, floor, noise):
     n = likely_normal(difference, across if dot(across, across) > 0.5 else (1.0, 0.0, 0.0))
     least = width(terms, last, r_A + r_B, n)
     return least if least < floor - noise else floor
-
-
-@compiled
-def guarded_hulls(pair, found, noise):
-    """Return a depth of hulls after a look at planes that EPA did not choose, as ``guarded`` does.
-
-    EPA's lower bound is that of a difference with a volume. That of a segment and a hull which is
-    nothing beside it has none: its faces are slivers, whose sides rounding tells.
-    """
-    e = perpendicular(found.n)
-    f = cross(found.n, e)
-    for m in (unit(pair.p_AB), scale(-1.0, found.n), e, scale(-1.0, e), f, scale(-1.0, f)):
-        a, b = support_points(pair, m, 0.0)
-        h = dot(sub(a, b), m)
-        if dot(m, m) > 0.5 and h < found.lower - 2.0 * noise:
-            apart = norm(sub(a, b))
-            aside = norm(sub(sub(a, b), scale(h, m)))
-            found = Depth(h, -apart, m, a, b, aside, False)
-    return found
 
 
 @compiled

@@ -75,6 +75,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     ROUNDING,
     SAME_DIRECTION,
     SLIVER,
+    THIN,
 )
 
 LEAST_TILT = 0.1  # [rad]
@@ -229,8 +230,8 @@ def nearest_known(pair, difference, n, width, a, b, enough, noise):
 
 
 @compiled
-def is_flat(points, size):
-    """Tell whether vertices 0 to 3 span no volume to speak of."""
+def is_flat(points, thickness, size):
+    """Tell whether vertices 0 to 3 span no volume to speak of, by a thickness [m]."""
     a, b, c, d = (
         vector_in(points, 0),
         vector_in(points, 1),
@@ -238,7 +239,7 @@ def is_flat(points, size):
         vector_in(points, 3),
     )
     n = cross(sub(b, a), sub(c, a))
-    return abs(dot(sub(d, a), n)) <= SLIVER * size * max(norm(n), SLIVER * size * size)
+    return abs(dot(sub(d, a), n)) <= thickness * max(norm(n), thickness * size)
 
 
 @compiled
@@ -252,7 +253,7 @@ def start(pair, known, near, growth, size, noise):
     n, a, b, cap = known.n, known.a, known.b, known.cap
     if cap > 0.0 or near:
         ring_points(pair, n, max(0.5 * cap, LEAST_TILT), points)
-    if not (cap > 0.0 or near) or is_flat(points, size):
+    if not (cap > 0.0 or near) or is_flat(points, SLIVER * size, size):
         put(points, 0, a, b)
         first_points(pair, n, points)
     link_tetrahedron(points, faces)
@@ -265,6 +266,27 @@ def start(pair, known, near, growth, size, noise):
             total = expand(points, faces, planes, horizon, stack, starting_at, f, a, b, 4, 4, size)
             waiting = add_faces(points, faces, planes, heap, 4, total, waiting, size)
     return (4 if total == 4 else 5), total, waiting
+
+
+@compiled
+def guarded_hulls(pair, found, noise):
+    """Return a depth of hulls after a look at planes that no search chose.
+
+    EPA's lower bound is that of a difference with a volume. That of a segment and a hull which is
+    nothing beside it has none: its faces are slivers, whose sides rounding tells.
+    """
+    if found.lower <= 0.0:
+        return found
+    e = perpendicular(found.n)
+    f = cross(found.n, e)
+    for m in (unit(pair.p_AB), scale(-1.0, found.n), e, scale(-1.0, e), f, scale(-1.0, f)):
+        a, b = support_points(pair, m, 0.0)
+        h = dot(sub(a, b), m)
+        if dot(m, m) > 0.5 and h < found.lower - 2.0 * noise:
+            apart = norm(sub(a, b))
+            aside = norm(sub(sub(a, b), scale(h, m)))
+            found = Depth(h, -apart, m, a, b, aside, False)
+    return found
 
 
 @compiled
@@ -288,6 +310,8 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
     a, b = support_points(pair, n, 0.0)
     known = nearest_known(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
     count, total, waiting = start(pair, known, near, growth, size, noise)
+    hulls = difference.last == 0
+    thin = hulls and is_flat(points, THIN * size, size)
     exact, best, n, a, b, cap = known
     lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
     while True:
@@ -312,7 +336,10 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
             break
         closed = not settled and width - lower <= enough
         if closed or (not settled and width < best - noise):
-            known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
+            # Of hulls a minimum on the way ends nothing sooner: the last one has the digits.
+            known = Known(False, width, m, s_A, s_B, 0.0)
+            if closed or not hulls:
+                known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
             exact, best, n, a, b, cap = known
             if exact and dot(sub(a, b), m) > offset + noise:
                 s_A, s_B = a, b
@@ -338,4 +365,5 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
         a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
     if lower <= 0.0:
         lower = -(abs(best) + aside)
-    return Depth(best, lower, n, a, b, aside, unique)
+    found = Depth(best, lower, n, a, b, aside, unique)
+    return guarded_hulls(pair, found, noise) if thin else found

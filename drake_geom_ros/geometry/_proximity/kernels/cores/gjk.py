@@ -37,6 +37,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 CLOSED = 0  # the bounds met, to tolerance or to rounding
 BEYOND_CUTOFF = 1
 OVERLAP = 2  # the origin is in the Minkowski difference, or on it to rounding
+CLOSED_ASIDE = 3  # the bounds met, perhaps along another direction than that of the gap
 
 # Ordinary pairs take 5 to 20 steps; needles and near touches are left to EPA beyond this.
 GJK_STEPS = 64
@@ -126,7 +127,7 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
     points[0, WEIGHT] = 1.0
     count = 1
     upper = norm(v)
-    lower = dot(scale(-1.0, v), n)
+    lower = slab = dot(scale(-1.0, v), n)
     for _ in range(GJK_STEPS):
         if upper <= noise:
             return Gap(OVERLAP, upper, lower, n, a, b)
@@ -154,4 +155,6 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         a, b = combine(points, count, 3), combine(points, count, 6)
         if inside:  # as far as rounding lets a thin simplex tell
             return Gap(OVERLAP, upper, lower, n, a, b)
-    return Gap(CLOSED, upper, lower, unit(sub(b, a)), a, b)
+        slab = -np.inf  # that of the gap was not looked at yet
+    end = CLOSED if upper - slab <= max(tolerance, noise) else CLOSED_ASIDE
+    return Gap(end, upper, lower, unit(sub(b, a)), a, b)

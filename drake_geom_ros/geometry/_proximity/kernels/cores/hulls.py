@@ -95,23 +95,52 @@ def farthest_vertex(shape, x, y, z):
     return shape[k], shape[k + 1], shape[k + 2]
 
 
+@inlined
+def _edge_slope(shape, here, k, x, y, z):
+    """Return the squared slope of the line from one vertex to another, and its squared length.
+
+    It is the fall along (x, y, z), times the length: who compares slopes needs no square root.
+    """
+    one, here, k = np.uint64(1), np.uint64(here), np.uint64(k)
+    u, v, w = (
+        shape[k] - shape[here],
+        shape[k + one] - shape[here + one],
+        shape[k + one + one] - shape[here + one + one],
+    )
+    fall = min(u * x + v * y + w * z, 0.0)
+    return fall * fall, u * u + v * v + w * w
+
+
 @compiled
 def farthest_edge(shape, x, y, z):
     """Return the vertex of a hull extreme along the unit (x, y, z), and another.
 
     The line to the other falls away from the direction with the least slope: it is an edge of the
-    hull, and where a turn of the direction brings another vertex to the fore, the first one.
+    hull, and where a turn of the direction brings another vertex to the fore, the first one. So
+    only neighbours are looked at where they are listed.
     """
     here = _farthest(shape, x, y, z)
-    p, q, r = shape[here], shape[here + 1], shape[here + 2]
+    end = 3 * int(shape[0])
     other, least = here, math.inf
-    for k in range(1, 3 * int(shape[0]) + 1, 3):
-        u, v, w = shape[k] - p, shape[k + 1] - q, shape[k + 2] - r
-        length = norm((u, v, w))
-        slope = -(u * x + v * y + w * z)
-        if k != here and length > 0.0 and slope < least * length:
-            other, least = k, slope / length
-    return (p, q, r), (shape[other], shape[other + 1], shape[other + 2])
+    place, listed = 0, hull_defect(shape) > 0.0
+    if listed:
+        place = end + LISTS + (here - 1) // 3
+        listed = shape[place] >= 0.0
+    if listed:
+        for k in range(int(shape[place]), int(abs(shape[place + 1]))):
+            u = int(shape[k])
+            fall, length = _edge_slope(shape, here, u, x, y, z)
+            if length > 0.0 and fall < least * length:
+                other, least = u, fall / length
+    else:
+        for k in range(1, end + 1, 3):
+            fall, length = _edge_slope(shape, here, k, x, y, z)
+            if length > 0.0 and fall < least * length:
+                other, least = k, fall / length
+    return (
+        (shape[here], shape[here + 1], shape[here + 2]),
+        (shape[other], shape[other + 1], shape[other + 2]),
+    )
 
 
 @compiled

@@ -145,18 +145,20 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
         return Gap(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
     pair = leaf_pair(A, i, B, j, p)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
-    if end == CLOSED and upper - lower > max(tolerance, noise):
+    apart = end != OVERLAP and end != BEYOND_CUTOFF
+    if apart and upper - lower > max(tolerance, noise):
         # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
         # walk goes on.
         again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
-        if again.end == CLOSED and again.upper - again.lower < upper - lower:
+        if again.end != OVERLAP and again.upper - again.lower < upper - lower:
             end, upper, lower, n, a, b = again
-    if end == OVERLAP or (end == CLOSED and upper <= NEAR_TOUCH * size):
+    if end == OVERLAP or (apart and upper <= NEAR_TOUCH * size):
         width, m = widest_slab(A, i, B, j, pair)
         if end == OVERLAP or width > lower:
             n, lower = m, width
-        if lower >= -noise:
-            end = CLOSED
+        apart = lower >= -noise
+    if apart:
+        end = CLOSED
     return Gap(end, upper, lower, n, add(p, a), add(p, b))
 
 

@@ -46,7 +46,6 @@ def test_axes_are_tried_where_bounds_are_left_apart_and_taken_where_less(
     pair = _pair(BOX, CAPSULE, np.eye(3), (0.1, 0.05, 0.0))
     found = Depth(upper, lower, n, (7.0, 0.0, 0.0), (2.0, 0.0, 0.0), 0.5, True)
     monkeypatch.setattr(depths, 'iterated_depth', lambda *_: found)
-    monkeypatch.setattr(depths, 'guarded_hulls', lambda *_: None)  # of hulls alone
     difference = sums.difference_of(pair)
     depth = _python(depths.depth_and_bounds)(pair, difference, X, False, 2.0, 1e-9)
     if not axes:
