@@ -1,4 +1,4 @@
-"""One decorator for all compiled code: its options, and a cache on disk that is never stale.
+"""The decorators of all compiled code: their options, and a cache on disk that is never stale.
 
 Numba tells whether a cached function is out of date by the stamp of the one file that holds it; a
 change of a function that it calls, in another file, goes unseen. So the cache lives in a folder
@@ -95,8 +95,14 @@ if CACHE_FOLDER:
 
 
 def compiled(function: Callable[..., Any]) -> Any:
-    """Return the function compiled on its first call, without the GIL, divisions as in NumPy."""
-    return _compiled(function, forceinline=False)
+    """Return the function compiled on its first call, without the GIL, divisions as in NumPy.
+
+    It makes no arrays and counts no references to those that it is handed: to count them took half
+    the time of the depth of two hulls, and a third of that of most pairs (``bench/kernels.py``).
+    Compiling fails where it makes one. Whoever returns an array, in a record too, has to count as
+    its callers do, else the array is lost or freed twice; a test looks at all of them.
+    """
+    return _compiled(function)
 
 
 def inlined(function: Callable[..., Any]) -> Any:
@@ -108,10 +114,22 @@ def inlined(function: Callable[..., Any]) -> Any:
     return _compiled(function, forceinline=True)
 
 
-def _compiled(function: Callable[..., Any], forceinline: bool) -> Any:
+def allocating(function: Callable[..., Any]) -> Any:
+    """Return the function compiled as ``compiled`` does, for one that makes arrays."""
+    return _compiled(function, counted=True)
+
+
+def _compiled(
+    function: Callable[..., Any], *, forceinline: bool = False, counted: bool = False
+) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER
-    options = {'nogil': True, 'error_model': 'numpy', 'forceinline': forceinline}
+    options = {
+        'nogil': True,
+        'error_model': 'numpy',
+        'forceinline': forceinline,
+        '_nrt': counted,  # else inherited from whoever asks for the function first
+    }
     try:
         return njit(cache=bool(CACHE_FOLDER), **options)(function)
     finally:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 
 Slots = NDArray[np.int64]
 Bits = NDArray[np.uint8]
@@ -61,7 +61,7 @@ def write_pairs(
     return changed
 
 
-@compiled
+@allocating
 def write_rows(bits: Bits, layer: int, rows: Slots, columns: Slots, excludes: bool) -> bool:
     """Exclude or allow the pairs (row, column) in these rows only; return if any bit changed."""
     if columns.size == 0:
@@ -85,7 +85,7 @@ def write_rows(bits: Bits, layer: int, rows: Slots, columns: Slots, excludes: bo
     return bool(difference != 0)
 
 
-@compiled
+@allocating
 def reportable(bits: Bits, bodies: Slots, slots_a: Slots, slots_b: Slots) -> Flags:
     """Return for each pair whether it may be reported."""
     answer = np.empty(slots_a.size, dtype=np.bool_)

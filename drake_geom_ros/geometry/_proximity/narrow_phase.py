@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
@@ -243,7 +243,7 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
     return rounding
 
 
-@compiled
+@allocating
 def answer_pairs(  # type: ignore[no-untyped-def]
     kernels, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
 ):
@@ -321,7 +321,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     return found
 
 
-@compiled
+@allocating
 def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # type: ignore[no-untyped-def]
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
     farthest_vertex,
@@ -109,7 +109,7 @@ def inner_radius(shape_type, shape):
     return 0.0
 
 
-@compiled
+@allocating
 def shape_radii(types, starts, pool):
     """Return outer and inner radii (n,), (n,) [m] about each Go."""
     outer, inner = np.empty(types.size), np.empty(types.size)

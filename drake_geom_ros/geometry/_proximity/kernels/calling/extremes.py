@@ -8,7 +8,7 @@ from typing import Any
 
 from numba import types
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -38,7 +38,7 @@ def is_extreme(size, p_AB_W):
     return not SMALL_SIZE < size + x + y + z < LARGE_SIZE
 
 
-@compiled
+@allocating
 def resized(kind, shape, exponent):
     """Return a copy of a shape's parameters with its lengths times 2^exponent."""
     copy = shape.copy()
@@ -51,7 +51,7 @@ def resized(kind, shape, exponent):
     return copy
 
 
-@compiled
+@allocating
 def at_one_metre(
     address, size, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
 ):

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -86,7 +86,7 @@ def to_half_space(address, kind, body, p_WQs, threshold, span, answers):
     _each(near_half_space, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
-@compiled
+@allocating
 def by_pair_kernel(address, kind, body, p_WQs, threshold, span, answers):
     """Signed distance of points to a shape without a closed form: spheres without radius."""
     nothing, identity = np.zeros(1), np.eye(3)

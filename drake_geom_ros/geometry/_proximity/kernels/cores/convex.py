@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,
     PAIR_WIDTH,
@@ -31,7 +31,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.depths import depth_and_bo
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
-    CLOSED_ASIDE,
     OVERLAP,
     distance_of_cores,
     support_points,
@@ -187,7 +186,7 @@ def is_polytope(kind):
     return kind != CYLINDER and kind != ELLIPSOID
 
 
-@compiled
+@allocating
 def sharpened(pair, difference, n, found, noise, tolerance):
     """Return the gap with its last digits, by Newton's method from near n; CLOSED if that did it.
 
@@ -208,7 +207,7 @@ def sharpened(pair, difference, n, found, noise, tolerance):
     return Gap(end, distance, lower, n, a, b)
 
 
-@compiled
+@allocating
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     """Return the bounds of the signed distance of two cores."""
     noise = ROUNDING * EPS * size
@@ -295,7 +294,7 @@ def width_of(found):
     return max(found.upper - found.lower, found.miss)
 
 
-@compiled
+@allocating
 def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
     """Return the bounds of the signed distance of two cores, from another start if one is bad.
 

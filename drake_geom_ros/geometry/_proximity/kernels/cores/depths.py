@@ -7,7 +7,7 @@ parallel axes; Newton's method (``normals``), whose minimum is proven by balls w
 left open then, in symmetric positions and where the difference has no volume, ``axes`` may close.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.axes import least_along_axes
 from drake_geom_ros.geometry._proximity.kernels.cores.epa import depth_of_cores, guarded_hulls
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
@@ -134,9 +134,7 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
         )
         if complete and hulls:
             m, h, a, b, aside = points_on_edges(pair, m, h, enough, noise)
-            return guarded_hulls(
-                pair, Depth(h, min(floor, h), m, a, b, aside, unique), noise
-            )
+            return guarded_hulls(pair, Depth(h, min(floor, h), m, a, b, aside, unique), noise)
         if complete:
             m, h, a, b, aside = points_at(difference, m, h, enough, noise)
             return Depth(h, guarded(difference, min(floor, h), noise), m, a, b, aside, unique)
@@ -223,7 +221,7 @@ def points_at(difference, n, h, enough, noise):
     return best
 
 
-@compiled
+@allocating
 def points_on_edges(pair, n, h, enough, noise):
     """Return what ``points_at`` does of hulls, by their edges next to n.
 

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put, support_points
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
@@ -174,7 +174,7 @@ def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
     )
 
 
-@compiled
+@allocating
 def growth_arrays(most_vertices):
     """Return what a polytope of so many vertices grows in (see ``polytope``).
 
@@ -206,7 +206,7 @@ def is_in_cap(m, offset, n, rival, cap):
     return away + math.atan2(beyond, offset) <= cap
 
 
-@compiled
+@allocating
 def nearest_known(pair, difference, n, width, a, b, enough, noise):
     """Return (exact, width, n, a, b, cap): the minimum next to n, or what was given if none is.
 
@@ -230,8 +230,8 @@ def nearest_known(pair, difference, n, width, a, b, enough, noise):
 
 
 @compiled
-def is_flat(points, thickness, size):
-    """Tell whether vertices 0 to 3 span no volume to speak of, by a thickness [m]."""
+def is_flat(points, share, size):
+    """Tell whether the tetrahedron of vertices 0 to 3 is thinner than a share of the size."""
     a, b, c, d = (
         vector_in(points, 0),
         vector_in(points, 1),
@@ -239,7 +239,7 @@ def is_flat(points, thickness, size):
         vector_in(points, 3),
     )
     n = cross(sub(b, a), sub(c, a))
-    return abs(dot(sub(d, a), n)) <= thickness * max(norm(n), thickness * size)
+    return abs(dot(sub(d, a), n)) <= share * size * max(norm(n), share * size * size)
 
 
 @compiled
@@ -253,7 +253,7 @@ def start(pair, known, near, growth, size, noise):
     n, a, b, cap = known.n, known.a, known.b, known.cap
     if cap > 0.0 or near:
         ring_points(pair, n, max(0.5 * cap, LEAST_TILT), points)
-    if not (cap > 0.0 or near) or is_flat(points, SLIVER * size, size):
+    if not (cap > 0.0 or near) or is_flat(points, SLIVER, size):
         put(points, 0, a, b)
         first_points(pair, n, points)
     link_tetrahedron(points, faces)
@@ -290,6 +290,19 @@ def guarded_hulls(pair, found, noise):
 
 
 @compiled
+def depth_at(points, faces, planes, total, least, lower, enough, unique):
+    """Return the depth that a polytope has come to, with the least width that is known."""
+    best, n, a, b, aside = least.width, least.n, least.a, least.b, 0.0
+    if least.exact:
+        lower = min(lower, best)
+    else:
+        a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
+    if lower <= 0.0:
+        lower = -(abs(best) + aside)
+    return Depth(best, lower, n, a, b, aside, unique)
+
+
+@allocating
 def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
     """Return the depth of two overlapping or touching cores.
 
@@ -311,7 +324,7 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
     known = nearest_known(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
     count, total, waiting = start(pair, known, near, growth, size, noise)
     hulls = difference.last == 0
-    thin = hulls and is_flat(points, THIN * size, size)
+    thin = hulls and is_flat(points, THIN, size)
     exact, best, n, a, b, cap = known
     lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
     while True:
@@ -358,12 +371,6 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
         if grown == total:
             break
         count, total = count + 1, grown
-    aside = 0.0
-    if exact:
-        lower = min(lower, best)
-    else:
-        a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
-    if lower <= 0.0:
-        lower = -(abs(best) + aside)
-    found = Depth(best, lower, n, a, b, aside, unique)
+    least = Known(exact, best, n, a, b, cap)
+    found = depth_at(points, faces, planes, total, least, lower, enough, unique)
     return guarded_hulls(pair, found, noise) if thin else found

@@ -9,7 +9,7 @@ them.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_segment,
@@ -112,7 +112,7 @@ def is_known(points, count, w):
     return False
 
 
-@compiled
+@allocating
 def distance_of_cores(pair, n, size, tolerance, cutoff):
     """Return the gap of two cores, walking from the unit n, with points a and b from Ao.
 

@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest_edge
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference
@@ -104,7 +104,7 @@ def _put_shape(terms, kind, shape, R, segment, axes):
     return segment
 
 
-@compiled
+@allocating
 def difference_of(pair):
     """Return the Minkowski difference of the two cores of a pair."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
@@ -138,7 +138,7 @@ def _put_edge(terms, shape, R, n, segment):
     return rotate(R, scale(0.5, add(u, v)))
 
 
-@compiled
+@allocating
 def difference_of_edges(pair, n):
     """Return ``difference_of`` a pair with hulls, of which it takes but the edges next to n."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair

@@ -34,7 +34,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -65,7 +65,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
 
 
-@compiled
+@allocating
 def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
     """Return the least h for the cylinder with segment k and disk ``axes``.
 

@@ -16,7 +16,7 @@ those of ``circles`` keep what is in doubt.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -48,7 +48,7 @@ def inner_radius(terms, first, last, axes):
     return min(terms[first, LENGTH], terms[first + 1, LENGTH], terms[first + 2, LENGTH])
 
 
-@compiled
+@allocating
 def least_on_creases(difference, n, enough, noise):
     """Return the least h over all faces and creases, and where.
 

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
@@ -201,7 +201,7 @@ class PlanarDepth(NamedTuple):
     unique: bool
 
 
-@compiled
+@allocating
 def planar_depth(pair, radial, axial, enough, noise):
     """Return the least width over directions s, c >= 0, and where."""
     corners = np.empty((MOST_CORNERS, CHORD + 3))

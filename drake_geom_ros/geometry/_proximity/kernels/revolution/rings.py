@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import support
@@ -79,7 +79,7 @@ def least_of_two(known, i, j, u):
     return at, least
 
 
-@compiled
+@allocating
 def least_across(known, u, shape, R_WB, p, enough, noise):
     """Return (complete, best, floor, count): the least k at right angles to the unit u.
 
@@ -115,7 +115,7 @@ def least_across(known, u, shape, R_WB, p, enough, noise):
     return True, best, floor, count
 
 
-@compiled
+@allocating
 def least_of_hull_in_barrel(pair, enough, noise):
     """Return (complete, h, floor, n, unique) of a cylinder A that is large beside a hull B."""
     _, shape_A, R_WA, _, shape_B, R_WB, p = pair

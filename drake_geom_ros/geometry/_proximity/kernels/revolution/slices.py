@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -194,7 +194,7 @@ def bettered(difference, best, m, enough, noise):
     return Direction(n, h, unique)
 
 
-@compiled
+@allocating
 def least_over_slices(difference, n, h, enough, noise):
     """Return the least h there is.
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import middle_of
@@ -39,7 +39,7 @@ FLUSH = 16.0  # roundings that leaves which touch may be apart
 FIRST_NORMAL = (1.0, 0.0, 0.0)  # where GJK begins when nothing is known
 
 
-@compiled
+@allocating
 def depth_in_solid(B, q, size):
     """Return how deep q lies in B [m], negative outside."""
     point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
@@ -80,7 +80,7 @@ def is_leaf_within(A, i, B, j, p, size, reach):
     return False
 
 
-@compiled
+@allocating
 def are_flush(A, B, p, size):
     """Tell whether a triangle of solids that touch, none of which cross, lies in the other body.
 
@@ -109,7 +109,7 @@ def is_piece_within(shape, tree, B, R, p, size, least):
     return False
 
 
-@compiled
+@allocating
 def is_contained(A, B, p, touches, size):
     """Tell whether A and B overlap, where their surfaces do not cross.
 

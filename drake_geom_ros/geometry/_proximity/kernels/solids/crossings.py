@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     distance_of_cores,
@@ -243,7 +243,7 @@ def corner_touches(shape, at, other, near):
     return False
 
 
-@compiled
+@allocating
 def touch(shape, at, other, near):
     """Tell whether two triangles are within ``near`` elsewhere than in a common corner or edge.
 
@@ -285,7 +285,7 @@ def meeting(shape, at, other, apart):
     return TOUCHING if touch(shape, at, other, max(mine.near, its.near)) else APART
 
 
-@compiled
+@allocating
 def first_crossing(shape, found, touching):
     """Tell whether triangles of a solid's surface cross; ``found`` (2, 3, 3) gets the first.
 

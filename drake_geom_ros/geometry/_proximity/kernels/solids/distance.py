@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
@@ -172,7 +172,7 @@ def is_wider(A, B, p, n, other):
     return width_of_hulls(A, B, p, along, 0.0) < width_of_hulls(A, B, p, across, 0.0)
 
 
-@compiled
+@allocating
 def nearest(A, B, p, n, size, tolerance, limit):
     """Return where the surfaces of A's core and of B are nearest.
 
@@ -234,7 +234,7 @@ def push_out(A, i, B, j, p, radius, found):
     return m, dot(sub(b, a), m) + radius
 
 
-@compiled
+@allocating
 def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
     """Fill ``pairs`` (k, 2) with leaves of A and of B within ``reach``; return how many.
 
@@ -264,7 +264,7 @@ PUSH_LENGTH = 3
 PUSH_WIDTH = 4
 
 
-@compiled
+@allocating
 def contacts(A, B, p, n, size, tolerance, radius, slots, most):
     """Fill ``slots`` (k, PUSH_WIDTH) with pushes of distinct directions; return how many.
 

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import local_support, support
@@ -87,7 +87,7 @@ def clearance(A, B, p, n, size, tolerance, radius):
     return clear and not is_contained(A, B, p, found.lower <= noise, size), found
 
 
-@compiled
+@allocating
 def push_of(A, B, p, found, size, tolerance, radius, pushes):
     """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
     count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
@@ -102,7 +102,7 @@ def push_of(A, B, p, found, size, tolerance, radius, pushes):
     return count
 
 
-@compiled
+@allocating
 def escape(A, B, p, t, size, tolerance, radius, most):
     """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
@@ -196,7 +196,7 @@ def deepest_at(A, B, p, x, size, radius):
     return depth_in_body(A, B, p, x, size, radius) + depth_in_solid(B, x, size)
 
 
-@compiled
+@allocating
 def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
     """Return a lower bound of the depth [m] by points near where A touches after the move by t.
 
@@ -220,7 +220,7 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
     return least
 
 
-@compiled
+@allocating
 def bounds_of_depth(A, B, p, found, size, tolerance, radius):
     """Return (depth, least, t, b) of A at p, which overlaps with B.
 

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, write
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
@@ -90,7 +90,7 @@ def write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius):
     write_row(out, R_WB, p, m, a, b, (-depth, error), unique, MESH)
 
 
-@compiled
+@allocating
 def signed_distance_to_solid(
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
 ):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import local_support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
@@ -184,13 +184,13 @@ def box_of_node(shape, tree, k):
     return box_between(vector_at(shape, at + LOWER), vector_at(shape, at + UPPER))
 
 
-@compiled
+@allocating
 def body_of(kind, shape, R):
     """Return a core or a solid of orientation R in B as A."""
     return Body(kind, shape, R, tree_of(kind, shape), box_of_core(kind, shape))
 
 
-@compiled
+@allocating
 def solid_of(shape):
     """Return a solid as B."""
     return Solid(shape, tree_of(SOLID, shape), np.eye(3))
@@ -264,7 +264,7 @@ def push_children(A, B, p, i, j, path, top):
     return top
 
 
-@compiled
+@allocating
 def walk(A, B, p):
     """Return the walk that begins at the pair of roots."""
     stack, gaps = np.zeros((DEEPEST, 2), dtype=np.int64), np.empty(DEEPEST)

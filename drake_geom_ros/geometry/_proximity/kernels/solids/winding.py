@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
     AREA,
     AREA_VECTOR,
@@ -76,7 +76,7 @@ def dipole(shape, at, q):
     return half, error, distance / radius
 
 
-@compiled
+@allocating
 def winding(shape, tree, q, ratio, without):
     """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are looked into.
 

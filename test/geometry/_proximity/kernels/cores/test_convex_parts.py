@@ -8,7 +8,11 @@ from oracles.pairs import random_rotation
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.cores import convex
-from drake_geom_ros.geometry._proximity.kernels.cores.gjk import CLOSED, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
+    CLOSED,
+    CLOSED_ASIDE,
+    OVERLAP,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Gap, Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
@@ -89,11 +93,18 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED):
     return found, [each for each in asked if each is not sharper]
 
 
-@pytest.mark.parametrize(('n', 'attained'), [((1.0, 0.0, 0.0), True), ((0.8, 0.6, 0.0), False)])
+@pytest.mark.parametrize(
+    ('end', 'n', 'attained'),
+    [
+        (CLOSED, (1.0, 0.0, 0.0), True),
+        (CLOSED_ASIDE, (1.0, 0.0, 0.0), True),
+        (CLOSED_ASIDE, (0.8, 0.6, 0.0), False),
+    ],
+)
 def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is(
-    monkeypatch, n, attained
+    monkeypatch, end, n, attained
 ):
-    walked = Gap(CLOSED, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    walked = Gap(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     # Not closed, though told the distance: that is not what is asked of it.
     sharper = Gap(OVERLAP, 2.0, 2.0, Y, Y, Y)

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.tolerances import SLIVER
 
 ALIGNED = np.eye(3)
 X = (1.0, 0.0, 0.0)
@@ -129,7 +130,7 @@ def test_a_cap_is_left_where_a_face_may_be_nearer_beyond_it():
 def test_flat_is_a_height_that_rounding_makes_at_any_size(corners, flat, power):
     points = np.zeros((4, 9))
     points[:, :3] = power * np.array(corners)
-    assert epa.is_flat(points, power) == flat
+    assert epa.is_flat(points, SLIVER, power) == flat
 
 
 @pytest.mark.parametrize('tilt', [0.1, 0.5, 1.0])

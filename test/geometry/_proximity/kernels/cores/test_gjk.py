@@ -63,6 +63,31 @@ def test_bounds_hold_for_every_gap(gap):
         assert lower - noise <= gap <= upper + noise
 
 
+def test_closed_tells_that_the_slab_along_the_gap_is_as_wide():
+    rng = np.random.default_rng(3)
+    ends = []
+    for _ in range(60):
+        R, p = random_rotation(rng), 4.0 * rng.normal(size=3)
+        shapes = np.array([0.6, 0.9]), rng.uniform(0.2, 1.0, 3)
+        pair = Pair(CYLINDER, shapes[0], R, BOX, shapes[1], ALIGNED, tuple(p))
+        n = tuple(p / np.linalg.norm(p))
+        end, upper, _, n, _, _ = gjk.distance_of_cores(pair, n, 10.0, 1e-9, np.inf)
+        a, b = gjk.support_points(pair, n, 0.0)
+        ends.append(end)
+        if end == gjk.CLOSED:
+            assert np.dot(np.subtract(b, a), n) >= upper - 1e-9 - 1e-14
+    assert ends.count(gjk.CLOSED) > 30
+
+
+def test_a_walk_that_is_cut_off_has_not_looked_along_its_gap(monkeypatch):
+    """One step from a bad start: the simplex has moved on, and nobody has seen its slab."""
+    monkeypatch.setattr(gjk, 'GJK_STEPS', 1)
+    walk = getattr(gjk.distance_of_cores, 'py_func', gjk.distance_of_cores)
+    shape, p = np.array([0.5, 0.5, 0.5]), (0.3, 4.0, 0.2)
+    pair = Pair(BOX, shape, ALIGNED, BOX, shape, ALIGNED, p)
+    assert walk(pair, (0.8, 0.6, 0.0), 6.0, 0.0, np.inf).end == gjk.CLOSED_ASIDE
+
+
 def test_overlap_is_told_with_the_origin_on_or_in_the_difference():
     for p in ((0, 0, 0), (0.9, 0, 0), (1.0, 0, 0)):
         end, upper, *_ = _walk(BOX, [0.5] * 3, ALIGNED, BOX, [0.5] * 3, ALIGNED, p)

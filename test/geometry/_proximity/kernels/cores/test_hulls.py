@@ -7,6 +7,7 @@ from scipy.spatial import ConvexHull
 
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
+    farthest_edge,
     farthest_vertex,
     hull_defect,
     hull_radius,
@@ -67,6 +68,24 @@ def test_the_vertex_is_farthest_up_to_the_defect(make, count):
     for n in np.vstack([directions(300, rng), normals[:300]]):
         reached = float(np.dot(farthest_vertex(shape, *n), n))
         assert reached >= (vertices @ n).max() - hull_defect(shape) - rounding
+
+
+@pytest.mark.parametrize('make', SHAPES)
+@pytest.mark.parametrize('count', [30, 300])
+def test_the_edge_is_that_of_least_slope(make, count):
+    """Large hulls look at neighbours only, small ones at every vertex."""
+    rng = np.random.default_rng(count)
+    vertices, triangles = hull(make(count, rng) @ random_rotations(rng, 1)[0].T + 0.1)
+    shape = hull_parameters(vertices, triangles)
+    for n in directions(200, rng):
+        here, other = (np.array(end) for end in farthest_edge(shape, *n))
+        assert here == pytest.approx(farthest_vertex(shape, *n), abs=0)
+        away = vertices - here
+        lengths = np.linalg.norm(away, axis=1)
+        there = lengths > 0.0
+        slopes = -(away[there] @ n) / lengths[there]
+        slope = -np.dot(other - here, n) / np.linalg.norm(other - here)
+        assert slope <= slopes.min() + 1e-12
 
 
 def test_large_hulls_have_edges_and_small_ones_none():
