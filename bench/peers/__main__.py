@@ -1,13 +1,13 @@
 """The project beside its peers: set all poses, ask a query, read the results as arrays.
 
-    python -m bench.peers                              # everything; about eight minutes
+    python -m bench.peers                              # everything; about 20 minutes
     python -m bench.peers --quick spheres arms         # scenes whose names begin so
-    python -m bench.peers --queries near all --variant full
+    python -m bench.peers --queries near all --variant full --paces robot
     NUMBA_NUM_THREADS=1 python -m bench.peers          # what one thread gives
 
 Writes peers.md and peers.png into --out. Figures of one run can be compared, figures of two
 cannot. Variants: ``full`` (all bodies move), ``tenth`` (a tenth does), ``apart`` (nothing
-touches; for has_collisions).
+touches; for has_collisions). Paces: slow, robot (10 mm a cycle), jump (every pose new).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import argparse
 from pathlib import Path
 
 from bench.peers import scenes
+from bench.peers.motion import PACES
 from bench.peers.run import Run
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -31,11 +32,12 @@ def arguments() -> argparse.Namespace:
     parser.add_argument('scenes', nargs='*', help=f'beginnings of names, of: {known}')
     parser.add_argument('--queries', nargs='+', choices=scenes.QUERIES, default=scenes.QUERIES)
     parser.add_argument('--variant', nargs='+', choices=VARIANTS, default=list(VARIANTS))
+    parser.add_argument('--paces', nargs='+', choices=PACES, default=PACES)
     parser.add_argument('--quick', action='store_true', help='a fifth of the time, no first calls')
-    parser.add_argument('--seconds', type=float, help='of each query of each scene (1.5)')
+    parser.add_argument('--seconds', type=float, help='of each query of each scene (1)')
     parser.add_argument('--out', type=Path, default=ROOT / 'out/bench', help='folder')
     given = parser.parse_args()
-    given.seconds = given.seconds or (0.3 if given.quick else 1.5)
+    given.seconds = given.seconds or (0.2 if given.quick else 1.0)
     given.names = [
         name
         for name in scenes.names()
@@ -51,7 +53,7 @@ def arguments() -> argparse.Namespace:
 def main() -> None:
     """Measure, and write what was measured even when interrupted."""
     given = arguments()
-    run = Run(given.seconds, given.queries, quick=given.quick)
+    run = Run(given.seconds, given.queries, given.quick, given.paces)
     try:
         for name in given.names:
             run.scene(name)

@@ -51,7 +51,7 @@ def draw(measurements: list[Measurement], path: Path) -> None:
         for panel in axes.flat
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
-    figure.suptitle('Times faster than pydrake, poses and query, medians of one run')
+    figure.suptitle('Times faster than pydrake, poses and query, means of one run')
     figure.legend(
         handles.values(), handles.keys(), loc='outside lower center', ncol=6, frameon=False
     )
@@ -69,16 +69,18 @@ def _panel(panel: pyplot.Axes, query: str, measurements: list[Measurement]) -> N
         bar = over_pydrake(m.scene, query)
         panel.plot([bar, bar], [row - 0.42, row + 0.42], color='#c0392b', lw=2, label='bar')
         for name in LIBRARIES[2:]:
-            theirs = m.median(name)
+            theirs = m.mean(name)
             if theirs:
-                speed = m.median('pydrake') / theirs
+                speed = m.mean('pydrake') / theirs
                 panel.plot(speed, row, 'o', color=COLOURS[name], ms=5, label=name)
     panel.axvline(1, color=COLOURS['pydrake'], lw=1, label='pydrake')
     panel.set_xscale('log')
     panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     panel.xaxis.set_major_formatter('{x:g}')
     panel.xaxis.set_minor_formatter('')
-    panel.set_yticks(range(len(measurements)), [m.scene for m in measurements], fontsize=8)
+    panel.set_yticks(
+        range(len(measurements)), [f'{m.scene} {m.pace}' for m in measurements], fontsize=8
+    )
     panel.invert_yaxis()
     panel.margins(x=0.1, y=0.01)
     panel.set_title(TITLES[query], fontsize=10)

@@ -1,4 +1,8 @@
-"""Random small motions: poses for every cycle, made before anything is timed."""
+"""Random motions: poses for every cycle, made before anything is timed.
+
+At the pace ``slow`` a body creeps, by a hundredth of its radius a cycle. ``robot`` is that of a
+link at 1 m/s whose poses come at 100 Hz. At ``jump`` all poses are new, as a planner asks.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +15,17 @@ from scipy.spatial.transform import Rotation
 from drake_geom_ros.evidence.arms import SWING, link_poses
 from drake_geom_ros.evidence.bodies import Floats
 
-TURN = 0.01  # [rad] how far a body turns in a cycle, at most, about each axis
+PACES = ('slow', 'robot', 'jump')
+TURN = 0.01  # [rad] how far a body turns in a slow cycle, at most, about each axis
+ROBOT_STEP = 0.01  # [m] standard deviation along each axis
+ROBOT_TURN = 0.02  # [rad] likewise, about each axis
+ROBOT_JOINT = 0.03  # [rad] of a joint
 
 
 class Motion(Protocol):
     """Something that moves bodies."""
 
-    def poses(self, cycles: int, seed: int) -> Floats:
+    def poses(self, cycles: int, seed: int, pace: str = 'slow') -> Floats:
         """Return poses (cycles, n, 7), x y z [m] qx qy qz qw, of n bodies in World."""
 
     def tenth(self) -> Motion:
@@ -41,7 +49,7 @@ class Walk:
         """Return the motion of a tenth of the bodies, chosen at random."""
         return replace(self, moving=0.1)
 
-    def poses(self, cycles: int, seed: int) -> Floats:
+    def poses(self, cycles: int, seed: int, pace: str = 'slow') -> Floats:
         """Return poses (cycles, n, 7) of the bodies in World."""
         rng = np.random.default_rng(seed)
         count = len(self.lower)
@@ -49,18 +57,26 @@ class Walk:
         turned = Rotation.random(count, rng=rng)
         rests = np.ones(count, dtype=bool)
         rests[rng.permutation(count)[: max(1, round(self.moving * count))]] = False
-        steps = rng.uniform(-1, 1, (cycles, count, 3)) * self.step[:, None]
-        steps[:, rests] = 0.0
-        turns = rng.uniform(-TURN, TURN, (cycles, count, 3))
-        turns[:, rests] = 0.0
+        shape = cycles, count, 3
         poses = np.empty((cycles, count, 7))
-        poses[..., :3] = reflected(start + np.cumsum(steps, axis=0), self.lower, self.upper)
         # A body at rest has the same numbers in every cycle, to the last bit.
-        poses[..., 3:] = turned.as_quat()
+        poses[..., :3], poses[..., 3:] = start, turned.as_quat()
+        if pace == 'jump':
+            poses[:, ~rests, :3] = rng.uniform(self.lower, self.upper, shape)[:, ~rests]
+            anew = Rotation.random(cycles * count, rng=rng).as_quat().reshape(cycles, count, 4)
+            poses[:, ~rests, 3:] = anew[:, ~rests]
+            return poses
+        if pace == 'robot':
+            steps, turns = rng.normal(0, ROBOT_STEP, shape), rng.normal(0, ROBOT_TURN, shape)
+        else:
+            steps = rng.uniform(-1, 1, shape) * self.step[:, None]
+            turns = rng.uniform(-TURN, TURN, shape)
+        turns[:, rests] = 0.0
+        moved = reflected(start + np.cumsum(steps, axis=0), self.lower, self.upper)
+        poses[:, ~rests, :3] = moved[:, ~rests]
         for cycle, turn in enumerate(turns):
             turned = Rotation.from_rotvec(turn) * turned
             poses[cycle, ~rests, 3:] = turned.as_quat()[~rests]
-        poses[:, rests, :3] = start[rests]
         return poses
 
 
@@ -77,12 +93,18 @@ class ArmMotion:
         moving[0, -1] = 1.0
         return replace(self, moving=moving)
 
-    def poses(self, cycles: int, seed: int) -> Floats:
+    def poses(self, cycles: int, seed: int, pace: str = 'slow') -> Floats:
         """Return poses (cycles, 14, 7) of the links' centres in World."""
         rng = np.random.default_rng(seed)
         start = self.posture + rng.uniform(-SWING, SWING, (2, 7))
-        steps = rng.uniform(-TURN, TURN, (cycles, 2, 7)) * self.moving
-        angles = start + np.cumsum(steps, axis=0)
+        if pace == 'jump':
+            anew = self.posture + rng.uniform(-SWING, SWING, (cycles, 2, 7))
+            return link_poses(np.where(self.moving > 0.0, anew, start))
+        if pace == 'robot':
+            steps = rng.normal(0, ROBOT_JOINT, (cycles, 2, 7))
+        else:
+            steps = rng.uniform(-TURN, TURN, (cycles, 2, 7))
+        angles = start + np.cumsum(steps * self.moving, axis=0)
         return link_poses(reflected(angles, self.posture - SWING, self.posture + SWING))
 
 

@@ -10,6 +10,7 @@ from statistics import median
 from typing import Any
 
 from bench.peers import chart, first_call, report
+from bench.peers.motion import PACES
 from bench.peers.report import GROWTH, Measurement
 from bench.peers.scenes import Scene, build
 from bench.peers.sides import Side, installed
@@ -24,18 +25,24 @@ ANCHORED = ('anchored-1000', 'anchored-2000')
 FIRST_CALLS = ('spheres-50', 'mixed-50')
 HOW = (
     'Each cycle poses all bodies anew and asks one query; the libraries take turns of ten '
-    'cycles. Times are medians of poses and query together. Ours reads all arrays of a result, '
-    'pydrake the depth or distance of each record (less than all of it), MuJoCo the arrays of its '
-    'contacts (several a pair). python-fcl and Coal know no filters.'
+    'cycles on walks to and fro. Times are median / mean / 99th percentile of poses and query '
+    'together, bars hold for means. Paces: `slow` moves a body by a hundredth of its radius a '
+    'cycle, `robot` by 10 mm and 0.02 rad (a joint by 0.03 rad), `jump` poses everything anew. '
+    'Ours reads all arrays of a result, pydrake the depth or distance of each record (less '
+    'than all of it), MuJoCo the arrays of its contacts (several a pair). python-fcl and Coal '
+    'know no filters.'
 )
 
 
 class Run:
     """Measures and keeps what it measured."""
 
-    def __init__(self, seconds: float, queries: Sequence[str], quick: bool) -> None:
+    def __init__(
+        self, seconds: float, queries: Sequence[str], quick: bool, paces: Sequence[str] = PACES
+    ) -> None:
         self._seconds = seconds
         self._queries = queries
+        self._paces = paces
         self._limits = {
             name: min(limit, QUICK_LIMIT) if quick and name != 'ours' else limit
             for name, limit in LIMITS.items()
@@ -54,13 +61,18 @@ class Run:
         print(text, flush=True)
 
     def scene(self, name: str) -> None:
-        """Measure the queries of a scene, and print a row for each."""
+        """Measure the queries of a scene at each pace, and print a row for each."""
         scene = build(name)
         queries = [query for query in scene.queries if query in self._queries]
         if not queries:
             return
-        poses = scene.motion.poses(POSES, seed=0)
         sides: dict[str, Side] = {m.NAME: m.Side(scene) for m in self._modules}
+        for pace in self._paces:
+            self._at(pace, scene, queries, sides)
+
+    def _at(self, pace: str, scene: Scene, queries: list[str], sides: dict[str, Side]) -> None:
+        """Measure the queries of a scene at a pace."""
+        poses = scene.motion.poses(POSES, 0, pace)
         layouts = {n: [side.layout(X_WFs) for X_WFs in poses] for n, side in sides.items()}
         for query in queries:
             turns = {
@@ -69,12 +81,12 @@ class Run:
                 if query in side.answers
             }
             taken = interleave(turns, self._seconds, self._limits)
-            self._measurements.append(Measurement(name, query, taken))
+            self._measurements.append(Measurement(scene.name, pace, query, taken))
             print(report.text_line(report.cells(self._measurements[-1])), flush=True)
             done = effects(sides['ours'].query.effects())
             if not taken['ours'].left_out:
                 done = f'poses {1e6 * median(taken["ours"].posing):.3g} us (median), {done}'
-            self._effects.append(f'{name} {query}: {done}')
+            self._effects.append(f'{scene.name} {pace} {query}: {done}')
 
     def growth(self, names: Sequence[str]) -> None:
         """Measure what twice as many anchored boxes add, in turns, when both scenes are asked."""
@@ -111,7 +123,7 @@ class Run:
         print('\n'.join(['', *summary]))
         parts = [
             f'# Beside the peers\n\n{machine()}\n\n{HOW}\n\n![chart](peers.png)',
-            table(report.HEADINGS, rows, left=2),
+            table(report.HEADINGS, rows, left=3),
             *('\n'.join(f'- {line}' for line in lines) for lines in (summary, self._notes)),
             '## What our queries did in their last cycle',
             '\n'.join(f'- {line}' for line in self._effects),

@@ -6,8 +6,10 @@ import gc
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from statistics import median
+from statistics import fmean, median
 from typing import Any
+
+import numpy as np
 
 MOST_CYCLES = 301
 FEWEST_CYCLES = 7
@@ -53,6 +55,14 @@ class Taken:
     def median(self) -> float | None:
         """Return the median time of a cycle [s]; None for a library that was left out."""
         return None if self.left_out else median(self.seconds)
+
+    def mean(self) -> float | None:
+        """Return the mean time of a cycle [s]; None for a library that was left out."""
+        return None if self.left_out else fmean(self.seconds)
+
+    def worst(self) -> float | None:
+        """Return the 99th percentile of the cycles [s]; None for a library that was left out."""
+        return None if self.left_out else float(np.percentile(self.seconds, 99))
 
     def mean_found(self) -> float | None:
         """Return the mean number of results of a cycle."""

@@ -14,7 +14,9 @@ def taken(microseconds, found=3, left_out=''):
 
 def measurement(scene='spheres-200', query='penetration', **microseconds):
     names = {'mujoco': 'MuJoCo', 'coal': 'Coal'}
-    return Measurement(scene, query, {names.get(n, n): taken(t) for n, t in microseconds.items()})
+    return Measurement(
+        scene, 'robot', query, {names.get(n, n): taken(t) for n, t in microseconds.items()}
+    )
 
 
 @pytest.mark.parametrize(
@@ -23,8 +25,10 @@ def measurement(scene='spheres-200', query='penetration', **microseconds):
         ('spheres-50', 'penetration', 2),
         ('spheres-200', 'penetration', 4),
         ('mixed-1000', 'penetration', 4),
-        ('mixed-1000/tenth', 'penetration', 10),
-        ('arms', 'candidates', 5),
+        ('mixed-200', 'penetration', 4),
+        ('anchored-1000', 'penetration', 2),
+        ('mixed-1000/tenth', 'penetration', 5),
+        ('arms', 'candidates', 3),
         ('arms', 'near', 4),
         ('arms', 'all', 3),
         ('hulls-20', 'points', 20),
@@ -47,30 +51,48 @@ def test_mujoco_is_compared_in_penetration_alone():
 def test_a_row_has_a_cell_for_every_heading():
     row = report.cells(measurement(ours=12.34, pydrake=100, coal=1234))
     told = dict(zip(report.HEADINGS, row, strict=True))
-    assert told['ours [us]'] == '12.3'
-    assert told['pydrake [us]'] == '100'
-    assert told['Coal [us]'] == '1234'
+    assert told['ours [us]'] == '12.3 / 12.3 / 12.3'
+    assert told['pydrake [us]'] == '100 / 100 / 100'
+    assert told['Coal [us]'] == '1234 / 1234 / 1234'
+    assert told['p99/mean'] == '1x'
     assert told['MuJoCo [us]'] == '-'
     assert told['pydrake/ours'] == '8.1x'
     assert told['results: ours'] == '3'
     assert len(report.text_line(row)) == sum(report.WIDTHS)
-    assert table(report.HEADINGS, [row], left=2).count('\n') == 3
+    assert table(report.HEADINGS, [row], left=3).count('\n') == 3
 
 
 def test_a_library_that_was_left_out_has_no_time_and_a_reason():
-    m = Measurement('arms', 'all', {'ours': taken(1), 'pydrake': Taken(left_out='raised: no')})
-    assert report.cells(m)[3] == '-'
+    libraries = {'ours': taken(1), 'pydrake': Taken(left_out='raised: no')}
+    m = Measurement('arms', 'jump', 'all', libraries)
+    assert report.cells(m)[4] == '-'
     assert m.verdicts() == []
-    assert report.summary([m]) == ['0 of 0 bars met', 'arms all: pydrake left out: raised: no']
+    assert report.summary([m]) == [
+        '0 of 0 bars met',
+        'arms jump all: pydrake left out: raised: no',
+    ]
 
 
 def test_the_summary_tells_what_was_missed_and_where_results_differ():
     slow = measurement('arms', 'near', ours=10, pydrake=20)
-    other = Measurement('arms', 'all', {'ours': taken(1, 4), 'pydrake': taken(9, 5)})
+    other = Measurement('arms', 'slow', 'all', {'ours': taken(1, 4), 'pydrake': taken(9, 5)})
     assert report.summary([slow, other]) == [
         '1 of 2 bars met',
-        'missed: arms near: 2x pydrake, to be 4x',
-        'arms all: another number of results than pydrake in 5 of 5 cycles',
+        'missed: arms robot near: 2x pydrake, to be 4x',
+        'arms slow all: another number of results than pydrake in 5 of 5 cycles',
+    ]
+
+
+def test_the_mean_counts_and_the_worst_cycle_is_told():
+    seconds = [1e-6] * 98 + [101e-6] * 2
+    ours = Taken(seconds, [1e-6] * 100, [3] * 100)
+    pydrake = Taken([9e-6] * 100, found=[3] * 100)
+    m = Measurement('arms', 'robot', 'near', {'ours': ours, 'pydrake': pydrake})
+    assert m.times('ours') == '1 / 3 / 101'
+    assert m.ratio('pydrake') == pytest.approx(3.0)
+    assert report.summary([m])[1:3] == [
+        'missed: arms robot near: 3x pydrake, to be 4x',
+        'missed: arms robot near: p99 is 33.7 means, to be 2',
     ]
 
 

@@ -4,20 +4,22 @@ import numpy as np
 import pytest
 
 from bench.peers import ours, scenes
+from bench.peers.motion import PACES
 
 FEW = [name for name in scenes.names() if name.partition('/')[0] != 'anchored-2000']
 SMALL = ('spheres-50', 'arms', 'hulls-20')
 CYCLES = 5
 
 
+@pytest.mark.parametrize('pace', PACES)
 @pytest.mark.parametrize('name', FEW)
-def test_a_scene_is_posed_in_every_cycle(name):
+def test_a_scene_is_posed_in_every_cycle(name, pace):
     scene = scenes.build(name)
-    poses = scene.motion.poses(CYCLES, seed=1)
+    poses = scene.motion.poses(CYCLES, 1, pace)
     assert scene.name == name
     assert poses.shape == (CYCLES, len(scene.bodies), 7)
     np.testing.assert_allclose(np.linalg.norm(poses[..., 3:], axis=-1), 1.0, atol=1e-12)
-    np.testing.assert_array_equal(poses, scenes.build(name).motion.poses(CYCLES, seed=1))
+    np.testing.assert_array_equal(poses, scenes.build(name).motion.poses(CYCLES, 1, pace))
 
 
 @pytest.mark.parametrize('name', [name for name in FEW if not name.endswith(scenes.SPREAD)])
