@@ -14,6 +14,7 @@ from drake_geom_ros.geometry._proximity.effects import Effects, Moments
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
+    are_compiled,
     compile_rows,
     table_rows,
 )
@@ -266,8 +267,10 @@ class Engine:
     def _compile_for(self, world: World, near: NearList, accuracy: str) -> None:
         """Compile the kernels of the pairs of a list, once in its life; bounds need none."""
         if not near.has_kernels and accuracy != 'bound':
-            types = world.geometries.types[near.pairs]
-            self._kernels = compile_rows(table_rows(types[:, 0], types[:, 1]))
+            types = world.geometries.types
+            if not are_compiled(types, near.pairs):
+                of_pairs = types[near.pairs]
+                self._kernels = compile_rows(table_rows(of_pairs[:, 0], of_pairs[:, 1]))
             near.has_kernels = True
             self._moments.compiled = time.perf_counter()
 

@@ -115,6 +115,11 @@ class FilterState:
         flags: Flags = filter_matrix.reportable(self._bits, self._bodies, slots_a, slots_b)
         return flags
 
+    @property
+    def matrix(self) -> tuple[filter_matrix.Bits, Slots]:
+        """The bits and bodies by slot, for compiled code, until the next change."""
+        return self._bits, self._bodies
+
     def filtered(self, key_a: int, key_b: int) -> bool:
         """Return whether a pair is kept from being reported, for whatever reason."""
         return not self.mask(self._rows((key_a,)), self._rows((key_b,)))[0]

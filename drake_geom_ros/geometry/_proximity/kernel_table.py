@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import address_at_one_metre
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     address_table,
@@ -37,3 +38,19 @@ def compile_rows(rows: NDArray[np.int64]) -> list[str]:
         _COMPILED[number] = True
         names[ALL_ROWS[number].kernel] = None
     return list(names)
+
+
+def are_compiled(types: NDArray[np.int64], pairs: NDArray[np.int64]) -> bool:
+    """Tell whether the kernels of all pairs (k, 2) are compiled, for shapes of these types."""
+    return bool(_has_each(types, pairs, ROWS, _COMPILED))
+
+
+@compiled
+def _has_each(types, pairs, rows, there):  # type: ignore[no-untyped-def]
+    """Tell whether the row of each pair is there; that of two half spaces is none."""
+    for k in range(pairs.shape[0]):
+        a, b = types[pairs[k, 0]], types[pairs[k, 1]]
+        row = rows[min(a, b) * TYPE_COUNT + max(a, b)]
+        if row >= 0 and not there[row]:
+            return False
+    return True

@@ -4,11 +4,42 @@ from __future__ import annotations
 
 import math
 
-from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
+
+
+@inlined
+def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
+    squared, reach, widest = 0.0, 0.0, 0.0
+    for k in range(3):
+        p, q = p_WGs[i, k], p_WGs[j, k]
+        sizes = half_extents[i, k] + half_extents[j, k]
+        reach = max(reach, abs(p) + abs(q) + sizes)
+        gap = abs(p - q) - sizes
+        if gap > 0.0:
+            squared += gap * gap
+            widest = max(widest, gap)
+    if squared < LARGE_SQUARE:
+        widest = math.sqrt(squared)
+    # Rounding of the corners: a few spacings where they are.
+    return max(0.0, widest - 4.0 * EPS * reach)
+
+
+@inlined
+def plane_gap(R_WGs, p_WGs, roundings, half_extents, h, g):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] of the box around g above the half space h.
+
+    Boxes have room for the rounding of their poses; that of h is taken off, see ``pose_rounding``.
+    """
+    height, extent, size = 0.0, 0.0, 0.0
+    for k in range(3):
+        height += R_WGs[h, k, 2] * (p_WGs[g, k] - p_WGs[h, k])
+        extent += abs(R_WGs[h, k, 2]) * half_extents[g, k]
+        size += abs(p_WGs[g, k]) + abs(p_WGs[h, k]) + half_extents[g, k]
+    return height - extent - roundings[h, RADIUS] - (roundings[h, TILT] + 4.0 * EPS) * size
 
 
 @inlined

@@ -5,8 +5,8 @@ import pytest
 from oracles.exact_poses import composed, length, mp
 from oracles.worlds import geometry_table, random_rotations
 
-from drake_geom_ros.geometry._proximity.broadphase import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.kinds import BOX, HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.pair_gaps import box_gap, plane_gap
 from drake_geom_ros.geometry._proximity.pose_rounding import (
     RADIUS,
     TILT,

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 
 
-@compiled
+@allocating
 def row_of(array, k):
     return row(array, k).copy()
 
 
-@compiled
+@allocating
 def part_of(array, start, stop):
     return part(array, start, stop).copy()
 
