@@ -26,12 +26,12 @@ from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.namesakes import Namesakes
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
     SceneState,
-    add_calls,
     add_counts,
     add_trouble,
 )
@@ -121,6 +121,7 @@ class ConfiguredNode:
         )
         with live.editing() as scene:
             scene.filters_per_owner = settings.values.filters_per_owner
+        self._namesakes = Namesakes(node)
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values)
@@ -352,7 +353,9 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
-        add_calls(message.status[0], self._surface.answers.counts())
+        self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
+        if namesakes := self._namesakes.trouble():
+            add_trouble(message.status[0], namesakes)
         with self.live.reading():
             troubles = self._tf.troubles() if self._tf is not None else []
         for trouble in troubles:
