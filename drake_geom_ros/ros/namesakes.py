@@ -39,9 +39,9 @@ class Namesakes:
 
 
 def _in_words(name: str, others: int) -> str:
-    are = 'node in the graph has' if others == 1 else 'nodes in the graph have'
     return (
-        f'{others} other {are} the name {name}: callers get answers of either, and scenes and '
-        'parameters differ. End one, or start one with another name or namespace (-r '
-        '__node:=NAME, -r __ns:=/NAMESPACE); one that was killed is gone after 20 s'
+        f'this node is not the only one called {name}: {others} more in the graph. Callers get '
+        'answers of any, and scenes and parameters differ. End all but one, or start them with '
+        'names or namespaces of their own (-r __node:=NAME, -r __ns:=/NAMESPACE); one that was '
+        'killed is gone after 20 s'
     )

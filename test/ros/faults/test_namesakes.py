@@ -7,7 +7,7 @@ from ros.harness import start_node
 from ros.scene_calls import accepted
 
 NAME = '/cell/scene_graph'
-TOLD = f'1 other node in the graph has the name {NAME}'
+TOLD = f'this node is not the only one called {NAME}: 1 more in the graph'
 
 
 @pytest.fixture
@@ -65,4 +65,4 @@ def test_a_node_of_that_name_in_another_namespace_is_none(start, lone_client):
     messages.clear()
     lone_client.wait_for(lambda: {NAME, '/cell/inner/scene_graph'} <= told(), 'both again')
     assert all(s.level == DiagnosticStatus.OK for m in messages for s in m.status)
-    assert all('other node' not in node.output() for node in nodes)
+    assert all('not the only one' not in node.output() for node in nodes)
