@@ -218,7 +218,11 @@ def _oldest(ages: dict[str, float], unknown: UnknownAges) -> str:
 
 
 def _memory() -> int:
-    """Return the bytes of memory that the process has now; the most it had, where not Linux."""
-    if _STATM.exists():
+    """Return the bytes of memory that the process has now.
+
+    The most it had where that cannot be read: it is not Linux, or no file may be opened any more.
+    """
+    try:
         return int(_STATM.read_text().split()[1]) * resource.getpagesize()
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    except OSError:
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
