@@ -21,7 +21,6 @@ from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
-from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
@@ -40,7 +39,7 @@ from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
-from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
+from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, Change
@@ -175,7 +174,7 @@ class ConfiguredNode:
                 scene.set_accuracy(new.accuracy)
             scene.filters_per_owner = new.filters_per_owner
             if new.mesh_roots != old.mesh_roots:
-                self.live.files = FileAccess(new.mesh_roots, new.scene_file)
+                self.live.files = file_access(new)
             self.live.most_megabytes = new.max_answer_size
             if new.rate != old.rate:
                 self._set_rate(new.rate)
