@@ -59,10 +59,12 @@ def live_and_die(count: int, seed: int, points: int, life: float) -> None:
         clients.append(client)
     os.close(sent)
     end = time.monotonic() + PATIENCE
+    asked = 0
     for _ in clients:  # one that a dead one's mutex holds up is killed with the others
         if not select.select([begun], [], [], max(0.0, end - time.monotonic()))[0]:
             break
-        os.read(begun, 1)
+        asked += len(os.read(begun, 1))
+    print(f'{asked} of {count} clients ask', flush=True)
     moments.shuffle(clients)
     deaths = sorted(moments.uniform(0.0, life) for _ in clients)
     start = time.monotonic()
