@@ -47,7 +47,7 @@ class Scene(NamedTuple):
         if self.filters != other.filters:
             return f'the filters were {self.filters} and are {other.filters}'
         if not np.array_equal(self.ids, other.ids):
-            return f'{len(self.ids)} pairs were reported and are {len(other.ids)}'
+            return f'the pairs are others: {len(self.ids)} before, {len(other.ids)} now'
         apart = np.abs(self.distances - other.distances)
         worst = int((apart - self.bounds - other.bounds).argmax())
         if apart[worst] > self.bounds[worst] + other.bounds[worst]:
