@@ -62,6 +62,11 @@ def _require_room(live: LiveScene, rows: int, size: int, instead: str) -> None:
         )
 
 
+def _may_be_large(live: LiveScene, rows: int, size: int) -> bool:
+    """Return whether it is worth counting exactly before so many rows, at most, are computed."""
+    return rows * size / 1e6 > min(_SMALL, live.most_megabytes)
+
+
 def _pairs_at_least(view: SceneView) -> int:
     """Return how many pairs, at least, a query without a limit of the distance reports.
 
@@ -95,7 +100,8 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     limit = _limit('max_distance', request.max_distance)
     view = live.view(request.poses)
     instead = 'ask with a smaller max_distance, or by compute_signed_distance_pair'
-    if limit == math.inf:
+    count = view.query.inspector().NumGeometriesWithRole(Role.kProximity)
+    if limit == math.inf and _may_be_large(live, comb(count, 2), SIGNED_DISTANCE_SIZE):
         _require_room(live, _pairs_at_least(view), SIGNED_DISTANCE_SIZE, instead)
     results = view.query.ComputeSignedDistancePairwiseClosestPoints(
         limit, accuracy=_accuracy(request)
@@ -123,13 +129,14 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
         raise ArgumentError(f'points holds {points.size} numbers; it must hold x y z a point')
     view = live.view(request.poses)
     instead = 'ask for fewer points, or with a smaller threshold'
-    if limit == math.inf and not view.query.waiting_frames():
-        rows = points.size // 3 * view.query.inspector().NumGeometriesWithRole(Role.kProximity)
+    count, geometries = points.size // 3, view.query.inspector().GetAllGeometryIds(Role.kProximity)
+    if limit == math.inf and _may_be_large(live, count * len(geometries), POINT_DISTANCE_SIZE):
+        rows = count * sum(map(view.query.is_placed, geometries))
         _require_room(live, rows, POINT_DISTANCE_SIZE, instead)
     parts, blocks = distances_to(
         view.query,
         points.reshape(-1, 3),
-        np.arange(points.size // 3),
+        np.arange(count),
         limit,
         accuracy=_accuracy(request),
     )

@@ -160,9 +160,14 @@ def test_an_answer_that_is_too_large_is_refused_before_it_is_computed(monkeypatc
     query = 'ComputeSignedDistancePairwiseClosestPoints'
     monkeypatch.setattr(f'drake_geom_ros.geometry.QueryObject.{query}', None)
     points = {'points': [0.0, 0.0, 0.0] * 10}
-    # Of 78 pairs 19 are of one frame, and 2 of planes.
-    for name, fields, rows in (('distances', {}, 57), ('points', points, 130)):
-        answer = ask(live, ABOUT_ALL[name], poses(nowhere=1), **fields)
+    # Of 78 pairs 19 are of one frame, and 2 of planes; 10 of the others wait for a pose.
+    for name, fields, given, rows in (
+        ('distances', {}, {'nowhere': 1}, 57),
+        ('distances', {}, {}, 45),
+        ('points', points, {'nowhere': 1}, 130),
+        ('points', points, {}, 120),
+    ):
+        answer = ask(live, ABOUT_ALL[name], poses(**given), **fields)
         assert not answer.success
         assert answer.message.startswith(f'{rows} rows are an answer of 0.0 MB')
 
