@@ -28,6 +28,7 @@ from bench.ros.scenes import two_arms
 
 SHOWN = 20  # problems listed
 WARM_UP = 5.0  # [s]
+SETTLE = 30.0  # [s] in which DDS gives up those who died, and what was kept for them
 EVERY = 50  # faults, after which what the node takes is printed
 
 
@@ -109,9 +110,10 @@ def run(options: argparse.Namespace, folder: Path) -> int:
                     print(f'after {done} faults: {costs(node.pid)}', flush=True)
         except NodeDiedError as error:
             problems.append(str(error))
-        else:
-            print(f'at the end: {costs(node.pid)}')
-    minutes = (time.monotonic() - start) / 60.0
+        minutes = (time.monotonic() - start) / 60.0
+        if node.poll() is None:
+            driver.spin(SETTLE)
+            print(f'{SETTLE:g} s later: {costs(node.pid)}')
     print(f'{faults.counts.total()} faults in {minutes:.1f} minutes: {listed(faults.counts)}')
     print(f'the scene was compared after each; {len(problems)} problems')
     for problem in problems[:SHOWN]:
