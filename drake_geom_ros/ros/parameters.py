@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from drake_geom_ros.geometry import ACCURACY_LEVELS
-from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES
+from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,7 @@ class NodeParameters:
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
+    allow_writes: bool = True
     filters_per_owner: int = 1000
     replay_dir: str = ''
     replay_limit: int = 20
@@ -76,6 +77,10 @@ _TEXTS = {
         'Folders in which files may be opened for a service or a robot description; package:// '
         "stands for all packages' share folders, and the folder of scene_file always counts."
         + _LIVE
+    ),
+    'allow_writes': (
+        'Files may be written for others, in the folders of mesh_roots by ~/save_scene, and in '
+        'replay_dir, which must be empty otherwise.'
     ),
     'filters_per_owner': (
         'Transient filters that one owner may have; those who do not say who they are count as '
@@ -182,6 +187,11 @@ class ParameterStore:
             self._on_change(old, self.values)
 
 
+def file_access(values: NodeParameters) -> FileAccess:
+    """Return which files may be opened for others."""
+    return FileAccess(values.mesh_roots, values.scene_file, writes=values.allow_writes)
+
+
 def declared(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Any:
     """Declare a parameter and return its value, of the type of ``default``.
 
@@ -243,6 +253,8 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
+    if values.replay_dir and not values.allow_writes:
+        return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
 
 

@@ -21,12 +21,16 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
-from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
-from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
+from drake_geom_ros.ros.parameters import (
+    NodeParameters,
+    ParameterRefusedError,
+    ParameterStore,
+    file_access,
+)
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
@@ -87,7 +91,7 @@ class SceneGraphNode(LifecycleNode):
         start = time.perf_counter()
         clocks = Clocks(lambda: seconds_now(self))
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
-        live.files = FileAccess(values.mesh_roots, values.scene_file)
+        live.files = file_access(values)
         live.most_megabytes = values.max_answer_size
         if values.scene_file:
             with live.editing() as scene:

@@ -2,7 +2,8 @@
 
 What comes through a service or a topic may name files: meshes, scene files, URDF and SRDF, and the
 file that a scene is saved to. Those must lie in the folders of ``mesh_roots`` or beside the
-node's own ``scene_file``. In ``mesh_roots``, ``package://`` stands for the share folders of all
+node's own ``scene_file``; a link in one of them is followed to read, as colcon installs by links,
+and never to write elsewhere. In ``mesh_roots``, ``package://`` stands for the share folders of all
 packages, and a relative folder counts from the working folder of the node.
 """
 
@@ -20,7 +21,11 @@ ALL_PACKAGES = 'package://'
 class FileAccess:
     """The folders that files may be opened in."""
 
-    def __init__(self, mesh_roots: Sequence[str], scene_file: str = '') -> None:
+    def __init__(
+        self, mesh_roots: Sequence[str], scene_file: str = '', *, writes: bool = True
+    ) -> None:
+        """Take the values of the parameters; ``writes``: files may be written there, too."""
+        self._writes = writes
         self.folders: list[Path] = []
         for root in filter(None, mesh_roots):
             self.folders += share_folders() if root == ALL_PACKAGES else [Path(root).absolute()]
@@ -39,7 +44,15 @@ class FileAccess:
             raise ArgumentError(f'{what}: {error}. See the parameter mesh_roots.') from None
 
     def new_file(self, path: str, what: str) -> Path:
-        """Return the path of a file to write; raises ArgumentError outside the folders."""
+        """Return the path of a file to write; raises ArgumentError outside the folders.
+
+        And everywhere where nothing may be written.
+        """
+        if not self._writes:
+            raise ArgumentError(
+                f'{what}: {path!r} would be written, and the parameter allow_writes is false. An '
+                'empty path asks for the text alone.'
+            )
         target = Path(path).absolute()
         if not any(target.resolve().is_relative_to(root.resolve()) for root in self.folders):
             folders = ', '.join(map(str, self.folders)) or 'none'
