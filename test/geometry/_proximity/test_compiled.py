@@ -47,6 +47,17 @@ def test_no_place_for_a_cache_is_no_obstacle(tmp_path):
     assert run(NUMBA_CACHE_DIR=str(blocked))[:2] == ('', 0)
 
 
+def test_nobody_else_can_reach_the_cache(tmp_path):
+    """Who can write to it can have us run his code."""
+    before = os.umask(0)
+    try:
+        folder = Path(run(XDG_CACHE_HOME=str(tmp_path))[0])
+    finally:
+        os.umask(before)
+    for each in (folder, folder.parent):
+        assert each.stat().st_mode & 0o777 == 0o700
+
+
 def test_another_source_is_another_cache(tmp_path):
     copy = tmp_path / 'package'
     subprocess.run(['cp', '-r', str(ROOT / 'drake_geom_ros'), str(copy)], check=True)
