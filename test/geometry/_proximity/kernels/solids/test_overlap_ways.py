@@ -10,6 +10,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, soli
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 
 TOLERANCE, SIZE = 1e-9, 8.0
+LEFT = (-1.0, 0.0, 0.0)
 
 
 def ways_out(radius, p):
@@ -45,6 +46,10 @@ def test_a_ball_within_leaves_through_the_nearest_wall(p, m, length):
     np.testing.assert_allclose(push, [*m, length + 0.03125], atol=1e-12)
 
 
+def moved(p, t):
+    return tuple(np.add(p, t).tolist())
+
+
 def at(p, radius=0.1):
     """Return the ball and the L of a test, and what the steps of a way out take besides."""
     A = body_of(SPHERE, np.array([radius]), np.eye(3))
@@ -61,9 +66,7 @@ def test_a_ball_escapes_by_one_push_after_another_until_it_touches_every_wall(ga
         clear, t, _ = solid_overlap.escape(A, B, p, start, SIZE, TOLERANCE, 0.1, most)
         assert clear == is_out
         assert not is_out or t == pytest.approx(expected, abs=1e-12)
-        apart, _ = solid_overlap.clearance(
-            A, B, np.add(p, t), (1.0, 0.0, 0.0), SIZE, TOLERANCE, 0.1
-        )
+        apart, _ = solid_overlap.clearance(A, B, moved(p, t), LEFT, SIZE, TOLERANCE, 0.1)
         assert not clear or apart
 
 
@@ -71,9 +74,7 @@ def test_a_ball_escapes_by_one_push_after_another_until_it_touches_every_wall(ga
 def test_a_ball_that_is_out_slides_back_to_where_it_is_out_by_the_shortest_way(aside):
     A, B, p = at((1.04, 1.5, 0.5))
     t = (0.2, aside, 0.1)
-    clear, found = solid_overlap.clearance(
-        A, B, np.add(p, t), (-1.0, 0.0, 0.0), SIZE, TOLERANCE, 0.1
-    )
+    clear, found = solid_overlap.clearance(A, B, moved(p, t), LEFT, SIZE, TOLERANCE, 0.1)
     assert clear
     t, m, a, b = solid_overlap.slide(A, B, p, t, found, SIZE, TOLERANCE, 0.1)
     assert t == pytest.approx((0.06, 0.0, 0.0), abs=1e-9)
