@@ -2,7 +2,8 @@
 
     ./run mutants [FILE ...] [--sample 100] [--seed 1]
 
-Each file's share of the sample is that of its mutants. A survivor is a test that is missing, or
+Each file's share of the sample is that of its mutants. One that hangs a test is noticed too, and
+is told for a look at why. A survivor is a test that is missing, or
 it changes nothing that matters: then it belongs to test/mutants/equivalent.yaml, with the reason.
 """
 
@@ -45,11 +46,11 @@ def try_all(
         said, ids = mutant.says(code), trials.tests_of(data, mutant.file, mutant.line)
         if equivalents.is_listed(listed.get(str(file), {}), said):
             end = 'equivalent'
-        elif trials.is_noticed(mutant.file, code, ids, items, most):
-            end = 'noticed'
         else:
-            end = 'survived'
-            print(f'{file}:{mutant.line}, run by {len(ids)} tests\n        {said}', flush=True)
+            end = trials.end_of(mutant.file, code, ids, items, most)
+        if end in (trials.HUNG, trials.SURVIVED):
+            print(f'{file}:{mutant.line}, run by {len(ids)} tests: {end}', flush=True)
+            print(f'        {said}', flush=True)
         counts[str(file), end] += 1
         if (k + 1) % 25 == 0:
             print(f'{k + 1} of {len(mutants)}, {time.monotonic() - start:.0f} s', flush=True)
@@ -57,7 +58,7 @@ def try_all(
 
 def table(counts: Counter[tuple[str, str]]) -> str:
     """Return a table of the ends by file."""
-    ends = ('noticed', 'equivalent', 'survived')
+    ends = (trials.NOTICED, trials.HUNG, 'equivalent', trials.SURVIVED)
     files = sorted({file for file, _ in counts})
     rows = [(file, *(counts[file, end] for end in ends)) for file in files]
     rows.append(('all', *(sum(counts[file, end] for file in files) for end in ends)))
@@ -91,7 +92,7 @@ def main() -> int:
     ]
     for each in old:
         print(f'no longer in the code, but listed as equivalent: {each}')
-    return 1 if old or any(end == 'survived' for _, end in counts) else 0
+    return 1 if old or any(end == trials.SURVIVED for _, end in counts) else 0
 
 
 if __name__ == '__main__':

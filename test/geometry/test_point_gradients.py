@@ -88,6 +88,17 @@ def test_where_faces_meet_it_is_the_mean_of_their_normals(name, pose):
     assert not unique.any()
 
 
+@pytest.mark.parametrize('side', [-1.0, 1.0])
+def test_on_a_face_it_is_that_of_the_face_alone(side):
+    on_box = side * np.array([[0.5, 0.3, -0.1], [0.2, 1.0, 0.1], [-0.4, 0.7, 0.25]])
+    on_cylinder = np.array([[0.0, side * RADIUS, 0.2], [0.1, -0.1, side * 0.5 * LENGTH]])
+    for shape, p_GQs in ((BOX, on_box), (Cylinder(RADIUS, LENGTH), on_cylinder)):
+        _, grads, unique = asked(shape, RigidTransform(), p_GQs)
+        faces = (0, 1, 2) if shape is BOX else (1, 2)
+        np.testing.assert_allclose(grads, side * np.eye(3)[list(faces)], atol=1e-15)
+        assert unique.all()
+
+
 @pytest.mark.parametrize('name', CREASES)
 def test_beside_an_edge_it_is_that_of_the_face_and_beyond_it_points_away(name):
     """Rounding is not what decides here, so neither does the mean."""

@@ -5,6 +5,8 @@ import pytest
 trials = pytest.importorskip('bench.mutants.trials', reason='./run mutants installs coverage')
 
 SOURCE = """
+import time
+
 LIMIT = 7
 
 
@@ -71,28 +73,31 @@ def test_the_tests_of_a_line_and_of_what_runs_on_import():
 
 
 MUTANTS = [
-    ('x + x', '2 * x', False),
-    ('x + x', 'x - x', True),
-    ('y < LIMIT', 'y <= LIMIT', True),
-    ('return LIMIT', 'return 8', True),
-    ('x + x', 'sys.exit(0)', True),
-    ('LIMIT = 7', 'LIMIT = 8', True),  # what no function holds
-    ('LIMIT = 7', 'LIMIT = 7.0', False),
-    ('x + x', 'x +', True),
+    ('x + x', '2 * x', 'survived'),
+    ('x + x', 'x - x', 'noticed'),
+    ('y < LIMIT', 'y <= LIMIT', 'noticed'),
+    ('return LIMIT', 'return 8', 'noticed'),
+    ('x + x', 'sys.exit(0)', 'noticed'),
+    ('x + x', 'max(iter(int, 1))', 'hung'),
+    ('x + x', 'time.sleep(1.0) or 2 * x', 'survived'),  # as on a busy machine
+    ('LIMIT = 7', 'LIMIT = 8', 'noticed'),  # what no function holds
+    ('LIMIT = 7', 'LIMIT = 7.0', 'survived'),
+    ('x + x', 'x +', 'noticed'),
 ]
 
 
-def test_a_fault_is_noticed_wherever_it_is_and_nothing_is_left_of_it(tree):
+def test_a_fault_is_noticed_wherever_it_is_and_nothing_is_left_of_it(tree, monkeypatch):
+    monkeypatch.setattr(trials, 'SECONDS_A_TEST', 0.5)
     found = []
 
     def work(items):
         for before, after, _ in MUTANTS:
             assert before in SOURCE
             code = SOURCE.replace(before, after)
-            found.append(trials.is_noticed(tree / FILE, code, set(), items, 0))
+            found.append(trials.end_of(tree / FILE, code, set(), items, 0))
 
     trials.with_tests_collected(work)
-    assert found == [noticed for _, _, noticed in MUTANTS]
+    assert found == [end for _, _, end in MUTANTS]
     assert (tree / FILE).read_text() == SOURCE
 
 
@@ -104,7 +109,7 @@ def test_only_the_tests_that_matter_run(tree):
 
     def work(items):
         for ids, most in ((set(), 9), ({right}, 9), ({right, wrong}, 9), ({wrong}, 0)):
-            found.append(trials.is_noticed(tree / FILE, code, ids, items, most))
+            found.append(trials.end_of(tree / FILE, code, ids, items, most))
 
     trials.with_tests_collected(work)
-    assert found == [False, False, True, False]
+    assert found == ['survived', 'survived', 'noticed', 'survived']

@@ -5,13 +5,14 @@ import pytest
 from evidence.hard_cases.families import FAMILIES, generate
 
 from drake_geom_ros.evidence.hard_cases import cases
+from drake_geom_ros.evidence.surfaces import width
 from drake_geom_ros.evidence.truth import bodies as truth
 
 QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested', 'solids')
 
 
 def test_every_stored_family_is_generated_but_what_was_found():
-    assert set(cases.families()) == {*FAMILIES, 'reports', 'fuzzed'}
+    assert set(cases.families()) == {*FAMILIES, 'reports', 'fuzzed', 'hunted'}
 
 
 @pytest.mark.parametrize('family', QUICK)
@@ -58,3 +59,13 @@ def test_spheres_by_solids_are_true(case):
 def test_reports_are_true(case):
     assert_true(case)
     assert case.tolerance <= 1e-12 + 1e-11 * (case.extent + abs(case.a.p).max())
+
+
+@pytest.mark.parametrize('case', cases.load('hunted'), ids=lambda case: case.id)
+def test_what_was_hunted_is_true(case):
+    """A normal proves a depth where the search, of bodies too unlike, ends beside it."""
+    if case.normals is None:
+        assert_true(case)
+    for n in () if case.normals is None else case.normals:
+        assert width(case.a, case.b, n) == pytest.approx(case.distance, abs=case.tolerance)
+        assert truth.signed_distance(case.a, case.b)[0] <= case.distance + case.tolerance

@@ -9,6 +9,7 @@ import pytest
 from numba import config
 
 import drake_geom_ros
+from drake_geom_ros.geometry._proximity import compiled
 
 ROOT = Path(drake_geom_ros.__file__).parents[1]
 SCRIPT = """
@@ -45,6 +46,17 @@ def test_no_place_for_a_cache_is_no_obstacle(tmp_path):
     folder = run(XDG_CACHE_HOME=str(blocked), TMPDIR=str(tmp_path))[0]
     assert folder.startswith(str(tmp_path))
     assert run(NUMBA_CACHE_DIR=str(blocked))[:2] == ('', 0)
+
+
+def test_nobody_else_can_reach_into_the_folder_of_a_cache(tmp_path):
+    """Who can write to it can have us run his code."""
+    before = os.umask(0)
+    try:
+        assert compiled._own_folder(tmp_path / 'ours')
+    finally:
+        os.umask(before)
+    assert (tmp_path / 'ours').stat().st_mode & 0o777 == 0o700
+    assert compiled._own_folder(tmp_path / 'ours')
 
 
 def test_another_source_is_another_cache(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 from oracles.filters import filters_of
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 
+from drake_geom_ros.geometry._proximity import engine as engines
 from drake_geom_ros.geometry._proximity import kernel_table
 from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Effects, Engine
@@ -36,6 +37,18 @@ def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
     mixed = random_world(np.random.default_rng(1), 30, types=(1, 4))
     assert len(Engine().prepare(mixed)) == 2
     assert asked[1:] == ['sphere_cylinder', 'signed_distance_of_cores']
+
+
+def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(monkeypatch):
+    asked, compile_rows = [], engines.compile_rows
+    monkeypatch.setattr(
+        engines, 'compile_rows', lambda rows: asked.append(1) or compile_rows(rows)
+    )
+    world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
+    engine, filters = Engine(), filters_of(world)
+    for level, count in (('bound', 0), ('exact', 1), ('exact', 1), ('bound', 1), ('fast', 1)):
+        engine.signed_distances(world, filters, level, math.inf)
+        assert len(asked) == count
 
 
 def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():

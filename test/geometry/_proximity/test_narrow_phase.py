@@ -187,12 +187,20 @@ def test_what_waits_is_no_nearer_than_bounds_say():
     assert 0.5 < distances[0] <= 1.0
 
 
-@pytest.mark.parametrize('size', [1e-60, 1e60])
-def test_pairs_out_of_the_range_of_products_are_answered_too(size):
-    loop = Loop([SPHERE, BOX], [[size], [size] * 3], [[0, 0, 0], [0, 3.0 * size, 0]])
-    assert loop.answer(math.inf) == ([0], {'closed': 1})
-    assert loop.row(0)[DISTANCE] == pytest.approx(size, rel=1e-14)
-    assert 0.0 < loop.row(0)[ERROR_BOUND] <= 1e-13 * size
+@pytest.mark.parametrize('exponent', [-700, -200, 200, 700])
+@pytest.mark.parametrize('types', [(SPHERE, BOX), (ELLIPSOID, BOX), (BOX, ELLIPSOID)])
+def test_pairs_out_of_the_range_of_products_have_the_digits_of_those_within(types, exponent):
+    sizes = {SPHERE: [1.0], BOX: [1.0, 0.75, 0.5], ELLIPSOID: [0.5, 1.0, 0.25]}
+    found = []
+    for e in (0, exponent):
+        parameters = [np.ldexp(sizes[kind], e) for kind in types]
+        loop = Loop(types, parameters, np.ldexp([[0, 0, 0], [0.5, 3.0, 0.25]], e))
+        assert loop.answer(math.inf, gap=math.ldexp(1e-9, e))[0] == [0]
+        found.append(loop.row(0))
+    lengths = [DISTANCE, ERROR_BOUND, *range(WITNESS_A, WITNESS_B + 3)]
+    found[1][lengths] = np.ldexp(found[1][lengths], -exponent)
+    assert 1.0 < found[0][DISTANCE] < 2.0
+    np.testing.assert_array_equal(found[1], found[0])
 
 
 def test_pairs_that_wait_are_answered_by_the_narrower_of_bounds_and_memory():

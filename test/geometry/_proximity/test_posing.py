@@ -48,7 +48,8 @@ def test_bodies_on_frames_that_moved_are_posed_and_their_ways_add_up():
     for step in (0.0, 2.0, 0.5, 0.25):
         ps = ps + step * np.array([0.6, 0.0, 0.8])
         world.set_poses(np.array([1, 2]), Rs, ps)
-        world.update()
+        assert world.update() == (2, 2)
+        assert world.update() == (0, 0)
         total, pace = total + step, max(step, posing.FADING * pace)
         np.testing.assert_allclose(world.p_WGs, ps + np.stack((np.zeros(3), Rs[1] @ p_FG)))
         np.testing.assert_allclose(world.R_WGs, np.stack((Rs[0], Rs[1] @ R_FG)), atol=1e-15)

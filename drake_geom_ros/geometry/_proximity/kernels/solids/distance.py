@@ -106,18 +106,25 @@ def slab_axis(A, i, B, j, turn):
 
 
 @compiled
-def widest_slab(A, i, B, j, pair):
-    """Return (width, n) of the widest slab between two leaves along ``slab_axis``."""
-    best, best_n = -math.inf, (0.0, 0.0, 0.0)
+def widest_slab(A, i, B, j, pair, noise):
+    """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
+
+    Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
+    of faces that lie flush rounding would choose the side.
+    """
+    widest, best, best_n = -math.inf, -math.inf, (0.0, 0.0, 0.0)
     for turn in range(11):
         axis = slab_axis(A, i, B, j, turn)
+        first = -1.0 if turn == 0 else 1.0
         for side in range(2):
-            n = scale(2.0 * side - 1.0, axis)
+            n = scale(first * (1.0 - 2.0 * side), axis)
             a, b = support_points(pair, n, 0.0)
             width = dot(sub(b, a), n)
-            if dot(n, n) > 0.5 and width > best:
-                best, best_n = width, n
-    return best, best_n
+            if dot(n, n) > 0.5:
+                widest = max(widest, width)
+                if width > best + noise:
+                    best, best_n = width, n
+    return widest, best_n
 
 
 @compiled
@@ -150,13 +157,14 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
         # A thin simplex lost its last digits (curved cores, triangles of km): with a new one the
         # walk goes on.
         again = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
-        if again.end != OVERLAP and again.upper - again.lower < upper - lower:
+        closed = again.end != OVERLAP and again.end != BEYOND_CUTOFF
+        if closed and again.upper - again.lower < upper - lower:
             end, upper, lower, n, a, b = again
     if end == OVERLAP or (apart and upper <= NEAR_TOUCH * size):
-        width, m = widest_slab(A, i, B, j, pair)
+        width, m = widest_slab(A, i, B, j, pair, noise)
         if end == OVERLAP or width > lower:
             n, lower = m, width
-        apart = lower >= -noise
+        apart = apart or lower >= -noise
     if apart:
         end = CLOSED
     return Gap(end, upper, lower, n, add(p, a), add(p, b))

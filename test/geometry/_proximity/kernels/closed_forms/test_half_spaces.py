@@ -1,13 +1,20 @@
 """Box, capsule, cylinder and ellipsoid against a half space."""
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import NAMES, Pair, check, check_kernel, random_rotation
+from oracles.pairs import EPS, NAMES, Pair, check, check_kernel, random_rotation
 
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    PAIR_WIDTH,
+)
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import half_spaces
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 
 SAMPLES = 2 if config.DISABLE_JIT else 12
 SIZES = {2: [0.5, 0.25, 1.0], 3: [0.25, 0.5], 4: [0.25, 0.5], 5: [0.5, 0.25, 1.0]}
@@ -73,3 +80,26 @@ def test_box_on_an_edge_meets_the_plane_at_the_middle_of_it():
 def test_scale(kind_A, scale):
     row = check(_kernel(kind_A), _upright(kind_A, 0.1).scaled(scale))
     assert row.distance == pytest.approx(scale * (0.1 - HEIGHTS[kind_A]), rel=1e-14)
+
+
+@pytest.mark.parametrize('scale', [2.0**-20, 1.0, 2.0**20])
+@pytest.mark.parametrize('far', [0.0, 1.0, 1e3])
+def test_a_hull_is_as_far_as_its_lowest_vertex(scale, far):
+    """In exact arithmetic; the bound is some roundings of the lengths, and no more."""
+    rng = np.random.default_rng(8)
+    for _ in range(SAMPLES):
+        vertices = scale * rng.normal(size=(12, 3))
+        R_WA, R_WB, p = (
+            random_rotation(rng),
+            random_rotation(rng),
+            scale * far * rng.normal(size=3),
+        )
+        shape, out = np.append(12.0, vertices.ravel()), np.zeros(PAIR_WIDTH)
+        half_spaces.half_space_convex(
+            HALF_SPACE, np.zeros(0), R_WA, CONVEX, shape, R_WB, p, 0.0, np.inf, out
+        )
+        exact = np.vectorize(Fraction)
+        truth = (exact(p) + exact(vertices) @ exact(R_WB).T) @ exact(R_WA)[:, 2]
+        lengths = np.linalg.norm(vertices, axis=1).max() + np.linalg.norm(p)
+        off = abs(float(Fraction(out[DISTANCE]) - truth.min()))
+        assert off <= out[ERROR_BOUND] <= 64 * EPS * lengths

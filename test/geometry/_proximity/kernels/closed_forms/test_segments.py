@@ -223,3 +223,22 @@ def test_a_short_gap_beside_an_edge_is_at_right_angles_to_the_segment_again(turn
     gap = across + 1e-16 * np.roll([0.6, -0.64 * side, 0.0], turn)
     turned = segments._across(tuple(gap), tuple(p), tuple(h), tuple(d), 1e-15)
     assert turned == pytest.approx(across, abs=1e-24)
+
+
+@pytest.mark.parametrize('turn', range(3))
+@pytest.mark.parametrize('side', [1.0, -1.0])
+@pytest.mark.parametrize(('way', 'flat'), [(1.0, False), (-1.0, False), (1.0, True), (-1.0, True)])
+def test_on_a_face_but_for_rounding_a_short_gap_may_turn_outwards_alone(turn, side, way, flat):
+    """A plane of a point has a thickness of 0, where either way is outwards."""
+    d = np.array([0.48, 0.6, 0.64])
+    h = np.array([1.0, 2.0, 1e-16 if flat else 3.0])
+    p = np.array([way, -2.0 * way, side * h[2]])
+    gap = way * 1e-9 * np.array([0.6, -0.48, 0.0]) + way * 1e-16 * d * [1, 1, 0]
+    turned = gap - (gap @ d) * d  # square to d, by a step along z too
+    assert abs(turned[2]) > 1e-17
+    if not flat and turned[2] * side < 0.0:
+        o = d * [1, 1, 0]
+        turned = gap - (gap @ o) / (o @ o) * o
+    given = (tuple(np.roll(each, turn).tolist()) for each in (gap, p, h, d))
+    found = segments._across(*given, 1e-15)
+    assert found == pytest.approx(np.roll(turned, turn), abs=1e-23)

@@ -119,6 +119,13 @@ def test_the_margin_counts_every_held_segment_and_one_alone_has_none():
     assert normals.shares_on_face(terms, last, tuple(Z), x) == -1.0
 
 
+def test_without_a_disk_nothing_leans_and_what_is_left_over_is_told():
+    terms, _ = _terms()
+    for x, margin in ((0.0, 0.0, 0.0), 0.0), ((3.0, 4.0, 0.0), -5.0):
+        assert normals.lean_on_disks(terms, tuple(Z), x) == margin
+        assert not terms[[sums.LEAN_A, sums.LEAN_B], :3].any()
+
+
 @pytest.mark.parametrize('radii', [(0.3, 0.1), (0.3, 0.0), (0.0, 0.1), (0.0, 0.0)])
 @pytest.mark.parametrize('x', [(0.05, 0.0, 0.0), (0.0, -0.35, 0.0), (0.3, 0.3, 0.0)])
 def test_disks_lean_by_their_share_of_what_they_balance(radii, x):

@@ -1,5 +1,7 @@
 """The growing polytope stays a closed surface, and its bounds hold for triangles of any kind."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -178,3 +180,21 @@ def test_a_horizon_that_meets_itself_is_refused():
     faces = np.zeros((20, polytope.FACE_WIDTH), dtype=np.int32)
     starting_at = np.full(4, -1, dtype=np.int32)
     assert polytope.link_cone(faces, horizon, 3, 3, 10, starting_at) == 10
+
+
+@pytest.mark.parametrize('turn', range(3))
+@pytest.mark.parametrize('thin', [1e-3, 1e-6, 1e-9])
+def test_the_normal_of_a_thin_triangle_is_as_exact_as_of_a_wide_one(turn, thin):
+    """Two of its corners are close to each other; the truth is in exact arithmetic."""
+    rng = np.random.default_rng(9)
+    for _ in range(20):
+        corners = rng.uniform(0.5, 1.0, (3, 3))
+        corners[1] = corners[0] + thin * rng.normal(size=3)
+        corners = np.roll(corners, turn, axis=0)
+        a, b, c = np.vectorize(Fraction)(corners)
+        (x, y, z), (u, v, w) = b - a, c - a
+        exact = [y * w - z * v, z * u - x * w, x * v - y * u]
+        largest = max(abs(each) for each in exact)
+        truth = np.array([float(each / largest) for each in exact])
+        found = polytope.normal(*(tuple(corner.tolist()) for corner in corners))
+        assert found == pytest.approx(truth / np.linalg.norm(truth), abs=1e-14)

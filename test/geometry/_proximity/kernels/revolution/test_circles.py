@@ -8,7 +8,9 @@ from oracles.pairs import random_pairs
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import circles
+from drake_geom_ros.geometry._proximity.kernels.revolution.circles import BORDER
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
+from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 COUNT = 4 if config.DISABLE_JIT else 30
 ENOUGH, NOISE = 1e-10, 1e-15
@@ -211,3 +213,13 @@ def test_a_better_direction_elsewhere_is_alone_if_that_before_is_clearly_worse()
     assert floor >= h - ENOUGH
     assert n == pytest.approx(R[:, 0], abs=1e-6)
     assert unique
+
+
+def test_an_arc_is_away_if_any_of_it_is_clearly_elsewhere_and_it_does_not_end_at_the_border():
+    near, far = SAME_DIRECTION, np.nextafter(SAME_DIRECTION, 0.0)
+    for ends in ((near, near), (1.0, near), (far, far), (far, -1.0)):
+        for span in (0.5 * BORDER, 2.0 * BORDER):
+            assert circles.is_away(*ends, span) == (ends[0] == far)
+    for ends in ((near, far), (far, near), (1.0, 0.0)):
+        assert not circles.is_away(*ends, BORDER)
+        assert circles.is_away(*ends, 1.001 * BORDER)

@@ -55,13 +55,14 @@ def test_the_axis_of_a_segment_is_the_roundest():
 
 @pytest.mark.parametrize('along', [0.0, 0.05, -0.2])
 @pytest.mark.parametrize('unique', [False, True])
-@pytest.mark.parametrize('span', [1e-3, 0.3])
-def test_a_half_plane_holds_if_its_least_less_the_bend_is_not_below(along, unique, span):
+@pytest.mark.parametrize(('span', 'steep'), [(1e-3, 0.0), (0.3, 0.0), (0.3, 0.5)])
+def test_a_half_plane_holds_if_its_least_less_the_bend_is_not_below(along, unique, span, steep):
     """Against dense directions of the half circle; best is elsewhere."""
     pair = _pair(0.0, 0.1, along)
     difference = sums.difference_of(pair)
     e = np.array([math.cos(2.0), math.sin(2.0), 0.0])
-    bends = slices.largest_bends(difference[0], Z)
+    flat, least_steep = slices.largest_bends(difference[0], Z)
+    bends = flat, max(steep, least_steep)
     t = np.linspace(-math.pi / 2, math.pi / 2, 40001)
     ns = np.outer(np.cos(t), e) + np.outer(np.sin(t), Z)
     less = (bends[0] + abs(np.sin(t)) * bends[1]) * span**2 / 8
@@ -80,6 +81,35 @@ def test_a_half_plane_holds_if_its_least_less_the_bend_is_not_below(along, uniqu
             assert there < h + 2.0 * ENOUGH * unique
             assert abs(np.dot(np.cross(e, Z), m)) < 1e-15
         assert np.isnan(arcs[24:]).all()  # a polygon that grows where it is lowest needs few
+
+
+@pytest.mark.parametrize('unique', [False, True])
+@pytest.mark.parametrize('width', [0.5, 2.0])
+def test_the_best_is_not_compared_with_itself_in_a_cell_within_the_border(width, unique):
+    """In a wider one there may be other directions: it fails at once, as long as best is alone."""
+    pair, n = _pair(0.0, 0.1), (0.0, 1.0, 0.0)
+    difference, span = sums.difference_of(pair), width * circles.BORDER
+    best, bends = (n, _h(pair, n)[0], unique), slices.largest_bends(difference[0], Z)
+    arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
+    held, _, m = slices.slice_holds(difference, Z, n, span, bends, best, 1e-5, arcs)
+    assert held == (width < 1.0 or not unique)
+    assert held or m == pytest.approx(n, abs=0.01)
+    assert np.isnan(arcs[24 if held else 3 :]).all()
+
+
+@pytest.mark.parametrize('side', [1.0, -1.0])
+def test_where_a_half_plane_is_least_on_the_axis_the_bend_counts_in_full(side):
+    disks = [(ELLIPSOID, np.array([r + 0.01, r, 0.1]), np.eye(3)) for r in (0.3, 0.2)]
+    difference = sums.difference_of(Pair(*disks[0], *disks[1], (0.0, 0.0, 0.05 * side)))
+    span, bends = 0.3, (0.1, 0.5)
+    least = 0.15 - (0.1 + 0.5) * span**2 / 8 - difference.r_A - difference.r_B
+    for above, holds in ((-1e-6, True), (1e-6, False)):
+        arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
+        held, _, m = slices.slice_holds(
+            difference, Z, X, span, bends, (X, least + above, False), ENOUGH, arcs
+        )
+        assert held == holds
+        assert held or m == pytest.approx((0.0, 0.0, side), abs=0.01)
 
 
 @pytest.mark.parametrize('side', [1.0, -1.0])

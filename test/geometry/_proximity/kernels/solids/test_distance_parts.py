@@ -37,10 +37,29 @@ def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth
                 m = m / np.linalg.norm(m)
                 widths.append((corners @ m).min() - support(BOX, half, R, m))
         pair = leaf_pair(A, 0, B, j, p)
-        width, n = distance.widest_slab(A, 0, B, j, pair)
+        width, n = distance.widest_slab(A, 0, B, j, pair, 1e-15)
         assert width == pytest.approx(max(widths), abs=1e-14)
         assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-15)
         assert (corners @ n).min() - support(BOX, half, R, np.array(n)) == pytest.approx(width)
+
+
+def _lies_at(height, body, j):
+    return (_corners(body, j)[:, 2] == height).all()
+
+
+@pytest.mark.parametrize('off', [-1e-13, 0.0, 1e-13])
+def test_of_faces_that_lie_flush_the_slab_is_into_the_other_body(off):
+    """One L on another, in it or above it by less than rounding may be."""
+    A, B, p = body_of(SOLID, L, np.eye(3)), solid_of(L), (0.0, 0.0, 1.0 + off)
+    pairs = itertools.product(range(A.tree.triangles), repeat=2)
+    faces = [(i, j) for i, j in pairs if _lies_at(0.0, A, i) and _lies_at(1.0, B, j)]
+    assert faces
+    for i, j in faces:
+        pair = distance.leaf_pair(A, i, B, j, p)
+        width, n = distance.widest_slab(A, i, B, j, pair, 1e-12)
+        assert width >= abs(off) - 1e-15
+        if width <= 1e-12:  # they have more than an edge in common
+            assert n == (0.0, 0.0, -1.0)
 
 
 def test_pushes_are_kept_by_direction_the_longest_of_each_while_there_is_room():

@@ -7,7 +7,7 @@ from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels.solids import hulls
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, normal_of, solid_of
-from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID
 
 L = solid('L', np.eye(3), np.zeros(3)).parameters
 
@@ -36,3 +36,12 @@ def test_the_way_out_of_the_hulls_is_the_shortest_that_is_tried(seed):
     # The hull of the L has one face more, across its notch.
     tried += [np.array([0.5**0.5, 0.5**0.5, 0.0]), -R @ [0.5**0.5, 0.5**0.5, 0.0]]
     assert s == pytest.approx(min(width(n) for n in tried), abs=1e-14)
+
+
+def test_the_middle_of_a_hull_is_the_mean_of_its_vertices_and_of_others_their_origin():
+    rng = np.random.default_rng(5)
+    R, p, vertices = random_rotation(rng), (1.0, 2.0, 3.0), rng.uniform(4.0, 5.0, (7, 3))
+    hull = body_of(CONVEX, np.concatenate(([7.0], vertices.ravel(), [0.0])), R)
+    expected = p + R @ vertices.mean(axis=0)
+    assert hulls.middle_of(hull, p) == pytest.approx(expected, abs=1e-14)
+    assert hulls.middle_of(body_of(BOX, np.ones(3), R), p) == p

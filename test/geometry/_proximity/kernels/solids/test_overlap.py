@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 from oracles.solids import solid
 
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import nearest
-from drake_geom_ros.geometry._proximity.kernels.solids.overlap import MOST_PUSHES, push_of
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import contacts, nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
+    MOST_CONTACTS,
+    MOST_PUSHES,
+    push_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
-from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.kinds import BOX, SPHERE
 
 L = solid('L', np.eye(3), np.zeros(3)).parameters
 
@@ -28,3 +33,16 @@ def test_the_shortest_push_comes_first(x, y):
     for *m, s in pushes[:count]:
         assert np.linalg.norm(m) == pytest.approx(1.0, abs=1e-14)
         assert s > 0.0
+
+
+@pytest.mark.parametrize('inside', [(0.5, 0.5, 0.5), (1.5, 0.2, 0.9)])
+def test_what_crosses_is_pushed_by_its_contacts_alone(inside):
+    """Then the nearest point that was found tells nothing, even where it is inside."""
+    box, n, p = np.array([0.1, 0.2, 0.3]), (1.0, 0.0, 0.0), (1.05, 1.5, 0.5)
+    A, B = body_of(BOX, box, np.eye(3)), solid_of(L)
+    found = nearest(A, B, p, n, 4.0, 1e-9, np.inf)
+    assert found.end == OVERLAP
+    pushes, expected = np.zeros((2, MOST_PUSHES, 4))
+    count = push_of(A, B, p, found._replace(a=inside), 4.0, 1e-9, 0.0, pushes)
+    assert count == contacts(A, B, p, found.n, 4.0, 1e-9, 0.0, expected, MOST_CONTACTS) > 0
+    np.testing.assert_array_equal(pushes[:count], expected[np.argsort(expected[:count, 3])])

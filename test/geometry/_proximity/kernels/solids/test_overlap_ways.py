@@ -10,6 +10,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, soli
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 
 TOLERANCE, SIZE = 1e-9, 8.0
+LEFT = (-1.0, 0.0, 0.0)
 
 
 def ways_out(radius, p):
@@ -43,3 +44,40 @@ def test_a_ball_in_the_inner_corner_has_ways_out_by_both_walls_the_shorter_first
 def test_a_ball_within_leaves_through_the_nearest_wall(p, m, length):
     (push,) = ways_out(0.03125, p)
     np.testing.assert_allclose(push, [*m, length + 0.03125], atol=1e-12)
+
+
+def moved(p, t):
+    return tuple(np.add(p, t).tolist())
+
+
+def at(p, radius=0.1):
+    """Return the ball and the L of a test, and what the steps of a way out take besides."""
+    A = body_of(SPHERE, np.array([radius]), np.eye(3))
+    return A, solid_of(solid('L', np.eye(3), np.zeros(3)).parameters), p
+
+
+@pytest.mark.parametrize('gaps', [(0.04, 0.3), (0.3, 0.06), (0.04, 0.06), (0.06, 0.04)])
+def test_a_ball_escapes_by_one_push_after_another_until_it_touches_every_wall(gaps):
+    """It stands that far from the walls of the notch, and ends a radius from those it was in."""
+    start = (1e-6, 1e-6, 0.0)
+    A, B, p = at((1.0 + gaps[0], 1.0 + gaps[1], 0.5))
+    expected = np.maximum(start, [0.1 - gaps[0], 0.1 - gaps[1], 0.0])
+    for most, is_out in ((1.0, True), (0.03, False)):
+        clear, t, _ = solid_overlap.escape(A, B, p, start, SIZE, TOLERANCE, 0.1, most)
+        assert clear == is_out
+        assert not is_out or t == pytest.approx(expected, abs=1e-12)
+        apart, _ = solid_overlap.clearance(A, B, moved(p, t), LEFT, SIZE, TOLERANCE, 0.1)
+        assert not clear or apart
+
+
+@pytest.mark.parametrize('aside', [0.0, 0.05, 0.3])
+def test_a_ball_that_is_out_slides_back_to_where_it_is_out_by_the_shortest_way(aside):
+    A, B, p = at((1.04, 1.5, 0.5))
+    t = (0.2, aside, 0.1)
+    clear, found = solid_overlap.clearance(A, B, moved(p, t), LEFT, SIZE, TOLERANCE, 0.1)
+    assert clear
+    t, m, a, b = solid_overlap.slide(A, B, p, t, found, SIZE, TOLERANCE, 0.1)
+    assert t == pytest.approx((0.06, 0.0, 0.0), abs=1e-9)
+    assert m == pytest.approx((1.0, 0.0, 0.0), abs=1e-9)  # out of the L
+    assert a == pytest.approx((1.1, 1.5, 0.5), abs=1e-9)  # of its core
+    assert b == pytest.approx((1.0, 1.5, 0.5), abs=1e-9)

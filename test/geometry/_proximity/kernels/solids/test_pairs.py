@@ -196,6 +196,18 @@ def test_special_position(name, scale):
         assert R.T @ out[1:4] == pytest.approx(nhat, abs=1e-6)
 
 
+@pytest.mark.parametrize('seed', [5, 6, 7, 11])
+def test_solids_that_lie_flush_push_each_other_up_and_down(seed):
+    """Rounding chose the side of the faces, so that their edges told the normal."""
+    R = random_rotation(np.random.default_rng(seed))
+    above = solid('L', np.eye(3), [0, 0, 1e4], 1e4).turned(R)
+    beneath = solid('L', np.eye(3), np.zeros(3), 1e4).turned(R)
+    for A, B, side in ((above, beneath, 1.0), (beneath, above, -1.0)):
+        out = row_of(A, B, 1e-5)
+        assert abs(out[calling.DISTANCE]) <= out[calling.ERROR_BOUND] <= 1e-9
+        assert out[1:4] == pytest.approx(side * R[:, 2], abs=1e-6)
+
+
 def test_in_an_inner_corner_both_walls_push():
     A = at(SPHERE, [0.1], 1.05, 1.05, 0.5)
     out = row_of(A, L)

@@ -10,9 +10,11 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     ERROR_BOUND,
     NORMAL,
     UNIQUE,
+    WITNESS_A,
+    WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids import pairs
-from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
 
 
 def test_the_first_direction_is_a_hint_of_any_length_else_towards_the_other():
@@ -41,3 +43,27 @@ def test_a_ball_in_a_solid_leaves_through_its_nearest_wall(p, m, depth, unique):
     assert out[UNIQUE] == unique
     if m is not None:
         assert out[NORMAL : NORMAL + 3] == pytest.approx(R @ m, abs=1e-9)
+
+
+SIZES = {SPHERE: [0.3], BOX: [0.2, 0.1, 0.3], CAPSULE: [0.1, 0.3], CYLINDER: [0.2, 0.1]}
+SIZES |= {ELLIPSOID: [0.1, 0.3, 0.2], None: None}
+
+
+@pytest.mark.parametrize(
+    'p', [(1.2, 0.9, 0.4), (0.3, 1.7, 0.6), (1.5, 1.45, 0.5), (1.4, 2.0, 1.1)]
+)
+@pytest.mark.parametrize('kind', SIZES)
+def test_a_pair_scaled_by_a_power_of_two_has_the_same_digits(kind, p):
+    """Deep, by a wall, in the notch, over it: whatever is compared with a length grows with it."""
+    R, rows = random_rotation(np.random.default_rng(7)), []
+    for scale in (1.0, 2.0**-22, 2.0**14):
+        A = solid('U', R, np.zeros(3), 0.25 * scale)
+        if kind is not None:
+            A = Body(kind, scale * np.array(SIZES[kind]), R, np.zeros(3))
+        out = row_of(
+            A.moved(scale * np.array(p)), solid('L', np.eye(3), np.zeros(3), scale), scale * 1e-9
+        )
+        out[[DISTANCE, ERROR_BOUND, *range(WITNESS_A, WITNESS_B + 3)]] /= scale
+        rows.append(out)
+    np.testing.assert_array_equal(rows[0], rows[1])
+    np.testing.assert_array_equal(rows[0], rows[2])

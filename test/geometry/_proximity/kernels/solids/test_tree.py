@@ -28,6 +28,15 @@ def test_the_box_of_a_hull_is_between_its_ends():
     np.testing.assert_allclose(box.half, (high - low) / 2, atol=1e-15)
 
 
+def test_the_middle_of_a_triangle_is_the_mean_of_its_corners():
+    found = tree.tree_of(SOLID, L)
+    for j in range(found.triangles):
+        at = found.corners + 9 * j
+        corners = L[at : at + 9].reshape(3, 3)
+        middle = tree.middle_of_triangle(L, found, j)
+        assert middle == pytest.approx(corners.mean(axis=0), abs=1e-15)
+
+
 @pytest.mark.parametrize('axis', range(3))
 @pytest.mark.parametrize('turned', [False, True])
 def test_the_gap_of_boxes_is_that_along_an_axis_of_either(axis, turned):
