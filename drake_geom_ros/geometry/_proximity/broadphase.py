@@ -6,8 +6,10 @@ of one grid lie in neighbouring cells, and one of a coarser grid in a cell that 
 reaches when it is made wider by half a cell. So bodies of any sizes cost as much as bodies of one
 size, wherever they are.
 
-Cells that share a bucket are not told apart: to read whose cell a box is in costs more than to see
-that it is elsewhere. So a pair may be found twice.
+Boxes are stored in the order of their buckets, and cells beside each other along x have buckets
+beside each other: what is near is near in memory, and three cells are one look. Cells that share
+a bucket are not told apart, for to see that a box is elsewhere costs no more. So a pair may be
+found twice.
 
 A pair is told by its code, ``i n + j`` for rows i < j of a world of n geometries.
 """
@@ -26,7 +28,6 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Links = NDArray[np.int32]
 
 # A cell is wider than the boxes in it by more than rounding moves a centre: by a sixteenth, and by
 # this share [-] of the farthest coordinate, of which a centre's cell is known to 2^-14 of a cell.
@@ -39,26 +40,25 @@ GRID = (
     3  # column of ``cells``: the grid's number, whose cells are STEP^number times those of grid 0
 )
 BODIES, GRIDS, MASK = 0, 1, 2  # of ``counts``
-# One of each two opposite neighbours of a cell.
-FORWARD = np.array([c for c in np.ndindex(3, 3, 3) if c > (1, 1, 1)], dtype=np.int64) - 1
-
+# Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
+FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
 NOBODY = np.zeros(0, dtype=np.bool_)
 
 
 class Boxes(NamedTuple):
-    """Room for the boxes around n bodies, in hashed cells."""
+    """Room for the boxes around n bodies, in hashed cells, by their buckets."""
 
     rows: Indices  # (n,) of the world
-    bounds: (
-        Floats  # (n, 6) lower and upper ends [m], in one place: a look at a box is one at memory
-    )
+    bounds: Floats  # (n, 6) lower and upper ends [m], in one place of memory
     cells: Indices  # (n, 4) the cell along x, y and z, and its GRID
-    widths: Floats  # (n,) the largest of each [m]
-    nexts: Links  # (n,) the box that was put into the same bucket before; -1: none
-    buckets: Links  # the box that was put into a bucket last; -1: none
+    starts: Indices  # (buckets + 1,) where the boxes of each bucket begin
     grids: Indices  # (MOST_GRIDS,) those that are in use
     counts: Indices  # (3,) of bodies and of grids; one less than the number of buckets
     width: Floats  # (1,) of the cells of grid 0 [m]
+    # While boxes are put in, in the order of the rows that are given.
+    widths: Floats  # (n,) the largest of each [m]
+    found: Indices  # (n, 4) the cells
+    buckets: Indices  # (n,)
 
 
 def room_for(count: int) -> Plain:
@@ -69,24 +69,23 @@ def room_for(count: int) -> Plain:
             rows=np.zeros(count, dtype=np.int64),
             bounds=np.zeros((count, 6)),
             cells=np.zeros((count, 4), dtype=np.int64),
-            widths=np.zeros(count),
-            nexts=np.zeros(count, dtype=np.int32),
-            buckets=np.full(buckets, -1, dtype=np.int32),
+            starts=np.zeros(buckets + 1, dtype=np.int64),
             grids=np.zeros(MOST_GRIDS, dtype=np.int64),
             counts=np.zeros(3, dtype=np.int64),
             width=np.zeros(1),
+            widths=np.zeros(count),
+            found=np.zeros((count, 4), dtype=np.int64),
+            buckets=np.zeros(count, dtype=np.int64),
         )
     )
 
 
 @inlined
-def _bucket(cell, mask):  # type: ignore[no-untyped-def]
-    """Return the bucket of a cell (x, y, z, grid), mixed so that neighbours do not share one."""
-    x, y, z, grid = cell
+def _bucket(x, y, z, grid, mask):  # type: ignore[no-untyped-def]
+    """Return the bucket of a cell: rows along x are mixed, in a row one follows the other."""
     low = 0x1FFFFF  # products of more digits would overflow
-    return (
-        ((x & low) * 73856093) ^ ((y & low) * 19349663) ^ ((z & low) * 83492791) ^ (grid * 6151)
-    ) & mask
+    row = ((y & low) * 19349663) ^ ((z & low) * 83492791) ^ (grid * 6151)
+    return (row + x) & mask
 
 
 @inlined
@@ -128,22 +127,25 @@ def _width_of(boxes, grid):  # type: ignore[no-untyped-def]
     return boxes.width[0] * STEP**grid
 
 
+@inlined
+def _half(p_WGs, half_extents, paddings, g, c):  # type: ignore[no-untyped-def]
+    """Return half the extent [m] of a padded box along an axis."""
+    half = half_extents[g, c] + paddings[g]
+    # What rounding may have taken off: a few spacings at the corners.
+    return half + 4.0 * EPS * (abs(p_WGs[g, c]) + half)
+
+
 @compiled
-def _put_boxes(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
-    """Put in the boxes themselves, and set the width of cells; return the farthest coordinate."""
-    total, farthest = 0.0, 0.0
+def _choose_width(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
+    """Set the width of cells, and of each box; return the farthest coordinate [m]."""
+    total, farthest, base = 0.0, 0.0, 0.0
     for k in range(rows.size):
         g, widest = rows[k], 0.0
-        boxes.rows[k] = g
         for c in range(3):
-            p, half = p_WGs[g, c], half_extents[g, c] + paddings[g]
-            # What rounding may have taken off: a few spacings at the corners.
-            half += 4.0 * EPS * (abs(p) + half)
-            boxes.bounds[k, c], boxes.bounds[k, 3 + c] = p - half, p + half
-            widest, farthest = max(widest, half), max(farthest, abs(p))
+            widest = max(widest, _half(p_WGs, half_extents, paddings, g, c))
+            farthest = max(farthest, abs(p_WGs[g, c]))
         boxes.widths[k] = 2.0 * widest
         total += 2.0 * widest
-    base = 0.0
     for k in range(rows.size):
         if boxes.widths[k] * rows.size <= ORDINARY * total:
             base = max(base, boxes.widths[k])
@@ -165,42 +167,72 @@ def _finest(boxes, box, farthest):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
-    """Put the boxes of rows (k,) of the world in, and nobody else, each wider by its padding.
-
-    Paddings (n,) [m] are for every side, one for each row of the world.
-    """
-    boxes = Boxes(*boxes)
-    size = 1
-    while size < 2 * rows.size:
-        size *= 2
-    boxes.buckets[:size] = -1
-    used, mask = 0, size - 1
-    farthest = _put_boxes(boxes, rows, p_WGs, half_extents, paddings)
+def _find_cells(boxes, rows, p_WGs, farthest, mask):  # type: ignore[no-untyped-def]
+    """Find the cell and the bucket of each, and count those in each bucket at its place."""
+    used = 0
+    boxes.starts[: mask + 2] = 0
     for k in range(rows.size):
         grid = _finest(boxes, boxes.widths[k], farthest)
         used = _grid_of(boxes.grids, used, grid)
         width = _width_of(boxes, grid)
         for c in range(3):
-            boxes.cells[k, c] = math.floor(p_WGs[rows[k], c] / width)
-        boxes.cells[k, GRID] = grid
-        cell = boxes.cells[k, 0], boxes.cells[k, 1], boxes.cells[k, 2], grid
-        bucket = _bucket(cell, mask)
-        boxes.nexts[k], boxes.buckets[bucket] = boxes.buckets[bucket], k
+            boxes.found[k, c] = math.floor(p_WGs[rows[k], c] / width)
+        boxes.found[k, GRID] = grid
+        bucket = _bucket(boxes.found[k, 0], boxes.found[k, 1], boxes.found[k, 2], grid, mask)
+        boxes.buckets[k] = bucket
+        boxes.starts[bucket] += 1
     boxes.counts[BODIES], boxes.counts[GRIDS], boxes.counts[MASK] = rows.size, used, mask
 
 
+@compiled
+def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
+    """Put the boxes of rows (k,) of the world in, and nobody else, each wider by its padding.
+
+    Paddings (n,) [m] are for every side, one for each row of the world.
+    """
+    boxes, size = Boxes(*boxes), 1
+    while size < 2 * rows.size:
+        size *= 2
+    farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
+    _find_cells(boxes, rows, p_WGs, farthest, size - 1)
+    total = 0
+    for bucket in range(size + 1):
+        total += boxes.starts[bucket]
+        boxes.starts[bucket] = total
+    # From the ends of the buckets back: then their starts are what is left.
+    for k in range(rows.size - 1, -1, -1):
+        boxes.starts[boxes.buckets[k]] -= 1
+        at, g = boxes.starts[boxes.buckets[k]], rows[k]
+        boxes.rows[at] = g
+        for c in range(3):
+            p, half = p_WGs[g, c], _half(p_WGs, half_extents, paddings, g, c)
+            boxes.bounds[at, c], boxes.bounds[at, 3 + c] = p - half, p + half
+        for c in range(4):
+            boxes.cells[at, c] = boxes.found[k, c]
+
+
 @inlined
-def _in_bucket(A, a, B, first, skipped, n, codes, count):  # type: ignore[no-untyped-def]
-    """Pair box a of A with those of B in a bucket, from the first one on."""
-    b = first
-    while b >= 0:
+def _among(A, a, B, first, last, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+    """Pair box a of A with those of B from the first up to the last, without it."""
+    for b in range(first, last):
         if _overlap(A.bounds, a, B.bounds, b):
             i, j = A.rows[a], B.rows[b]
             if i != j and not (skipped.size > 0 and skipped[j]):
                 count = put_code(codes, count, i, j, n)
-        b = B.nexts[np.uint64(b)]
     return count
+
+
+@inlined
+def _in_row(A, a, B, bucket, cells, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+    """Pair box a of A with those of B in some cells along x, the first of which has a bucket."""
+    over = bucket + cells - 1 - B.counts[MASK]
+    if over <= 0:
+        first, last = B.starts[np.uint64(bucket)], B.starts[np.uint64(bucket + cells)]
+        return _among(A, a, B, first, last, skipped, n, codes, count)
+    # The row goes on at the first bucket.
+    first, last = B.starts[np.uint64(bucket)], B.counts[BODIES]
+    count = _among(A, a, B, first, last, skipped, n, codes, count)
+    return _among(A, a, B, 0, B.starts[np.uint64(over)], skipped, n, codes, count)
 
 
 @inlined
@@ -228,11 +260,10 @@ def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untype
                 if i != j and not (skipped.size > 0 and skipped[j]):
                     count = put_code(codes, count, i, j, n)
         return count
-    for x in range(int(x_0), int(x_1) + 1):
-        for y in range(int(y_0), int(y_1) + 1):
-            for z in range(int(z_0), int(z_1) + 1):
-                first = B.buckets[np.uint64(_bucket((x, y, z, grid), mask))]
-                count = _in_bucket(A, a, B, first, skipped, n, codes, count)
+    for y in range(int(y_0), int(y_1) + 1):
+        for z in range(int(z_0), int(z_1) + 1):
+            bucket, cells = _bucket(int(x_0), y, z, grid, mask), int(x_1 - x_0) + 1
+            count = _in_row(A, a, B, bucket, cells, skipped, n, codes, count)
     return count
 
 
@@ -243,12 +274,15 @@ def pairs_within(boxes, n, codes, count):  # type: ignore[no-untyped-def]
     cells, mask, nobody = boxes.cells, boxes.counts[MASK], NOBODY
     for a in range(boxes.counts[BODIES]):
         x, y, z, grid = cells[a, 0], cells[a, 1], cells[a, 2], cells[a, GRID]
-        # Of its own cell those that were put in before.
-        count = _in_bucket(boxes, a, boxes, boxes.nexts[a], nobody, n, codes, count)
+        # Of its own cell those that stand behind it, and the next cell.
+        bucket = _bucket(x, y, z, grid, mask)
+        last = boxes.starts[bucket + 1]
+        count = _among(boxes, a, boxes, a + 1, last, nobody, n, codes, count)
+        after = (bucket + 1) & mask
+        count = _in_row(boxes, a, boxes, after, 1, nobody, n, codes, count)
         for k in range(FORWARD.shape[0]):
-            cell = x + FORWARD[k, 0], y + FORWARD[k, 1], z + FORWARD[k, 2], grid
-            first = boxes.buckets[np.uint64(_bucket(cell, mask))]
-            count = _in_bucket(boxes, a, boxes, first, nobody, n, codes, count)
+            bucket = _bucket(x - 1, y + FORWARD[k, 0], z + FORWARD[k, 1], grid, mask)
+            count = _in_row(boxes, a, boxes, bucket, 3, nobody, n, codes, count)
         for k in range(boxes.counts[GRIDS]):
             if boxes.grids[k] > grid:
                 count = _in_grid(boxes, a, boxes, boxes.grids[k], nobody, n, codes, count)

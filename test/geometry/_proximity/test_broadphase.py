@@ -155,10 +155,11 @@ def test_no_box_is_smaller_than_it_is_without_rounding(size):
     rng = np.random.default_rng(4)
     p, half, paddings = size * rng.normal(size=(20, 3)), rng.uniform(0, 1, (20, 3)), np.ones(20)
     boxes = Boxes(*filled(range(20), p, half, paddings))
-    for g in range(20):
+    assert sorted(boxes.rows.tolist()) == [*range(20)]
+    for k, g in enumerate(boxes.rows):
         for c in range(3):
             middle, reach = Fraction(p[g, c]), Fraction(half[g, c]) + 1
-            lower, upper = Fraction(boxes.bounds[g, c]), Fraction(boxes.bounds[g, 3 + c])
+            lower, upper = Fraction(boxes.bounds[k, c]), Fraction(boxes.bounds[k, 3 + c])
             assert lower < middle - reach
             assert upper > middle + reach
             assert upper - lower <= 2 * reach + 32 * Fraction(EPS) * (abs(middle) + reach)

@@ -13,6 +13,9 @@ from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 
 L = solid('L', np.eye(3), np.zeros(3)).parameters
 
+# Compiled it counts no references to the arrays in it, so Python must not get what it returns.
+leaf_pair = getattr(distance.leaf_pair, 'py_func', distance.leaf_pair)
+
 
 def _corners(body, j):
     at = body.tree.corners + 9 * j
@@ -24,8 +27,6 @@ def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth
     """Of a box and a triangle the axes tried are all there are; negative where they overlap."""
     R, half, B = random_rotation(np.random.default_rng(3)), np.array([0.3, 0.2, 0.1]), solid_of(L)
     A = body_of(BOX, half, R)
-    # Compiled it counts no references, and hands nothing to Python.
-    leaf_pair = getattr(distance.leaf_pair, 'py_func', distance.leaf_pair)
     for j in range(B.tree.triangles):
         corners = _corners(B, j) - p
         edges = np.roll(corners, -1, axis=0) - corners
@@ -55,7 +56,7 @@ def test_of_faces_that_lie_flush_the_slab_is_into_the_other_body(off):
     faces = [(i, j) for i, j in pairs if _lies_at(0.0, A, i) and _lies_at(1.0, B, j)]
     assert faces
     for i, j in faces:
-        pair = distance.leaf_pair(A, i, B, j, p)
+        pair = leaf_pair(A, i, B, j, p)
         width, n = distance.widest_slab(A, i, B, j, pair, 1e-12)
         assert width >= abs(off) - 1e-15
         if width <= 1e-12:  # they have more than an edge in common
