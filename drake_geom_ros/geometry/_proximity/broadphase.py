@@ -222,7 +222,7 @@ def _among(A, a, B, first, last, skipped, n, codes, count):  # type: ignore[no-u
     return count
 
 
-@inlined
+@compiled
 def _in_row(A, a, B, bucket, cells, skipped, n, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in some cells along x, the first of which has a bucket."""
     over = bucket + cells - 1 - B.counts[MASK]
@@ -245,7 +245,7 @@ def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
     return np.floor(lower / width), np.floor(upper / width)
 
 
-@inlined
+@compiled
 def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in a grid."""
     width = _width_of(B, grid)
