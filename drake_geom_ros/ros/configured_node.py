@@ -339,7 +339,10 @@ class ConfiguredNode:
             self._node.get_logger().info('; '.join(told))
 
     def _publish_diagnostics(self) -> None:
-        with self.live.reading() as scene:
+        with self.live.editing() as scene:
+            troubles = scene.troubles()
+            if self._tf is not None:
+                troubles += self._tf.troubles(scene)
             state = SceneState(
                 scene.version,
                 scene.pose_ages(),
@@ -353,11 +356,10 @@ class ConfiguredNode:
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
         add_calls(message.status[0], self._surface.answers.counts())
-        with self.live.reading():
-            troubles = self._tf.troubles() if self._tf is not None else []
         for trouble in troubles:
             add_trouble(message.status[0], trouble)
-            self._guard.tell(trouble, trouble, once=True)
+        for told in filter(None, (state.waiting.in_words(), *troubles)):
+            self._guard.tell(told, told, once=True)
         now = self._node.get_clock().now()
         # Simulated time stands at 0 until it is told; no other clock ever shows that.
         if not now.nanoseconds:

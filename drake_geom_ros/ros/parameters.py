@@ -18,6 +18,7 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES
 
@@ -50,6 +51,7 @@ class NodeParameters:
     autostart: bool = True
 
 
+QOS_OVERRIDES = 'qos_overrides.'
 _LIVE = ' May change while the node runs.'
 _TEXTS = {
     'scene_file': 'Scene to load when the node is configured (YAML or URDF); empty: an empty one.',
@@ -180,6 +182,22 @@ class ParameterStore:
         old, self.values = self.values, self._proposal(parameters)
         if self.values != old:
             self._on_change(old, self.values)
+
+
+def unknown_parameters(node: Node, prefix: str = '') -> list[str]:
+    """Return in words which parameters were given to a node that has none of that name.
+
+    Looked at are those that begin with ``prefix``, or, where it is empty, all but the overrides
+    of QoS, which a node declares with its topics. rclpy takes what is unknown without a word.
+    """
+    told = []
+    for name in node._parameter_overrides:
+        if node.has_parameter(name) or not name.startswith(prefix):
+            continue
+        if prefix or not name.startswith(QOS_OVERRIDES):
+            names = node._parameters
+            told.append(f'the parameter {name!r} does not exist{nearest(name, names)}')
+    return told
 
 
 def declared(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Any:

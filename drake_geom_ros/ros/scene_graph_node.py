@@ -26,7 +26,13 @@ from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
-from drake_geom_ros.ros.parameters import NodeParameters, ParameterRefusedError, ParameterStore
+from drake_geom_ros.ros.parameters import (
+    QOS_OVERRIDES,
+    NodeParameters,
+    ParameterRefusedError,
+    ParameterStore,
+    unknown_parameters,
+)
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
@@ -52,6 +58,7 @@ class SceneGraphNode(LifecycleNode):
         self._guard = Guard(self.get_logger(), self._diagnostics.refuse)
         answer_always(self)
         self._surface = Surface(self)
+        self._tell_unknown_parameters()
         self._first_version = 0  # versions of the scene grow from one life to the next
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
@@ -78,9 +85,14 @@ class SceneGraphNode(LifecycleNode):
         with self.watchdog.paused():
             is_configured = self._guard.succeeds(configured)
         if is_configured:
+            self._tell_unknown_parameters(QOS_OVERRIDES)
             return TransitionCallbackReturn.SUCCESS
         self._surface.close()
         return TransitionCallbackReturn.FAILURE
+
+    def _tell_unknown_parameters(self, prefix: str = '') -> None:
+        for told in unknown_parameters(self, prefix):
+            self.get_logger().warning(told)
 
     def _open(self, values: NodeParameters) -> ConfiguredNode:
         """Return what a configured node has."""

@@ -31,13 +31,18 @@ class Member:
 
 @dataclass(frozen=True)
 class FrameDescription:
-    """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say."""
+    """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say.
+
+    ``static`` is true where its pose does not grow old, false where it is expected to move, and
+    None where that shows when a pose comes.
+    """
 
     source: str
     name: str
     parent: str = WORLD
     group: int = 0
     X_PF: RigidTransform | None = None
+    static: bool | None = None
     where: Location = field(default=_NOWHERE, compare=False)
 
 

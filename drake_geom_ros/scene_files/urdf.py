@@ -28,7 +28,7 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
 )
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.urdf_filters import Joint
+from drake_geom_ros.scene_files.urdf_filters import Joint, moved_links
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
 
@@ -70,13 +70,16 @@ def read_urdf(
     attribute(root, 'name', file)
     links = _links(root, file)
     joints = [_joint(element, links, file) for element in root.findall('joint')]
+    moved = moved_links(joints)
     frames = []
     geometries: list[GeometryDescription] = []
     for name, element in links.items():
         if name == WORLD:
             _check_world(element, file)
             continue
-        frames.append(FrameDescription(source, name, where=place_of(element, file)))
+        static = False if name in moved else None
+        where = place_of(element, file)
+        frames.append(FrameDescription(source, name, static=static, where=where))
         geometries += _link_geometries(element, name, file, source, folder, resolver)
     with_geometry = {geometry.frame for geometry in geometries}
     filters: tuple[FilterDescription, ...] = (

@@ -129,6 +129,7 @@ class _SceneParser:
             plain.get('parent', WORLD).strip(_BLANKS),
             int(plain.get('group', 0)),
             self._pose(plain, *path) if 'pose' in plain else None,
+            plain.get('static'),
             self._document.at(*path),
         )
 

@@ -37,7 +37,7 @@ LAYERS = {
     'geometry/_proximity': (('math', 'geometry/_proximity'), ('numpy', 'numba', 'llvmlite')),
     'geometry': (('math', 'common', 'geometry', 'geometry/_proximity'), ('numpy',)),
     'scene_files': (
-        ('math', 'geometry', 'scene_files'),
+        ('math', 'common', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
     'trajectories': (

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
@@ -58,6 +59,7 @@ class RobotInput:
     def _make_ready(self, robot: SceneDescription) -> None:
         """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it."""
         with self._live.reading() as scene:
+            self._refuse_same_name(robot.sources[0], scene)
             whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
         if whole is not None:
             prepared(whole)
@@ -69,8 +71,21 @@ class RobotInput:
         return joined(without_source(scene.description(), self._source), robot)
 
     def _is_in(self, scene: HeldScene) -> bool:
-        inspector = scene.inspector
-        return self._source in map(inspector.GetName, inspector.GetAllSourceIds())
+        return self._source in _sources(scene)
+
+    def _refuse_same_name(self, name: str, scene: HeldScene) -> None:
+        """Raise ArgumentError where a source that is not the robot of before has the name."""
+        if name in _sources(scene) - {self._source}:
+            raise ArgumentError(
+                f'the robot is called {name!r}, and so is a source of the scene: the name is '
+                'taken. Where that is the same robot, take it out of the scene file, or start the '
+                "node with robot_description_topic:=''; where it is another, rename one of them"
+            )
+
+
+def _sources(scene: HeldScene) -> set[str]:
+    inspector = scene.inspector
+    return set(map(inspector.GetName, inspector.GetAllSourceIds()))
 
 
 def joined(first: SceneDescription, second: SceneDescription) -> SceneDescription:
