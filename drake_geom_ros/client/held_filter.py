@@ -51,6 +51,11 @@ class HeldFilter:
         filter_id, self.filter_id = self.filter_id, 0
         await self._services.ask('remove_filter', filter_id=filter_id)
 
+    def let_run_out(self) -> None:
+        """Renew it no more: it vanishes when its lease ends."""
+        self._stop()
+        self.filter_id = 0
+
     def _renew(self) -> None:
         future = self._services.send('renew_filter', filter_id=self.filter_id, lease=self._lease)
         future.add_done_callback(self._renewed)
