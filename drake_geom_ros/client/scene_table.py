@@ -53,10 +53,11 @@ class Geometry:
         """Return whether a name, or a pattern with ``*`` and ``?``, stands for the geometry.
 
         That is the name of its source, frame or thing, or its own, each with or without the
-        source: ``left``, ``left::hand``, ``hand``, ``hand/ball``, ``*::hand/*``.
+        source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``.
         """
         frame = self.frame.rpartition('::')[2]
-        names = (self.source, self.frame, frame, self.body, self.short_name, self.full_name)
+        own = (self.name, self.short_name, self.full_name)
+        names = (self.source, self.frame, frame, self.body, *own)
         return any(fnmatchcase(name, pattern) for name in names)
 
 

@@ -43,6 +43,7 @@ def test_pairs_between_two_sources_in_either_order():
         ('hand/ball', [1, 3]),
         ('right::hand/ball', [3]),
         ('*::hand/*', [1, 3]),
+        ('ball', [1, 3]),
         ('room', [5, 6, 7]),
         ('room::table', [5]),
         ('world/table', [5]),
