@@ -173,8 +173,7 @@ class ConfiguredNode:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
             scene.filters_per_owner = new.filters_per_owner
-            if new.mesh_roots != old.mesh_roots:
-                self.live.files = FileAccess(new.mesh_roots, new.scene_file)
+            self.live.files = FileAccess(new.mesh_roots, new.scene_file, new.package_roots)
             self.live.most_megabytes = new.max_answer_size
             if new.rate != old.rate:
                 self._set_rate(new.rate)

@@ -40,6 +40,7 @@ class NodeParameters:
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
+    package_roots: tuple[str, ...] = ()
     filters_per_owner: int = 1000
     replay_dir: str = ''
     replay_limit: int = 20
@@ -53,7 +54,7 @@ class NodeParameters:
 
 QOS_OVERRIDES = 'qos_overrides.'
 _LIVE = ' May change while the node runs.'
-_TEXTS = {
+TEXTS = {
     'scene_file': 'Scene to load when the node is configured (YAML or URDF); empty: an empty one.',
     'world_frame': 'Name of the world frame in headers and poses.',
     'rate': 'Cycles per second [Hz]; 0: one cycle for each pose message.' + _LIVE,
@@ -78,6 +79,10 @@ _TEXTS = {
         'Folders in which files may be opened for a service or a robot description; package:// '
         "stands for all packages' share folders, and the folder of scene_file always counts."
         + _LIVE
+    ),
+    'package_roots': (
+        'Folders in which package:// looks first, of packages or of one each; files in them may '
+        'be opened as those in mesh_roots.' + _LIVE
     ),
     'filters_per_owner': (
         'Transient filters that one owner may have; those who do not say who they are count as '
@@ -152,7 +157,7 @@ class ParameterStore:
         self._on_change = on_change
         values = {}
         for name, default in _DEFAULTS.items():
-            text = _TEXTS[name]
+            text = TEXTS[name]
             descriptor = ParameterDescriptor(description=text, read_only=not text.endswith(_LIVE))
             if name in _RANGES:
                 low, high = _RANGES[name]

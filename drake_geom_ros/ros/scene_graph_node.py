@@ -88,6 +88,11 @@ class SceneGraphNode(LifecycleNode):
             self._tell_unknown_parameters(QOS_OVERRIDES)
             return TransitionCallbackReturn.SUCCESS
         self._surface.close()
+        self.get_logger().error(
+            'the node is not configured and answers nothing. Correct what is said above and go on '
+            f'with `ros2 lifecycle set {self.get_fully_qualified_name()} configure`, then '
+            '`activate`: files are read anew. Parameters that are read-only need a new start'
+        )
         return TransitionCallbackReturn.FAILURE
 
     def _tell_unknown_parameters(self, prefix: str = '') -> None:
@@ -99,11 +104,13 @@ class SceneGraphNode(LifecycleNode):
         start = time.perf_counter()
         clocks = Clocks(lambda: seconds_now(self))
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
-        live.files = FileAccess(values.mesh_roots, values.scene_file)
+        live.files = FileAccess(values.mesh_roots, values.scene_file, values.package_roots)
         live.most_megabytes = values.max_answer_size
         if values.scene_file:
             with live.editing() as scene:
-                frames, geometries = scene.add(read_scene(values.scene_file))
+                frames, geometries = scene.add(
+                    read_scene(values.scene_file, package_roots=live.files.package_roots)
+                )
             self.get_logger().info(f'loaded {frames} frames and {geometries} geometries')
         kernels = live.compile_kernels()
         opened = ConfiguredNode(

@@ -20,7 +20,7 @@ from drake_geom_ros.ros.parameters import NodeParameters
 FILE = ROOT / 'launch/scene_graph.launch.py'
 NAMES = {
     'launch': ('LaunchContext', 'LaunchDescription'),
-    'launch.actions': ('DeclareLaunchArgument', 'OpaqueFunction'),
+    'launch.actions': ('DeclareLaunchArgument', 'LogInfo', 'OpaqueFunction'),
     'launch.substitutions': ('LaunchConfiguration',),
     'launch_ros': (),
     'launch_ros.actions': ('LifecycleNode',),
@@ -61,9 +61,18 @@ def test_every_argument_is_described(file):
 
 def test_parameters_are_the_nodes_own(file):
     defaults = {**vars(NodeParameters()), 'use_sim_time': False}
-    assert {name: kind for name, (kind, _) in file.PARAMETERS.items()} == {
-        name: type(defaults[name]) for name in file.PARAMETERS
+    kinds = {n: file.TEXT_LIST if isinstance(v, tuple) else type(v) for n, v in defaults.items()}
+    assert {name: kind for name, (kind, _) in file.PARAMETERS.items()} == kinds
+
+
+def test_an_argument_that_is_misspelt_is_told_with_the_nearest_name(file):
+    given = {name: argument['default_value'] for name, argument in declared(file).items()}
+    given |= {'max_distanse': '1', 'robot_of_who_includes_this': 'ur5'}
+    told, node = file.start_node(SimpleNamespace(launch_configurations=given))
+    assert told.named == {
+        'msg': "the launch argument 'max_distanse' does not exist; nearest: 'max_distance'"
     }
+    assert node.named['parameters'] == []
 
 
 def test_what_is_not_given_is_not_passed_on(file):

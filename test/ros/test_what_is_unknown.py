@@ -5,6 +5,8 @@ import math
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
 from ros.harness import LATCHED, start_node
 from ros.scene_calls import accepted, poses
 from std_msgs.msg import String
@@ -136,10 +138,36 @@ def test_parameters_that_do_not_exist_are_told_with_the_nearest_name(tmp_path, l
             process.output()
         )
         assert "parameter 'zzz' does not exist" in process.output()
-        assert (
+        told = (
             "parameter 'qos_overrides./scene_graph/frame_posses.subscription.depth' does not "
             "exist; nearest: 'qos_overrides./scene_graph/frame_poses.subscription.depth'"
-        ) in process.output()
+        )
+        # Topics declare theirs when the node is configured, and services answer before its end.
+        lone_client.wait_for(lambda: told in process.output(), 'the override in the log')
         assert process.output().count('does not exist') == 3
+    finally:
+        assert process.end() == 0
+
+
+def test_a_node_that_could_not_be_configured_says_how_to_go_on(tmp_path, lone_client):
+    process = start_node(tmp_path / 'log', scene_file=tmp_path / 'scene.yaml')
+    states = lone_client.node.create_client(GetState, '/scene_graph/get_state')
+    change = lone_client.node.create_client(ChangeState, '/scene_graph/change_state')
+    try:
+        words = 'not configured and answers nothing', '`ros2 lifecycle set /scene_graph configure`'
+        lone_client.wait_for(
+            lambda: all(each in process.output() for each in words), 'the advice in the log'
+        )
+        assert 'scene.yaml: cannot be read' in process.output()
+        (tmp_path / 'scene.yaml').write_text(SCENE)
+        for transition in (Transition.TRANSITION_CONFIGURE, Transition.TRANSITION_ACTIVATE):
+            lone_client.wait_for(change.service_is_ready, 'the node')
+            request = ChangeState.Request(transition=Transition(id=transition))
+            future = change.call_async(request)
+            lone_client.wait_for(future.done, 'the transition')
+            assert future.result().success
+        future = states.call_async(GetState.Request())
+        lone_client.wait_for(future.done, 'the state')
+        assert future.result().current_state.label == 'active'
     finally:
         assert process.end() == 0

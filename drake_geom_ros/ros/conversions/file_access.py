@@ -2,7 +2,8 @@
 
 What comes through a service or a topic may name files: meshes, scene files, URDF and SRDF, and the
 file that a scene is saved to. Those must lie in the folders of ``mesh_roots`` or beside the
-node's own ``scene_file``. In ``mesh_roots``, ``package://`` stands for the share folders of all
+node's own ``scene_file``, or in ``package_roots``, where packages are looked for first. In
+``mesh_roots``, ``package://`` stands for the share folders of all
 packages, and a relative folder counts from the working folder of the node.
 """
 
@@ -20,13 +21,16 @@ ALL_PACKAGES = 'package://'
 class FileAccess:
     """The folders that files may be opened in."""
 
-    def __init__(self, mesh_roots: Sequence[str], scene_file: str = '') -> None:
-        self.folders: list[Path] = []
+    def __init__(
+        self, mesh_roots: Sequence[str], scene_file: str = '', package_roots: Sequence[str] = ()
+    ) -> None:
+        self.package_roots = [Path(root).absolute() for root in package_roots if root]
+        self.folders: list[Path] = [*self.package_roots]
         for root in filter(None, mesh_roots):
             self.folders += share_folders() if root == ALL_PACKAGES else [Path(root).absolute()]
         if scene_file:
             self.folders.append(Path(scene_file).absolute().parent)
-        self._resolver = ResourceResolver(allowed_roots=self.folders)
+        self._resolver = ResourceResolver(self.package_roots, self.folders)
 
     def file(self, uri: str, what: str) -> Path:
         """Return the path of a file that exists; raises ArgumentError for one not to be opened.

@@ -41,7 +41,8 @@ class RobotInput:
             if text == self._text and self._is_in(scene):
                 return ''
         # A line break tells a text from a path.
-        robot = read_scene(f'{text}\n', 'urdf', allowed_roots=self._live.files.folders)
+        files = self._live.files
+        robot = read_scene(f'{text}\n', 'urdf', '', files.package_roots, files.folders)
         (source,) = robot.sources
         self._make_ready(robot)
         with self._live.editing() as scene:
