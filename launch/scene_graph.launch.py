@@ -30,8 +30,10 @@ ARGUMENTS = {
     'name': ('scene_graph', 'Name of the node.'),
     'namespace': ('', 'Namespace of the node: one for each of several scenes.'),
     'params_file': ('', 'Parameter file, such as config/scene_graph.yaml.'),
+    'own_tf': ('false', 'true: /tf and /tf_static are those of the namespace.'),
     'log_level': ('info', 'debug, info, warn, error or fatal.'),
 }
+OWN_TF = [('/tf', 'tf'), ('/tf_static', 'tf_static')]
 # Clients that are killed leave mutexes in shared memory locked: a node waits for them for ever.
 TRANSPORTS = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
 
@@ -58,6 +60,7 @@ def start_node(context: LaunchContext) -> list:
         namespace=LaunchConfiguration('namespace'),
         parameters=[*filter(None, [file, values])],
         ros_arguments=['--log-level', LaunchConfiguration('log_level')],
+        remappings=OWN_TF if context.launch_configurations['own_tf'] == 'true' else [],
         output='screen',
         additional_env={k: os.environ.get(k, value) for k, value in TRANSPORTS.items()},
     )

@@ -233,10 +233,14 @@ class ConfiguredNode:
             self._beside['point_distances'].did,
         )
         self._listen(PointCloud2, '~/query_points', points.take, sensor_data(), groups.beside)
-        if values.robot_description_topic:
-            take = partial(self._take_robot, RobotInput(self.live))
-            topic = values.robot_description_topic
-            self._listen(String, topic, take, latched(), groups.loading)
+        robot = RobotInput(self.live)
+        for topic, take in (
+            (values.robot_description_topic, robot.take),
+            (values.robot_description_semantic_topic, robot.take_semantics),
+        ):
+            if topic:
+                hear = partial(self._take_robot, take)
+                self._listen(String, topic, hear, latched(), groups.loading)
 
     def _listen(
         self,
@@ -285,8 +289,8 @@ class ConfiguredNode:
 
     # What comes in.
 
-    def _take_robot(self, robot: RobotInput, message: String) -> None:
-        if done := robot.take(message.data):
+    def _take_robot(self, take: Callable[[str], str], message: String) -> None:
+        if done := take(message.data):
             self._node.get_logger().info(done)
 
     def _change(self, change: Change, request: Any, response: Any) -> Any:

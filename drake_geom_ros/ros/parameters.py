@@ -37,6 +37,9 @@ class NodeParameters:
     point_threshold: float = 0.1
     use_tf: bool = False
     robot_description_topic: str = 'robot_description'
+    robot_description_semantic_topic: str = 'robot_description_semantic'
+    filter_self_collisions: bool = False
+    solid_meshes: tuple[str, ...] = ()
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
@@ -72,6 +75,17 @@ TEXTS = {
     'use_tf': 'Take frame poses from /tf and /tf_static too; needs tf2_msgs.',
     'robot_description_topic': (
         'Topic (std_msgs/String, latched) whose URDF becomes a source of the scene; empty: none.'
+    ),
+    'robot_description_semantic_topic': (
+        'Topic (std_msgs/String, latched) of the SRDF of that robot, whose disabled pairs are '
+        'left out; empty: none.'
+    ),
+    'filter_self_collisions': (
+        'Leave out all pairs of a robot with itself, of the robot of that topic and of a URDF.'
+    ),
+    'solid_meshes': (
+        'Links, or link/geometry, of the robot of that topic and of a URDF whose meshes are '
+        'solids, with * and ?; other meshes count as their convex hulls.'
     ),
     'publish_markers': 'Publish ~/markers for RViz, when somebody subscribes.' + _LIVE,
     'marker_rate': 'Messages per second on ~/markers [Hz].',

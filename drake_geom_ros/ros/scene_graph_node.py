@@ -38,7 +38,7 @@ from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.watchdog import Watchdog
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
 
 
 class SceneGraphNode(LifecycleNode):
@@ -106,12 +106,16 @@ class SceneGraphNode(LifecycleNode):
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = FileAccess(values.mesh_roots, values.scene_file, values.package_roots)
         live.most_megabytes = values.max_answer_size
+        live.robot_options = RobotOptions(
+            filter_self_collisions=values.filter_self_collisions, solid_meshes=values.solid_meshes
+        )
         if values.scene_file:
+            roots, options = live.files.package_roots, live.robot_options
+            described = read_scene(values.scene_file, package_roots=roots, options=options)
             with live.editing() as scene:
-                frames, geometries = scene.add(
-                    read_scene(values.scene_file, package_roots=live.files.package_roots)
-                )
-            self.get_logger().info(f'loaded {frames} frames and {geometries} geometries')
+                frames, geometries = scene.add(described)
+            hulls = hulls_in_words(described.geometries)
+            self.get_logger().info(f'loaded {frames} frames and {geometries} geometries{hulls}')
         kernels = live.compile_kernels()
         opened = ConfiguredNode(
             self,

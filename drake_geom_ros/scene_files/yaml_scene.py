@@ -98,7 +98,9 @@ class _SceneParser:
         if plain.get('loaded', False):
             return
         options = RobotOptions(
-            plain.get('adjacent_links') != 'kept', plain.get('self_collisions') == 'filtered'
+            plain.get('adjacent_links') != 'kept',
+            plain.get('self_collisions') == 'filtered',
+            tuple(plain.get('solid_meshes', ())),
         )
         parts = urdf.read_urdf(
             urdf_path.read_bytes(),

@@ -89,6 +89,14 @@ def test_what_is_not_given_is_not_passed_on(file):
     assert node.named['parameters'] == []
 
 
+def test_a_namespace_may_have_a_tree_of_tf_of_its_own(file):
+    given = {name: argument['default_value'] for name, argument in declared(file).items()}
+    for own, rules in (('false', []), ('true', file.OWN_TF)):
+        context = SimpleNamespace(launch_configurations={**given, 'own_tf': own})
+        (node,) = file.start_node(context)
+        assert node.named['remappings'] == rules
+
+
 def installed():
     prefixes = os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)
     return any((Path(p) / 'lib/drake_geom_ros/scene_graph_node').exists() for p in prefixes)
@@ -119,7 +127,7 @@ def test_ros2_launch_starts_the_node(lone_client, tmp_path):
 
 def test_the_node_does_without_shared_memory_unless_told_otherwise(file, monkeypatch):
     context = SimpleNamespace(
-        launch_configurations=dict.fromkeys([*file.PARAMETERS, 'params_file'], '')
+        launch_configurations=dict.fromkeys([*file.PARAMETERS, *file.ARGUMENTS], '')
     )
     name = 'FASTDDS_BUILTIN_TRANSPORTS'
     monkeypatch.delenv(name, raising=False)
