@@ -163,7 +163,7 @@ def test_an_srdf_of_another_robot_or_with_an_unknown_link_changes_nothing(scene,
 
 
 def test_a_robot_that_its_srdf_does_not_fit_comes_without_it(scene, robot):
-    """Another model of that name: its own SRDF may come after it, and until then all pairs count."""
+    """Another model of that name: its own SRDF may come after it, and all pairs count."""
     robot.take_semantics(srdf('arm', 'base', 'hand'))
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
     told = robot.take(urdf('arm', 'base', 'upper', 'grip'))
