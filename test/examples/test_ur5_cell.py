@@ -135,10 +135,10 @@ def test_the_part_is_taken_and_put_down_without_a_fight(cell, asking):
     # The part is watched as the arm is.
     cell.wait_until_said('stop: ')
     assert cell.do('release') == 'cell::part stays where it is'
-    put_down = pose(asking, 'cell::part')
     cell.client.wait_for(
         lambda: not asking.explain_filter('tool0/gripper', 'part/body'), 'the lease to run out'
     )
+    put_down = pose(asking, 'cell::part')  # seconds later: the transform has come by then
     for _ in range(3):
         cell.client.wait_for(
             lambda: not pose(asking, 'ur5::tool0').IsNearlyEqualTo(X_WG, 0.01), 'the arm elsewhere'

@@ -63,8 +63,8 @@ class PoseAges:
         time before the clock jumped.
         """
         self._posed.update(posed)
-        for value in self._static & posed.keys():
-            self._posed[value] = ALWAYS
+        if self._static:
+            self._posed.update(dict.fromkeys(self._static & posed.keys(), ALWAYS))
         self._latest = max((s for s in set(posed.values()) if s != ALWAYS), default=ALWAYS)
         self._stamps.update(dict.fromkeys(posed, stamp))
         if self.newest_stamp is None or time_of(stamp) >= time_of(self.newest_stamp):
