@@ -29,10 +29,10 @@ PATIENCE = 30.0  # [s] a node that has not answered by then hangs
 START = 300.0  # [s] a node that starts for the first time compiles its kernels
 
 
-def scene_file(folder: Path) -> Path:
+def scene_file(folder: Path, bodies: int = BODIES) -> Path:
     """Write a scene of spheres in a row, each on a frame that has a pose."""
     frames, geometries = ['sources: [s]', 'frames:'], ['geometries:']
-    for k in range(BODIES):
+    for k in range(bodies):
         frames.append(f'- {{name: f{k}, source: s, pose: {{position: [{k}, 0, 0]}}}}')
         geometries.append(
             f'- {{name: g, source: s, frame: f{k}, shape: {{type: sphere, radius: 0.1}}}}'

@@ -59,7 +59,7 @@ class MixedClient:
 
     def tick(self) -> None:
         """Send the next call if the last one was answered."""
-        if self.finished or (self._call is not None and not self._call.done()):
+        if self.finished or not self.is_answered():
             return
         try:
             answer = None if self._call is None else self._call.result()
@@ -68,6 +68,10 @@ class MixedClient:
             self.finished = True
         else:
             self._call = self._services[service].call_async(kind.Request(**fields))
+
+    def is_answered(self) -> bool:
+        """Return whether no call waits for its answer."""
+        return self._call is None or self._call.done()
 
     def stop(self) -> None:
         """Take back what was registered after the current turn, then be ``finished``."""

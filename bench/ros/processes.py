@@ -8,12 +8,14 @@ import sys
 from pathlib import Path
 from types import TracebackType
 
+from drake_geom_ros.common.children import ends_with_parent
+
 ROOT = Path(__file__).resolve().parents[2]
 _GRACE = 20.0  # [s] to end after being asked to
 
 
 class Processes:
-    """Starts modules; all that still run are ended on leaving."""
+    """Starts modules; all that still run are ended on leaving, or when this process dies."""
 
     def __init__(self) -> None:
         self._environment = {'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', **os.environ}
@@ -27,10 +29,21 @@ class Processes:
             for name, value in parameters.items():
                 command += ['-p', f'{name}:={value}']
         process = subprocess.Popen(
-            command, cwd=ROOT, env=self._environment, stdout=subprocess.PIPE, text=True
+            command,
+            cwd=ROOT,
+            env=self._environment,
+            stdout=subprocess.PIPE,
+            text=True,
+            preexec_fn=ends_with_parent(),
         )
         self._started.append(process)
         return process
+
+    def forget(self, process: subprocess.Popen[str]) -> None:
+        """Close what is left of a process that has ended."""
+        process.wait()
+        process.stdout.close()
+        self._started.remove(process)
 
     def __enter__(self) -> Processes:
         return self

@@ -4,7 +4,7 @@ Beside a stream of poses, eight callers change the scene, filter, ask and try th
 ``mix``), hostile messages arrive (see ``hostile``), a subscriber never reads, and the player is
 killed and started again; faults (see ``faults``) come in an order that the seed fixes. At the end
 the scene is saved, the node is killed with SIGKILL and comes back from the file. The exit code is
-1 where anything was not as expected.
+1 where anything was not as expected. With ``--faults`` it is faults alone, see ``storm``.
 """
 
 from __future__ import annotations
@@ -16,27 +16,19 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
-from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import linear_regression, median
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray
-from drake_geom_msgs import msg, srv
-from rclpy.executors import SingleThreadedExecutor
+from drake_geom_msgs import srv
 
-from bench.ros.faults import Faults, listed
-from bench.ros.hostile import pose_messages
+from bench.ros import storm
+from bench.ros.driver import SERVER, Driver, Soak, start_node, start_player
+from bench.ros.faults.order import Faults, listed
+from bench.ros.faults.site import NODE, Site
 from bench.ros.listener import QUANTILES
-from bench.ros.mix import MixedClient, Tally, open_services
-from bench.ros.processes import ROOT, Processes, memory
+from bench.ros.processes import Processes, memory
 
-SERVER = '/scene_graph'
-NODE, PLAYER = 'drake_geom_ros.ros.scene_graph_node', 'drake_geom_ros.ros.pose_player'
-SCENE, MOTION = ROOT / 'scenes/two_pandas.yaml', ROOT / 'scenes/two_pandas_motion.yaml'
-CALL_PERIOD = 0.1  # [s] between two calls of a caller, if the first was answered
-HOSTILE_PERIOD = 0.2  # [s] between two hostile messages
 PLAYER_LIFE = 30.0  # [s]
 FAULT_PERIOD = 5.0  # [s] between two faults
 MEMORY_PERIOD = 1.0  # [s]
@@ -44,84 +36,19 @@ WARM_UP = 15.0  # [s] before memory counts: caches fill, kernels of new pairs ar
 SHOWN = 12  # refusals listed
 
 
-@dataclass
-class Soak:
-    """What happened so far."""
-
-    tally: Tally = field(default_factory=Tally)
-    hostile: int = 0
-    player_lives: int = 1
-    faults: Counter[str] = field(default_factory=Counter)
-    memory: list[tuple[float, float]] = field(default_factory=list)  # [s], [MB]
-    status: dict[str, str] = field(default_factory=dict)
-
-
-class Driver:
-    """The node of this process: callers, hostile messages, diagnostics."""
-
-    def __init__(self, soak: Soak, callers: int, seed: int) -> None:
-        self._soak = soak
-        rclpy.init()
-        self.node = rclpy.create_node('soak')
-        self._executor = SingleThreadedExecutor()
-        self._executor.add_node(self.node)
-        services = open_services(self.node, SERVER)
-        self.callers = [
-            MixedClient(services, f'caller_{k}', seed + k, soak.tally) for k in range(callers)
-        ]
-        frames = ['objects::can', 'objects::cube']
-        self._messages = [message for _, message, _ in pose_messages(frames, 'objects')]
-        self._poses = self.node.create_publisher(msg.FramePoses, f'{SERVER}/frame_poses', 5)
-        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._take_status, 10)
-        self.node.create_timer(HOSTILE_PERIOD, self._send_hostile)
-        self.node.create_timer(CALL_PERIOD, self._call)
-        self._save = services['save_scene']
-
-    def _call(self) -> None:
-        for caller in self.callers:
-            caller.tick()
-
-    def _send_hostile(self) -> None:
-        self._poses.publish(self._messages[self._soak.hostile % len(self._messages)])
-        self._soak.hostile += 1
-
-    def _take_status(self, message: DiagnosticArray) -> None:
-        if message.status[0].name == SERVER:
-            self._soak.status = {v.key: v.value for v in message.status[0].values}
-
-    def spin(self, seconds: float) -> None:
-        """Serve what comes in for a while."""
-        end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=left)
-
-    def save(self, path: Path) -> str:
-        """Let the node save its scene; return the text."""
-        future = self._save.call_async(srv.SaveScene.Request(path=str(path)))
-        self._executor.spin_until_future_complete(future, 60.0)
-        if not future.done() or not future.result().success:
-            raise RuntimeError(f'the scene was not saved: {future.result()}')
-        return future.result().text
-
-
-def start_player(processes: Processes, rate: float) -> subprocess.Popen[str]:
-    """Start the player of the two arms."""
-    files = {'scene_file': SCENE, 'trajectory_file': MOTION}
-    return processes.start(PLAYER, **files, rate=float(rate))
-
-
 def run(options: argparse.Namespace, folder: Path) -> tuple[Soak, dict]:
     """Run everything; return what happened and what the listener measured."""
     soak = Soak()
     with Processes() as processes:
-        roots = {'mesh_roots': f'["package://", "{folder}"]'}
-        node = processes.start(NODE, scene_file=SCENE, max_distance=0.1, **roots)
+        node = start_node(processes, folder)
         driver = Driver(soak, options.callers, options.seed)
         player = start_player(processes, options.rate)
         processes.start('bench.ros.deaf')
         driver.spin(WARM_UP)
         listener = processes.start('bench.ros.listener')
-        faults = Faults(driver.node, driver.spin, processes, SERVER, options.seed)
+        site = Site(driver.node, driver.spin, processes, node, SERVER, folder)
+        site.pause = driver.pause
+        faults = Faults(site, options.seed)
         soak.faults = faults.counts
         start = killed = faulted = time.monotonic()
         while time.monotonic() - start < 60.0 * options.minutes:
@@ -224,8 +151,14 @@ def main() -> int:
     parser.add_argument('--rate', type=float, default=200.0, help='pose messages a second')
     parser.add_argument('--callers', type=int, default=8)
     parser.add_argument('--seed', type=int, default=0)
+    parser.add_argument(
+        '--faults', type=int, help='so many faults in a row instead, and no callers that change'
+    )
+    parser.add_argument('--first', type=int, default=1, help='number of the first of --faults')
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
+        if options.faults:
+            return storm.run(options, Path(folder))
         soak, measured = run(options, Path(folder))
     report(soak, measured, options.minutes)
     return 1 if soak.tally.problems or not measured['results'] else 0

@@ -21,17 +21,16 @@ from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
-from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.namesakes import Namesakes
 from drake_geom_ros.ros.outputs import level_costs, replays
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
     SceneState,
-    add_calls,
     add_counts,
     add_trouble,
 )
@@ -40,7 +39,7 @@ from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
-from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore
+from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, Change
@@ -121,6 +120,7 @@ class ConfiguredNode:
         )
         with live.editing() as scene:
             scene.filters_per_owner = settings.values.filters_per_owner
+        self._namesakes = Namesakes(node)
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values)
@@ -173,7 +173,7 @@ class ConfiguredNode:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
             scene.filters_per_owner = new.filters_per_owner
-            self.live.files = FileAccess(new.mesh_roots, new.scene_file, new.package_roots)
+            self.live.files = file_access(new)
             self.live.most_megabytes = new.max_answer_size
             if new.rate != old.rate:
                 self._set_rate(new.rate)
@@ -358,7 +358,9 @@ class ConfiguredNode:
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())
         if self._cycle.cross_check is not None:
             add_counts(message.status[0], self._cycle.cross_check.counts())
-        add_calls(message.status[0], self._surface.answers.counts())
+        self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
+        if namesakes := self._namesakes.trouble():
+            add_trouble(message.status[0], namesakes)
         for trouble in troubles:
             add_trouble(message.status[0], trouble)
         for told in filter(None, (state.waiting.in_words(), *troubles)):

@@ -76,6 +76,8 @@ class Guard:
         response.success = error is None
         if isinstance(error, RuntimeError):
             response.message = _shortened(str(error))
+        elif isinstance(error, MemoryError):
+            response.message = f'the process has too little memory left: ask for less ({error})'
         elif error is not None:
             response.message = f'internal error: {_shortened(repr(error))}'
             name = type(request).__name__

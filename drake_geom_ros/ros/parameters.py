@@ -20,7 +20,7 @@ from rclpy.parameter import Parameter
 
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS
-from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES
+from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class NodeParameters:
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
     package_roots: tuple[str, ...] = ()
+    allow_writes: bool = True
     filters_per_owner: int = 1000
     replay_dir: str = ''
     replay_limit: int = 20
@@ -97,6 +98,10 @@ TEXTS = {
     'package_roots': (
         'Folders in which package:// looks first, of packages or of one each; files in them may '
         'be opened as those in mesh_roots.' + _LIVE
+    ),
+    'allow_writes': (
+        'Files may be written for others, in the folders of mesh_roots by ~/save_scene, and in '
+        'replay_dir, which must be empty otherwise.'
     ),
     'filters_per_owner': (
         'Transient filters that one owner may have; those who do not say who they are count as '
@@ -219,6 +224,13 @@ def unknown_parameters(node: Node, prefix: str = '') -> list[str]:
     return told
 
 
+def file_access(values: NodeParameters) -> FileAccess:
+    """Return which files may be opened for others."""
+    return FileAccess(
+        values.mesh_roots, values.scene_file, values.package_roots, writes=values.allow_writes
+    )
+
+
 def declared(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Any:
     """Declare a parameter and return its value, of the type of ``default``.
 
@@ -280,6 +292,8 @@ def _refusal(values: NodeParameters) -> str:
             'use_tf is true, and the package tf2_msgs cannot be imported; install it (it is part '
             'of every ROS distribution) or send poses on ~/frame_poses'
         )
+    if values.replay_dir and not values.allow_writes:
+        return f'replay_dir is {values.replay_dir!r}; it must be empty while allow_writes is false'
     return _refusal_of_cross_check() if values.cross_check > 0.0 else ''
 
 

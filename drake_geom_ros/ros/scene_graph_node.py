@@ -21,7 +21,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
-from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
@@ -31,6 +30,7 @@ from drake_geom_ros.ros.parameters import (
     NodeParameters,
     ParameterRefusedError,
     ParameterStore,
+    file_access,
     unknown_parameters,
 )
 from drake_geom_ros.ros.scene.clocks import Clocks
@@ -104,7 +104,7 @@ class SceneGraphNode(LifecycleNode):
         start = time.perf_counter()
         clocks = Clocks(lambda: seconds_now(self))
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
-        live.files = FileAccess(values.mesh_roots, values.scene_file, values.package_roots)
+        live.files = file_access(values)
         live.most_megabytes = values.max_answer_size
         live.robot_options = RobotOptions(
             filter_self_collisions=values.filter_self_collisions, solid_meshes=values.solid_meshes

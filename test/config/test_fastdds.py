@@ -5,10 +5,8 @@ from pathlib import Path
 import pytest
 from conventions.source_tree import ROOT
 from drake_geom_msgs import srv
-from ros.harness import start_node
+from ros.harness import start_node, without_shared_memory
 from ros.scene_calls import accepted
-
-PROFILE = ROOT / 'config/fastdds.xml'
 
 
 def shared_memory(pid):
@@ -19,9 +17,7 @@ def shared_memory(pid):
 
 @pytest.fixture
 def node(tmp_path, monkeypatch):
-    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SYSTEM_DEFAULT')
-    monkeypatch.setenv('FASTDDS_DEFAULT_PROFILES_FILE', str(PROFILE))
-    monkeypatch.setenv('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
+    without_shared_memory(monkeypatch)
     process = start_node(tmp_path / 'log', scene_file=ROOT / 'scenes/minimal.yaml')
     # The client of the test is as other processes are.
     monkeypatch.undo()

@@ -33,6 +33,13 @@ def environment():
     }
 
 
+def without_shared_memory(monkeypatch):
+    """Let processes that are started now use Fast DDS by the profile, as ``run`` does."""
+    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SYSTEM_DEFAULT')
+    monkeypatch.setenv('FASTDDS_DEFAULT_PROFILES_FILE', str(ROOT / 'config/fastdds.xml'))
+    monkeypatch.setenv('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
+
+
 class Process:
     """A Python module run as a process, with its output in a file; ended by its own pid."""
 

@@ -34,6 +34,7 @@ PARAMETERS = {
     'point_threshold': (0.1, True),
     'marker_rate': (10.0, False),
     'mesh_roots': (['package://', '.'], True),
+    'allow_writes': (True, False),
     'time_budget': (0.0, True),
     'replay_dir': ('', True),
     'replay_limit': (20, True),

@@ -100,6 +100,18 @@ def test_a_request_is_answered_whatever_happens(guard, log):
     assert log.lines == [('error', f'SimpleNamespace: {response.message}')]
 
 
+def test_too_little_memory_is_a_refusal_and_no_fault_of_ours(guard, log):
+    def take_much(*_):
+        raise MemoryError('Unable to allocate 3 GiB')
+
+    response = guard.answer(take_much, None, Plain(), Plain(success=True, message=''))
+    assert not response.success
+    assert response.message == (
+        'the process has too little memory left: ask for less (Unable to allocate 3 GiB)'
+    )
+    assert log.lines == []
+
+
 def test_an_answer_says_whether_it_did_what_was_asked(guard, log):
     def handler(scene, request, response):
         response.found = scene[request]

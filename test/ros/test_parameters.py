@@ -122,3 +122,14 @@ def test_a_second_opinion_needs_somebody_to_give_it(start, monkeypatch):
         start(cross_check=1.0)
     node, _ = start()
     assert 'pip install python-fcl mpmath' in put(node, 'cross_check', 1.0).reason
+
+
+def test_where_nothing_may_be_written_there_are_no_replays(start):
+    with pytest.raises(ParameterRefusedError, match=r'replay_dir .* allow_writes'):
+        start(replay_dir='/tmp/replays', allow_writes=False)
+    node, _ = start(allow_writes=False)
+    result = put(node, 'replay_dir', '/tmp/replays')
+    assert not result.successful
+    assert 'allow_writes' in result.reason
+    # Who may set parameters must not be able to allow it.
+    assert not put(node, 'allow_writes', True).successful

@@ -9,6 +9,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from drake_geom_ros.common.children import ends_with_parent
+
 _POLL = 0.05  # [s]
 _GRACE = 10.0  # [s] to end after being asked to
 _LOG_LINES = 12
@@ -27,7 +29,8 @@ class _Started:
 class ProcessGroup:
     """Child processes with names; each runs in a session of its own, so that only we end it.
 
-    As a context manager it ends every process that still runs, the one started last first.
+    As a context manager it ends every process that still runs, the one started last first. Where
+    this process is killed they end too.
     """
 
     def __init__(self, environment: dict[str, str]):
@@ -46,6 +49,7 @@ class ProcessGroup:
                 stdout=output,
                 stderr=None if output is None else subprocess.STDOUT,
                 start_new_session=True,
+                preexec_fn=ends_with_parent(),
             )
         self._started[name] = _Started(process, log)
 

@@ -58,6 +58,7 @@ class Diagnostics:
         self._most_together = 0
         self._passed_over = 0
         self._passed_over_before = 0
+        self._unanswered_before = 0
         self._last = (0.0, 0)
 
     def take(self, delay: float, messages: int = 1, passed_over: int = 0) -> None:
@@ -143,17 +144,20 @@ class Diagnostics:
         status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
         return DiagnosticArray(status=[status])
 
-
-def add_calls(status: DiagnosticStatus, counts: CallCounts) -> None:
-    """Add what became of calls of services: a status that warns where some have no answer."""
-    figures = {
-        'service calls answered': counts.answered,
-        'service calls not answered': counts.unanswered,
-        'service calls before the first of a client that came': counts.before_first,
-    }
-    status.values += [KeyValue(key=key, value=str(n)) for key, n in figures.items()]
-    if counts.unanswered:
-        add_trouble(status, f'{counts.unanswered} service calls were not answered')
+    def add_calls(self, status: DiagnosticStatus, counts: CallCounts) -> None:
+        """Add what became of calls of services; warn where some had no answer since the last."""
+        figures = {
+            'service calls answered': counts.answered,
+            'service calls not answered': counts.unanswered,
+            'service calls before the first of a client that came': counts.before_first,
+        }
+        status.values += [KeyValue(key=key, value=str(n)) for key, n in figures.items()]
+        lost, self._unanswered_before = (
+            counts.unanswered - self._unanswered_before,
+            counts.unanswered,
+        )
+        if lost:
+            add_trouble(status, f'{lost} service calls were not answered since the last report')
 
 
 def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
@@ -214,7 +218,11 @@ def _oldest(ages: dict[str, float], unknown: UnknownAges) -> str:
 
 
 def _memory() -> int:
-    """Return the bytes of memory that the process has now; the most it had, where not Linux."""
-    if _STATM.exists():
+    """Return the bytes of memory that the process has now.
+
+    The most it had where that cannot be read: it is not Linux, or no file may be opened any more.
+    """
+    try:
         return int(_STATM.read_text().split()[1]) * resource.getpagesize()
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    except OSError:
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

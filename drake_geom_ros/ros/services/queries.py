@@ -8,11 +8,14 @@ leaves out. No ROS import here.
 from __future__ import annotations
 
 import math
+from collections import Counter
+from math import comb
 from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.common.free_memory import free_memory
+from drake_geom_ros.geometry import ArgumentError, HalfSpace, Role
 from drake_geom_ros.ros.conversions.fields import fill_pose, unsigned
 from drake_geom_ros.ros.conversions.results import (
     CANDIDATE_SIZE,
@@ -26,6 +29,12 @@ from drake_geom_ros.ros.conversions.results import (
 from drake_geom_ros.ros.inputs.point_queries import distances_to
 from drake_geom_ros.ros.scene.editable_scene import owned_by
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.scene_view import SceneView
+
+# What an answer takes while it is made and sent: the rows of the query, the arrays of the message,
+# the message as rcl takes it, and what goes out.
+_COPIES = 5
+_SMALL = 1.0  # [MB]: for less nobody looks how much memory is left
 
 
 def _accuracy(request: Any) -> str | None:
@@ -46,6 +55,34 @@ def _require_room(live: LiveScene, rows: int, size: int, instead: str) -> None:
             f'{rows} rows are an answer of {megabytes:.1f} MB; the parameter max_answer_size '
             f'allows {live.most_megabytes:g} MB: {instead}'
         )
+    if megabytes > _SMALL and (left := free_memory() / 1e6) < (needed := _COPIES * megabytes):
+        raise ArgumentError(
+            f'an answer of {rows} rows takes {needed:.0f} MB of memory until it is sent, and the '
+            f'limits of the process leave {left:.0f} MB: {instead}'
+        )
+
+
+def _may_be_large(live: LiveScene, rows: int, size: int) -> bool:
+    """Return whether it is worth counting exactly before so many rows, at most, are computed."""
+    return rows * size / 1e6 > min(_SMALL, live.most_megabytes)
+
+
+def _pairs_at_least(view: SceneView) -> int:
+    """Return how many pairs, at least, a query without a limit of the distance reports.
+
+    All of them, without those that can never be, that are filtered, or that wait for a pose.
+    Planes have no distance from one another; where they are filtered too they count twice.
+    """
+    inspector = view.query.inspector()
+    geometries = inspector.GetAllGeometryIds(Role.kProximity)
+    planes = [g for g in geometries if isinstance(inspector.GetShape(g), HalfSpace)]
+    pairs, of_planes = (
+        comb(len(those), 2)
+        - sum(comb(n, 2) for n in Counter(map(inspector.GetFrameId, those)).values())
+        for those in (geometries, planes)
+    )
+    filtered, waiting = view.filters.num_filtered_pairs(), view.query.num_waiting_pairs()
+    return pairs - of_planes - filtered - waiting
 
 
 def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any) -> None:
@@ -62,10 +99,13 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     """Report the signed distances up to a limit."""
     limit = _limit('max_distance', request.max_distance)
     view = live.view(request.poses)
+    instead = 'ask with a smaller max_distance, or by compute_signed_distance_pair'
+    count = view.query.inspector().NumGeometriesWithRole(Role.kProximity)
+    if limit == math.inf and _may_be_large(live, comb(count, 2), SIGNED_DISTANCE_SIZE):
+        _require_room(live, _pairs_at_least(view), SIGNED_DISTANCE_SIZE, instead)
     results = view.query.ComputeSignedDistancePairwiseClosestPoints(
         limit, accuracy=_accuracy(request)
     )
-    instead = 'ask with a smaller max_distance, or by compute_signed_distance_pair'
     _require_room(live, len(results), SIGNED_DISTANCE_SIZE, instead)
     fill_signed_distances(response.result, results, limit)
     view.moment.stamp(response.result)
@@ -88,14 +128,18 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     if points.size % 3:
         raise ArgumentError(f'points holds {points.size} numbers; it must hold x y z a point')
     view = live.view(request.poses)
+    instead = 'ask for fewer points, or with a smaller threshold'
+    count, geometries = points.size // 3, view.query.inspector().GetAllGeometryIds(Role.kProximity)
+    if limit == math.inf and _may_be_large(live, count * len(geometries), POINT_DISTANCE_SIZE):
+        rows = count * sum(map(view.query.is_placed, geometries))
+        _require_room(live, rows, POINT_DISTANCE_SIZE, instead)
     parts, blocks = distances_to(
         view.query,
         points.reshape(-1, 3),
-        np.arange(points.size // 3),
+        np.arange(count),
         limit,
         accuracy=_accuracy(request),
     )
-    instead = 'ask for fewer points, or with a smaller threshold'
     _require_room(live, sum(map(len, parts)), POINT_DISTANCE_SIZE, instead)
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)

@@ -4,8 +4,9 @@ from collections import Counter
 
 import pytest
 
+from bench.ros.driver import Soak
 from bench.ros.mix import Tally
-from bench.ros.soak import Soak, medians_by_minute, report, slope
+from bench.ros.soak import medians_by_minute, report, slope
 
 
 def soaked(problems):

@@ -1,9 +1,13 @@
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
+from conventions.source_tree import ROOT
 
 from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
 
@@ -47,6 +51,14 @@ def _runs(pid):
     return True
 
 
+def _status(pid):
+    """Return what the kernel says of a process; who adopts orphans may leave them zombies."""
+    try:
+        return Path(f'/proc/{pid}/status').read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return 'zombie'
+
+
 def test_others_are_ended_by_pid_when_the_last_is_done(modules, tmp_path):
     with ProcessGroup(modules) as processes:
         processes.start('node', 'waits', str(tmp_path / 'pid'), log=tmp_path / 'node.log')
@@ -88,6 +100,30 @@ def test_an_interrupt_lets_the_client_finish(modules, tmp_path):
         timer.start()
         processes.wait_for('client')
     assert (tmp_path / 'finished').read_text() == 'finished'
+
+
+def test_a_parent_that_is_killed_takes_its_processes_along(modules, tmp_path):
+    (tmp_path / 'parent.py').write_text(
+        'import os, pathlib, sys, time\n'
+        'from drake_geom_ros.ros.demo.processes import ProcessGroup\n'
+        'folder = pathlib.Path(sys.argv[1])\n'
+        'with ProcessGroup(dict(os.environ)) as processes:\n'
+        '    for name in ("node", "client"):\n'
+        '        log = folder / f"{name}.log"\n'
+        '        processes.start(name, "waits", str(folder / name), log=log)\n'
+        '    time.sleep(600)\n'
+    )
+    paths = [modules['PYTHONPATH'], str(ROOT), os.environ.get('PYTHONPATH', '')]
+    environment = {**modules, 'PYTHONPATH': os.pathsep.join(paths)}
+    command = [sys.executable, '-m', 'parent', str(tmp_path)]
+    parent = subprocess.Popen(command, env=environment)
+    pids = [int(_wait_for_file(tmp_path / name)) for name in ('node', 'client')]
+    parent.kill()
+    parent.wait()
+    deadline = time.monotonic() + 60.0
+    while any(_runs(pid) and 'zombie' not in _status(pid) for pid in pids):
+        assert time.monotonic() < deadline, 'they outlive their parent'
+        time.sleep(0.01)
 
 
 def test_ros_finds_only_this_machine_in_a_domain_of_its_own(monkeypatch):

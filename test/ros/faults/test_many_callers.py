@@ -1,6 +1,7 @@
 """Many callers of a service at once: all get their answer, and what gets none is counted."""
 
 import contextlib
+import re
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -9,6 +10,7 @@ from rclpy.qos import QoSProfile
 from ros.harness import start_node
 
 CLIENTS, CALLS = 20, 200
+NOT_ANSWERED = re.compile(r'(\d+) service calls were not answered since the last report')
 
 
 def callers(client, count):
@@ -51,11 +53,16 @@ def narrow(tmp_path):
 def test_what_is_not_answered_is_counted(narrow, lone_client):
     client = lone_client
     client.server = '/narrow/scene_graph'
-    statuses = client.listen(DiagnosticArray, '/diagnostics')
+    messages = client.listen(DiagnosticArray, '/diagnostics')
+
+    def mine():
+        return [s for m in messages for s in m.status if s.name == client.server]
 
     def counted(name):
-        mine = [s for m in statuses for s in m.status if s.name == client.server]
-        return int({v.key: v.value for v in mine[-1].values}[name]) if mine else 0
+        return int({v.key: v.value for v in mine()[-1].values}[name]) if mine() else 0
+
+    def warned_of():
+        return [int(m[1]) for s in mine() if (m := NOT_ANSWERED.search(s.message))]
 
     (caller,) = callers(client, 1)
     answered = call_at_once(client, [caller] * CALLS, 1.0)
@@ -65,6 +72,10 @@ def test_what_is_not_answered_is_counted(narrow, lone_client):
     lost = CALLS - answered
     client.wait_for(lambda: counted('service calls not answered') == lost, f'{lost} calls counted')
     client.wait_for(lambda: counted('service calls answered') > answered, 'those answered')
-    (mine,) = [s for s in statuses[-1].status if s.name == client.server]
-    assert f'{lost} service calls were not answered' in mine.message
-    assert mine.level == DiagnosticStatus.WARN
+    # Each message warns of those since the one before, so that a warning ends; the total stays.
+    assert sum(warned_of()) == lost
+    levels = {bool(NOT_ANSWERED.search(s.message)): s.level for s in mine()}
+    assert levels[True] == DiagnosticStatus.WARN
+    client.wait_for(lambda: mine()[-1].level == DiagnosticStatus.OK, 'the warning to end')
+    assert counted('service calls not answered') == lost
+    assert sum(warned_of()) == lost

@@ -6,6 +6,7 @@ from types import SimpleNamespace as Plain
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from drake_geom_ros.ros.outputs import diagnostics
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
 from drake_geom_ros.ros.scene.waiting import Waiting
 
@@ -50,25 +51,31 @@ def test_transient_filters_are_told_with_their_owners(owners, said):
     assert status_of({}, owners=owners)[1]['transient filters'] == said
 
 
+def test_without_a_descriptor_memory_is_told_as_the_most_it_was(monkeypatch, tmp_path):
+    """Seen where no file may be opened any more: there were no diagnostics at all."""
+    monkeypatch.setattr(diagnostics, '_STATM', tmp_path)  # a folder cannot be read
+    assert float(status_of({})[1]['memory [MB]']) > 10.0
+
+
 def test_lag_and_what_is_passed_over_are_figures_and_warnings():
-    scene, diagnostics = SceneState(7, {'s::a': 0.0}, NOBODY, {}), Diagnostics('/node')
+    scene, counted = SceneState(7, {'s::a': 0.0}, NOBODY, {}), Diagnostics('/node')
 
     def told():
-        (status,) = diagnostics.message(scene, 1.0, CYCLE, 1.0).status
+        (status,) = counted.message(scene, 1.0, CYCLE, 1.0).status
         return status, {v.key: v.value for v in status.values}
 
     for lag in (0.02, 0.03, 0.2, math.inf):
-        diagnostics.answer(lag)
-    diagnostics.take(0.01, 5)
+        counted.answer(lag)
+    counted.take(0.01, 5)
     status, values = told()
     assert status.level == DiagnosticStatus.OK
     assert (values['lag p50 [ms]'], values['lag worst [ms]']) == ('30.000', '200.000')
     assert (values['pose messages taken'], values['most pose messages together']) == ('5', '5')
-    diagnostics.answer(0.512)
+    counted.answer(0.512)
     status, values = told()
     assert status.level == DiagnosticStatus.WARN
     assert status.message.startswith('half of the results came more than 512 ms after the time')
-    diagnostics.take(0.01, 10, 3)
+    counted.take(0.01, 10, 3)
     status, values = told()
     assert status.level == DiagnosticStatus.WARN
     assert status.message.startswith('3 transform messages were passed over')

@@ -114,3 +114,70 @@ def test_a_geometry_on_a_geometry_is_posed_in_the_frame_and_goes_with_the_other(
         scene.remove_geometry(held, Plain(geometry='a/ball'), Plain())
     for name in ('a/ball', 'a/knob', 'a/tip'):
         assert 'There is no geometry' in get_pose(live, geometry=name).message
+
+
+CROWD = """
+sources: [s]
+frames:
+  - {name: a, source: s, pose: {}}
+  - {name: b, source: s, pose: {}}
+  - {name: nowhere, source: s}
+geometries:
+  - {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
+  - {name: wall, source: s, shape: {type: half_space}, pose: {position: [0, 0, -2]}}
+  - {name: post, source: s, shape: {type: box, size: [0.1, 0.1, 1]}}
+  - {name: plane, source: s, frame: a, shape: {type: half_space}}
+  - {name: seen, source: s, frame: a, shape: {type: sphere, radius: 1}, roles: {illustration: {}}}
+  - {name: ball, source: s, frame: nowhere, shape: {type: sphere, radius: 0.1}}
+""" + ''.join(
+    f'  - {{name: ball_{k}, source: s, frame: {"ab"[k % 2]}, '
+    'shape: {type: sphere, radius: 0.1}, pose: {position: [' + str(k) + ', 0, 0]}}\n'
+    for k in range(8)
+)
+FILTERS = {
+    '': 0,
+    'filters: [{deactivate: [b/ball_1]}]': 0,
+    'filters: [{exclude_within: [a, b]}]': 0,
+    'filters: [{exclude_between: [[a/ball_0, a/ball_2], [b]]}]': 0,
+    'filters: [{clique: {name: c, members: [a/ball_0, b/ball_1, b/ball_3]}}]': 0,
+    # Two planes that are filtered count twice.
+    'filters: [{exclude_between: [[a/plane], [world/floor]]}]': 1,
+}
+
+
+@pytest.mark.parametrize('filters', FILTERS)
+def test_how_many_pairs_an_answer_has_is_known_before(filters):
+    live = live_scene(CROWD + filters)
+    view = live.view()
+    found = view.query.ComputeSignedDistancePairwiseClosestPoints()
+    assert queries._pairs_at_least(view) == len(found) - FILTERS[filters]
+
+
+def test_an_answer_that_is_too_large_is_refused_before_it_is_computed(monkeypatch):
+    live = live_scene(CROWD)
+    live.most_megabytes = 0.001
+    monkeypatch.setattr(queries, 'distances_to', None)
+    query = 'ComputeSignedDistancePairwiseClosestPoints'
+    monkeypatch.setattr(f'drake_geom_ros.geometry.QueryObject.{query}', None)
+    points = {'points': [0.0, 0.0, 0.0] * 10}
+    # Of 78 pairs 19 are of one frame, and 2 of planes; 10 of the others wait for a pose.
+    for name, fields, given, rows in (
+        ('distances', {}, {'nowhere': 1}, 57),
+        ('distances', {}, {}, 45),
+        ('points', points, {'nowhere': 1}, 130),
+        ('points', points, {}, 120),
+    ):
+        answer = ask(live, ABOUT_ALL[name], poses(**given), **fields)
+        assert not answer.success
+        assert answer.message.startswith(f'{rows} rows are an answer of 0.0 MB')
+
+
+def test_an_answer_for_which_there_is_no_memory_is_refused(monkeypatch):
+    live = live_scene(CROWD)
+    points = {'points': [0.0, 0.0, 0.0] * 10_000}
+    monkeypatch.setattr(queries, 'free_memory', lambda: 20e6)
+    answer = ask(live, ABOUT_ALL['points'], poses(nowhere=1), **points)
+    assert answer.message == (
+        'an answer of 130000 rows takes 51 MB of memory until it is sent, and the limits of the '
+        'process leave 20 MB: ask for fewer points, or with a smaller threshold'
+    )

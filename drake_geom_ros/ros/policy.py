@@ -1,0 +1,125 @@
+"""Access by topic and service: a policy of SROS 2 for this node and for who talks to it.
+
+    python -m drake_geom_ros.ros.policy [--namespace /cell] [--name scene_graph] > policy.xml
+    ros2 security generate_artifacts -k KEYSTORE -p policy.xml
+
+The enclave of the node bears its full name. Below it are those of its clients: `observer` reads
+results and asks queries, `mover` publishes poses and points, and `operator` may call everything.
+The format is that of https://design.ros2.org/articles/ros2_access_control_policies.html.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from xml.etree import ElementTree
+
+from drake_geom_ros.ros.services.table import BESIDE, SERVICES
+
+VERSION = '0.2.0'  # of the format
+# What the node has, by names as it gives them: ~ is its own.
+RESULTS = tuple(
+    f'~/{name}'
+    for name in (
+        *('cycle_report', 'markers', 'penetrations', 'point_distances', 'scene'),
+        *('signed_distances', 'transition_event'),
+    )
+)
+SHARED_RESULTS = ('/diagnostics',)
+INPUTS = ('~/frame_poses', '~/query_points', '/tf', '/tf_static')
+ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
+CLOCK = ('/clock',)
+# What every node of rclpy has, and what one with a life cycle has besides.
+LOGS = ('/parameter_events', '/rosout')
+OWN_SERVICES = tuple(
+    f'~/{name}'
+    for name in (
+        *('describe_parameters', 'get_parameter_types', 'get_parameters', 'list_parameters'),
+        *('set_parameters', 'set_parameters_atomically', 'get_type_description'),
+    )
+)
+LIFE_CYCLE = tuple(
+    f'~/{name}'
+    for name in (
+        *('change_state', 'get_available_states', 'get_available_transitions', 'get_state'),
+        'get_transition_graph',
+    )
+)
+QUERIES = tuple(f'~/{name}' for name, _, _ in BESIDE)
+OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES)
+
+
+def policy(
+    namespace: str = '/', name: str = 'scene_graph', robot_topics: Sequence[str] = ROBOT_TOPICS
+) -> str:
+    """Return the policy of a node as XML; ``robot_topics`` are the values of the parameters."""
+    root = f'{namespace.rstrip("/")}/'
+    node = f'{root}{name}'
+
+    def full(names: Iterable[str]) -> list[str]:
+        """Return names of the node as all know them."""
+        absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
+        return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
+
+    inputs = full([*INPUTS, *filter(None, robot_topics)])
+    results = full((*RESULTS, *SHARED_RESULTS))
+    element = ElementTree.Element('policy', version=VERSION)
+    enclaves = ElementTree.SubElement(element, 'enclaves')
+    server = _profile(enclaves, node, namespace, name)
+    _allow(server, 'topics', 'publish', [*results, *LOGS])
+    _allow(server, 'topics', 'subscribe', [*inputs, *CLOCK])
+    _allow(server, 'services', 'reply', full(OFFERED))
+    for client, publishes, asks in (
+        ('observer', [], full(QUERIES)),
+        ('mover', inputs, []),
+        ('operator', inputs, full(OFFERED)),
+    ):
+        profile = _profile(enclaves, f'{node}/{client}', namespace, client)
+        _allow(profile, 'topics', 'publish', [*publishes, *LOGS])
+        _allow(profile, 'topics', 'subscribe', [*results, *CLOCK])
+        _allow(profile, 'services', 'reply', OWN_SERVICES)
+        _allow(profile, 'services', 'request', asks)
+    ElementTree.indent(element)
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(element, "unicode")}\n'
+
+
+def _profile(
+    enclaves: ElementTree.Element, path: str, namespace: str, node: str
+) -> ElementTree.Element:
+    """Add an enclave and return its one profile."""
+    enclave = ElementTree.SubElement(enclaves, 'enclave', path=path)
+    profiles = ElementTree.SubElement(enclave, 'profiles')
+    return ElementTree.SubElement(profiles, 'profile', ns=namespace, node=node)
+
+
+def _allow(profile: ElementTree.Element, kind: str, action: str, names: Iterable[str]) -> None:
+    """Let a profile do something with topics or services; nothing is said of none."""
+    if names := sorted(names):
+        listed = ElementTree.SubElement(profile, kind, {action: 'ALLOW'})
+        for each in names:
+            ElementTree.SubElement(listed, kind.removesuffix('s')).text = each
+
+
+def main() -> int:
+    """Print the policy of a node."""
+    parser = argparse.ArgumentParser(prog='policy', description=__doc__.splitlines()[0])
+    parser.add_argument('--namespace', default='/', help='of the node, such as /cell')
+    parser.add_argument('--name', default='scene_graph', help='of the node')
+    for default in ROBOT_TOPICS:
+        parser.add_argument(
+            f'--{default.replace("_", "-")}',
+            default=default,
+            metavar='TOPIC',
+            help=f'value of the parameter {default}_topic; empty: none',
+        )
+    options = parser.parse_args()
+    if not options.namespace.startswith('/'):
+        parser.error(f'--namespace is {options.namespace!r}; it must begin with /')
+    topics = options.robot_description, options.robot_description_semantic
+    print(policy(options.namespace, options.name, topics), end='')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,43 @@
+"""Clients killed in the middle of large answers: the node goes on, and its scene is what it was.
+
+A short round of what ``bench.ros.killed_clients`` does for long.
+"""
+
+import pytest
+from drake_geom_msgs import srv
+from ros.harness import Process, start_node, without_shared_memory
+from ros.scene_calls import accepted
+
+from bench.ros.killed_clients import scene_file
+
+BODIES = 300
+PAIRS = BODIES * (BODIES - 1) // 2  # an answer of 4.8 MB
+CLIENTS, LIFE = 4, 0.5  # [s] of a client from its request on, at most
+
+
+@pytest.fixture
+def node(tmp_path, monkeypatch):
+    without_shared_memory(monkeypatch)
+    process = start_node(tmp_path / 'log', scene_file=scene_file(tmp_path, BODIES))
+    yield process
+    assert process.end() == 0, process.output()
+
+
+def test_the_node_answers_and_keeps_its_scene(node, lone_client, tmp_path):
+    client = lone_client
+
+    def saved():
+        return accepted(client.call(srv.SaveScene, 'save_scene')).text
+
+    before = saved()
+    for seed in range(3):
+        arguments = ('--clients', str(CLIENTS), '--seed', str(seed), '--life', str(LIFE))
+        dying = Process(tmp_path / f'dying_{seed}', 'bench.ros.dying', *arguments)
+        client.wait_for(lambda d=dying: d.popen.poll() is not None, 'the clients to die')
+        assert dying.end() == 0, dying.output()
+        assert f'{CLIENTS} of {CLIENTS} clients ask' in dying.output()
+        accepted(client.call(srv.HasCollisions, 'has_collisions'))
+    assert saved() == before
+    asked = srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise'
+    assert len(accepted(client.call(*asked)).result.distance) == PAIRS
+    assert 'Traceback' not in node.output()

@@ -1,0 +1,123 @@
+"""The policy of SROS 2: its structure, and that it allows exactly what a running node has."""
+
+import importlib.util
+import subprocess
+import sys
+from collections import defaultdict
+from xml.etree import ElementTree
+
+import pytest
+from ros.harness import ROOT, environment, start_node
+
+from drake_geom_ros.ros.policy import policy
+
+NAMESPACE, NAME = '/cell', 'geometry'
+NODE = f'{NAMESPACE}/{NAME}'
+# Element: its attributes, of which those in brackets may be missing, and its children.
+STRUCTURE = {
+    'policy': ({'version'}, set(), {'enclaves'}),
+    'enclaves': (set(), set(), {'enclave'}),
+    'enclave': ({'path'}, set(), {'profiles'}),
+    'profiles': (set(), set(), {'profile'}),
+    'profile': ({'ns', 'node'}, set(), {'topics', 'services'}),
+    'topics': (set(), {'publish', 'subscribe'}, {'topic'}),
+    'services': (set(), {'reply', 'request'}, {'service'}),
+    'topic': (set(), set(), set()),
+    'service': (set(), set(), set()),
+}
+
+
+def allowed(text, path):
+    """Return what the enclave of a path may do, as sets of names by kind and action."""
+    (profile,) = ElementTree.fromstring(text).findall(f'.//enclave[@path="{path}"]/profiles/*')
+    found = defaultdict(set)
+    for listed in profile:
+        ((action, said),) = listed.attrib.items()
+        assert said == 'ALLOW'
+        found[action] |= {entry.text for entry in listed}
+    return found
+
+
+def test_the_structure_is_that_of_the_format():
+    root = ElementTree.fromstring(policy(NAMESPACE, NAME))
+    assert root.tag == 'policy'
+    assert root.attrib == {'version': '0.2.0'}
+    for element in root.iter():
+        needed, possible, children = STRUCTURE[element.tag]
+        assert needed <= set(element.attrib) <= needed | possible | {'version'}, element.tag
+        assert {child.tag for child in element} <= children
+        assert bool(children) == bool(len(element)), element.tag
+        assert bool(children) != bool((element.text or '').strip()), element.tag
+
+
+@pytest.fixture
+def node(tmp_path):
+    """Return a node that listens to all it can listen to."""
+    has_tf = importlib.util.find_spec('tf2_msgs') is not None
+    process = start_node(
+        *(tmp_path / 'log',),
+        namespace=NAMESPACE,
+        name=NAME,
+        use_tf=has_tf,
+        use_sim_time=True,
+    )
+    yield process
+    assert process.end() == 0, process.output()
+
+
+def test_it_allows_exactly_what_a_node_has(node, lone_client):
+    graph = lone_client.node
+    found = allowed(policy(NAMESPACE, NAME), NODE)
+    if importlib.util.find_spec('tf2_msgs') is None:
+        found['subscribe'] -= {'/tf', '/tf_static'}
+
+    def names(kind):
+        ask = getattr(graph, f'get_{kind}_names_and_types_by_node')
+        return {name for name, _ in ask(NAME, NAMESPACE)}
+
+    lone_client.wait_for(
+        lambda: (NAME, NAMESPACE) in graph.get_node_names_and_namespaces(), 'the node'
+    )
+    for kind, action in (
+        ('publisher', 'publish'),
+        ('subscriber', 'subscribe'),
+        ('service', 'reply'),
+    ):
+        lone_client.wait_for(
+            lambda k=kind, a=action: names(k) >= found[a], f'what it may {action}'
+        )
+        assert names(kind) == found[action]
+
+
+def test_clients_may_do_what_the_node_hears_and_offers_and_an_observer_changes_nothing():
+    text = policy(NAMESPACE, NAME)
+    server = allowed(text, NODE)
+    clients = {name: allowed(text, f'{NODE}/{name}') for name in ('observer', 'mover', 'operator')}
+    logs = {'/rosout', '/parameter_events'}
+    for client in clients.values():
+        assert client['subscribe'] == server['publish'] - logs | {'/clock'}
+        assert client['publish'] - logs <= server['subscribe']
+        assert client['request'] <= server['reply']
+    assert clients['operator']['request'] == server['reply']
+    assert clients['mover']['request'] == clients['observer']['publish'] - logs == set()
+    words = 'compute', 'find', 'has', 'get', 'explain'
+    assert all(
+        name.rpartition('/')[2].startswith(words) for name in clients['observer']['request']
+    )
+
+
+def test_the_command_prints_it():
+    command = [sys.executable, '-m', 'drake_geom_ros.ros.policy']
+
+    def run(*arguments):
+        return subprocess.run(
+            [*command, *arguments], cwd=ROOT, env=environment(), capture_output=True, text=True
+        )
+
+    options = '--namespace', '/cell', '--name', 'geometry', '--robot-description', ''
+    assert run(*options).stdout == policy('/cell', 'geometry', ('', 'robot_description_semantic'))
+    assert '/robot_description<' not in policy('/cell', 'geometry', ('', 'robot_description_semantic'))
+    assert '>/robot_description<' in run().stdout
+    wrong = run('--namespace', 'cell')
+    assert wrong.returncode == 2
+    assert 'must begin with /' in wrong.stderr
