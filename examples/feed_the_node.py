@@ -5,11 +5,11 @@ Start the node with scenes/minimal.yaml and point_threshold 1.0 first, see docs/
 
 import array
 
-import rclpy
-from drake_geom_msgs.msg import FramePoses, PointDistances, Scene
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import String
+
+from drake_geom_ros.client import SceneGraphClient
 
 PROBE = """
 <robot name="probe">
@@ -41,52 +41,37 @@ def cloud_of(points, frame_id, stamp_sec):
 
 def main():
     """Add a robot, move it, and measure two points from its tip."""
-    rclpy.init()
-    node = rclpy.create_node('feed_the_node')
-    names, answers = {}, []
+    with SceneGraphClient() as client:
+        answers = []
+        client.listener.on_point_distances(answers.append)
+        description = client.node.create_publisher(String, '/robot_description', LATCHED)
+        clouds = client.node.create_publisher(PointCloud2, '/scene_graph/query_points', 10)
 
-    def keep_names(scene):
-        frames = {frame.id: frame.name for frame in scene.frames}
-        names.clear()
-        names.update({g.id: f'{frames[g.frame_id]}/{g.name}' for g in scene.geometries})
+        description.publish(String(data=PROBE))
+        client.wait_for(lambda: len(client.scene().ids('probe')), 'the robot')
+        names = sorted(g.short_name for g in client.scene().geometries.values())
+        print('the scene holds', ', '.join(names))
 
-    node.create_subscription(Scene, '/scene_graph/scene', keep_names, LATCHED)
-    node.create_subscription(PointDistances, '/scene_graph/point_distances', answers.append, 10)
-    description = node.create_publisher(String, '/robot_description', LATCHED)
-    poses = node.create_publisher(FramePoses, '/scene_graph/frame_poses', 10)
-    clouds = node.create_publisher(PointCloud2, '/scene_graph/query_points', 10)
+        # The tip is 0.2 m below the shaft's middle; the ball stays where the scene file put it.
+        poses = {'shaft': [0.5, 0, 0.7, 0, 0, 0, 1], 'tip': [0.5, 0, 0.5, 0, 0, 0, 1]}
+        # Two points in the tip's frame, 0.1 m and 0.2 m below it; the stamp names the cloud.
+        cloud = cloud_of([(0.0, 0.0, -0.1), (0.0, 0.0, -0.2)], frame_id='tip', stamp_sec=7)
 
-    description.publish(String(data=PROBE))
-    while 'tip/ball' not in names.values():
-        rclpy.spin_once(node, timeout_sec=0.1)
-    print('the scene holds', ', '.join(sorted(names.values())))
+        def answers_at(height):
+            """Pose the robot, and return the answers with the first point at that height."""
+            client.publish_poses(poses, source='probe')
+            clouds.publish(cloud)
+            return [found for found in answers if is_for(found, 7.0, height)]
 
-    # The tip is 0.2 m below the shaft's middle; the ball stays where the scene file put it.
-    message = FramePoses(source='probe', frame_names=['shaft', 'tip'])
-    for z in (0.7, 0.5):
-        message.poses.extend([0.5, 0.0, z, 0.0, 0.0, 0.0, 1.0])
-    # Two points in the tip's frame, 0.1 m and 0.2 m below it; the stamp names the cloud.
-    cloud = cloud_of([(0.0, 0.0, -0.1), (0.0, 0.0, -0.2)], frame_id='tip', stamp_sec=7)
-    tip_at = 0.5 - 0.1
-    while not any(is_for(answer, cloud, names, tip_at) for answer in answers):
-        poses.publish(message)
-        clouds.publish(cloud)
-        rclpy.spin_once(node, timeout_sec=0.1)
-    answer = next(answer for answer in answers if is_for(answer, cloud, names, tip_at))
-    rows = zip(answer.point_index, answer.id_g, answer.distance, strict=True)
-    for point, geometry, distance in rows:
-        print(f'point {point}: {distance:.4f} m from {names[geometry]}')
-    node.destroy_node()
-    rclpy.shutdown()
+        (answer, *_) = client.wait_for(lambda: answers_at(0.5 - 0.1), 'an answer')
+        for point in answer:
+            print(f'point {point.point_index}: {point.distance:.4f} m from {point.name}')
 
 
-def is_for(answer, cloud, names, height):
+def is_for(answer, stamp, height):
     """Tell whether an answer is for a cloud, with its first point at a height over the floor."""
-    if answer.query_stamp != cloud.header.stamp:
-        return False
-    rows = zip(answer.point_index, answer.id_g, answer.distance, strict=True)
-    found = {(point, names[geometry]): distance for point, geometry, distance in rows}
-    return abs(found.get((0, 'world/floor'), -1.0) - height) < 1e-6
+    over_floor = [p.distance for p in answer.to('world/floor') if p.point_index == 0]
+    return answer.query_stamp == stamp and over_floor and abs(over_floor[0] - height) < 1e-6
 
 
 if __name__ == '__main__':

@@ -5,38 +5,54 @@ default. The node is a managed one that configures and activates itself, unless 
 """
 
 import os
+import typing
+from dataclasses import fields
 
 from launch import LaunchContext, LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import LifecycleNode
 from launch_ros.parameter_descriptions import ParameterValue
 
-# Arguments that are parameters of the node: type, description.
+from drake_geom_ros.common.nearest import nearest
+from drake_geom_ros.ros.parameters import TEXTS, NodeParameters
+
+TEXT_LIST = typing.List[str]  # noqa: UP006 - launch does not know list[str]
+# Arguments that are parameters of the node, all of them: type, description.
 PARAMETERS = {
-    'scene_file': (str, 'Scene to load (YAML or URDF), best with its full path.'),
-    'rate': (float, 'Cycles per second [Hz]; 0: one cycle for each pose message.'),
-    'max_distance': (float, 'Pairs farther apart are left out of ~/signed_distances [m].'),
-    'accuracy': (str, 'Accuracy level of the queries: bound, fast, balanced or exact.'),
-    'use_tf': (bool, 'Take frame poses from /tf and /tf_static too.'),
-    'publish_markers': (bool, 'Publish ~/markers for RViz.'),
-    'autostart': (bool, 'Configure and activate by itself at start.'),
-    'use_sim_time': (bool, 'Take the time from /clock.'),
+    entry.name: (TEXT_LIST if isinstance(entry.default, tuple) else type(entry.default), text)
+    for entry in fields(NodeParameters)
+    for text in [TEXTS[entry.name]]
+} | {'use_sim_time': (bool, 'Take the time from /clock.')}
+
+
+ARGUMENTS = {
+    'name': ('scene_graph', 'Name of the node.'),
+    'namespace': ('', 'Namespace of the node: one for each of several scenes.'),
+    'params_file': ('', 'Parameter file, such as config/scene_graph.yaml.'),
+    'own_tf': ('false', 'true: /tf and /tf_static are those of the namespace.'),
+    'log_level': ('info', 'debug, info, warn, error or fatal.'),
 }
-
-
+OWN_TF = [('/tf', 'tf'), ('/tf_static', 'tf_static')]
 # Clients that are killed leave mutexes in shared memory locked: a node waits for them for ever.
 TRANSPORTS = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
 
 
-def start_node(context: LaunchContext) -> list[LifecycleNode]:
-    """Return the node with the parameters that were given."""
+def start_node(context: LaunchContext) -> list:
+    """Return the node with the parameters that were given, and what is wrong with these."""
     values = {
         name: ParameterValue(LaunchConfiguration(name), value_type=kind)
         for name, (kind, _) in PARAMETERS.items()
         if context.launch_configurations[name]
     }
     file = context.launch_configurations['params_file']
+    # What includes this file has arguments of its own, so only what is like one of these is told.
+    known = [*ARGUMENTS, *PARAMETERS]
+    told = [
+        LogInfo(msg=f'the launch argument {name!r} does not exist{hint}')
+        for name in context.launch_configurations
+        if name not in known and (hint := nearest(name, known))
+    ]
     node = LifecycleNode(
         package='drake_geom_ros',
         executable='scene_graph_node',
@@ -44,19 +60,17 @@ def start_node(context: LaunchContext) -> list[LifecycleNode]:
         namespace=LaunchConfiguration('namespace'),
         parameters=[*filter(None, [file, values])],
         ros_arguments=['--log-level', LaunchConfiguration('log_level')],
+        remappings=OWN_TF if context.launch_configurations['own_tf'] == 'true' else [],
         output='screen',
         additional_env={k: os.environ.get(k, value) for k, value in TRANSPORTS.items()},
     )
-    return [node]
+    return [*told, node]
 
 
 def generate_launch_description() -> LaunchDescription:
     """Return the arguments and the node."""
     arguments = {
-        'name': ('scene_graph', 'Name of the node.'),
-        'namespace': ('', 'Namespace of the node: one for each of several scenes.'),
-        'params_file': ('', 'Parameter file, such as config/scene_graph.yaml.'),
-        'log_level': ('info', 'debug, info, warn, error or fatal.'),
+        **ARGUMENTS,
         **{name: ('', text) for name, (_, text) in PARAMETERS.items()},
     }
     return LaunchDescription(

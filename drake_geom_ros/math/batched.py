@@ -30,6 +30,14 @@ def matrices_from_poses(poses: ArrayLike, what: str = 'poses') -> tuple[Floats, 
     return rotations_from_quaternions(rows[:, 3:], what), rows[:, :3].copy()
 
 
+def are_poses(poses: ArrayLike) -> NDArray[np.bool_]:
+    """Return which of ``poses`` (n, 7) ``matrices_from_poses`` takes (n,)."""
+    rows = np.asarray(poses, dtype=np.float64)
+    with np.errstate(over='ignore', invalid='ignore'):
+        off = np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0)
+    return np.asarray(np.isfinite(rows).all(axis=1) & (off <= QUATERNION_NORM))
+
+
 def poses_from_matrices(Rs: ArrayLike, ps: ArrayLike) -> Floats:
     """Return poses (n, 7), x y z qx qy qz qw, of R (n, 3, 3) and p (n, 3) [m]; qw >= 0."""
     return np.hstack((np.asarray(ps, dtype=np.float64), quaternions_from_rotations(Rs)))

@@ -173,8 +173,7 @@ class ConfiguredNode:
             if new.accuracy != old.accuracy:
                 scene.set_accuracy(new.accuracy)
             scene.filters_per_owner = new.filters_per_owner
-            if new.mesh_roots != old.mesh_roots:
-                self.live.files = file_access(new)
+            self.live.files = file_access(new)
             self.live.most_megabytes = new.max_answer_size
             if new.rate != old.rate:
                 self._set_rate(new.rate)
@@ -234,10 +233,14 @@ class ConfiguredNode:
             self._beside['point_distances'].did,
         )
         self._listen(PointCloud2, '~/query_points', points.take, sensor_data(), groups.beside)
-        if values.robot_description_topic:
-            take = partial(self._take_robot, RobotInput(self.live))
-            topic = values.robot_description_topic
-            self._listen(String, topic, take, latched(), groups.loading)
+        robot = RobotInput(self.live)
+        for topic, take in (
+            (values.robot_description_topic, robot.take),
+            (values.robot_description_semantic_topic, robot.take_semantics),
+        ):
+            if topic:
+                hear = partial(self._take_robot, take)
+                self._listen(String, topic, hear, latched(), groups.loading)
 
     def _listen(
         self,
@@ -286,8 +289,8 @@ class ConfiguredNode:
 
     # What comes in.
 
-    def _take_robot(self, robot: RobotInput, message: String) -> None:
-        if done := robot.take(message.data):
+    def _take_robot(self, take: Callable[[str], str], message: String) -> None:
+        if done := take(message.data):
             self._node.get_logger().info(done)
 
     def _change(self, change: Change, request: Any, response: Any) -> Any:
@@ -339,7 +342,10 @@ class ConfiguredNode:
             self._node.get_logger().info('; '.join(told))
 
     def _publish_diagnostics(self) -> None:
-        with self.live.reading() as scene:
+        with self.live.editing() as scene:
+            troubles = scene.troubles()
+            if self._tf is not None:
+                troubles += self._tf.troubles(scene)
             state = SceneState(
                 scene.version,
                 scene.pose_ages(),
@@ -355,11 +361,10 @@ class ConfiguredNode:
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)
-        with self.live.reading():
-            troubles = self._tf.troubles() if self._tf is not None else []
         for trouble in troubles:
             add_trouble(message.status[0], trouble)
-            self._guard.tell(trouble, trouble, once=True)
+        for told in filter(None, (state.waiting.in_words(), *troubles)):
+            self._guard.tell(told, told, once=True)
         now = self._node.get_clock().now()
         # Simulated time stands at 0 until it is told; no other clock ever shows that.
         if not now.nanoseconds:

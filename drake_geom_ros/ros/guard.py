@@ -19,8 +19,8 @@ _LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
 class Guard:
     """Calls what takes messages, answers requests and is due by a timer; from any thread."""
 
-    def __init__(self, logger: Any, count: Callable[[str, str], None]) -> None:
-        """``count(name, reason)`` is told of each message and each task that failed."""
+    def __init__(self, logger: Any, count: Callable[[str, str, int], None]) -> None:
+        """``count(name, reason, n)`` is told of messages and tasks that failed."""
         self._logger = logger
         self._count = count
         self._silent_until: dict[str, float] = {}  # of the steady clock [s], by what is told of
@@ -39,9 +39,15 @@ class Guard:
             # RuntimeError is what those raise who refuse; nobody foresaw the others.
             refusal = isinstance(error, RuntimeError)
             reason = str(error) if refusal else f'internal error: {error!r}'
-            self._count(name, reason)
+            self._count(name, reason, 1)
             if self._may_tell(name):
                 self._logger.warning(f'a message of {name} was refused: {_shortened(reason)}')
+
+    def refuse(self, name: str, reason: str, count: int) -> None:
+        """Count and log parts of a message that were refused while the others were taken."""
+        self._count(name, reason, count)
+        if self._may_tell(name):
+            self._logger.warning(f'of a message of {name}: {_shortened(reason)}')
 
     def attempt(self, task: Callable[[], object]) -> None:
         """Do what is due; nobody foresaw an exception."""
@@ -51,7 +57,7 @@ class Guard:
 
     def failed(self, name: str, error: Exception) -> None:
         """Count and log an exception that nobody foresaw."""
-        self._count(name, f'internal error: {error!r}')
+        self._count(name, f'internal error: {error!r}', 1)
         if self._may_tell(name):
             self._logger.error(f'internal error in {name}: {_shortened(repr(error))}')
 

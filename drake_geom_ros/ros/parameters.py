@@ -18,6 +18,7 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 
@@ -36,9 +37,13 @@ class NodeParameters:
     point_threshold: float = 0.1
     use_tf: bool = False
     robot_description_topic: str = 'robot_description'
+    robot_description_semantic_topic: str = 'robot_description_semantic'
+    filter_self_collisions: bool = False
+    solid_meshes: tuple[str, ...] = ()
     publish_markers: bool = False
     marker_rate: float = 10.0
     mesh_roots: tuple[str, ...] = (ALL_PACKAGES, '.')
+    package_roots: tuple[str, ...] = ()
     allow_writes: bool = True
     filters_per_owner: int = 1000
     replay_dir: str = ''
@@ -51,8 +56,9 @@ class NodeParameters:
     autostart: bool = True
 
 
+QOS_OVERRIDES = 'qos_overrides.'
 _LIVE = ' May change while the node runs.'
-_TEXTS = {
+TEXTS = {
     'scene_file': 'Scene to load when the node is configured (YAML or URDF); empty: an empty one.',
     'world_frame': 'Name of the world frame in headers and poses.',
     'rate': 'Cycles per second [Hz]; 0: one cycle for each pose message.' + _LIVE,
@@ -71,12 +77,27 @@ _TEXTS = {
     'robot_description_topic': (
         'Topic (std_msgs/String, latched) whose URDF becomes a source of the scene; empty: none.'
     ),
+    'robot_description_semantic_topic': (
+        'Topic (std_msgs/String, latched) of the SRDF of that robot, whose disabled pairs are '
+        'left out; empty: none.'
+    ),
+    'filter_self_collisions': (
+        'Leave out all pairs of a robot with itself, of the robot of that topic and of a URDF.'
+    ),
+    'solid_meshes': (
+        'Links, or link/geometry, of the robot of that topic and of a URDF whose meshes are '
+        'solids, with * and ?; other meshes count as their convex hulls.'
+    ),
     'publish_markers': 'Publish ~/markers for RViz, when somebody subscribes.' + _LIVE,
     'marker_rate': 'Messages per second on ~/markers [Hz].',
     'mesh_roots': (
         'Folders in which files may be opened for a service or a robot description; package:// '
         "stands for all packages' share folders, and the folder of scene_file always counts."
         + _LIVE
+    ),
+    'package_roots': (
+        'Folders in which package:// looks first, of packages or of one each; files in them may '
+        'be opened as those in mesh_roots.' + _LIVE
     ),
     'allow_writes': (
         'Files may be written for others, in the folders of mesh_roots by ~/save_scene, and in '
@@ -155,7 +176,7 @@ class ParameterStore:
         self._on_change = on_change
         values = {}
         for name, default in _DEFAULTS.items():
-            text = _TEXTS[name]
+            text = TEXTS[name]
             descriptor = ParameterDescriptor(description=text, read_only=not text.endswith(_LIVE))
             if name in _RANGES:
                 low, high = _RANGES[name]
@@ -187,9 +208,27 @@ class ParameterStore:
             self._on_change(old, self.values)
 
 
+def unknown_parameters(node: Node, prefix: str = '') -> list[str]:
+    """Return in words which parameters were given to a node that has none of that name.
+
+    Looked at are those that begin with ``prefix``, or, where it is empty, all but the overrides
+    of QoS, which a node declares with its topics. rclpy takes what is unknown without a word.
+    """
+    told = []
+    for name in node._parameter_overrides:
+        if node.has_parameter(name) or not name.startswith(prefix):
+            continue
+        if prefix or not name.startswith(QOS_OVERRIDES):
+            names = node._parameters
+            told.append(f'the parameter {name!r} does not exist{nearest(name, names)}')
+    return told
+
+
 def file_access(values: NodeParameters) -> FileAccess:
     """Return which files may be opened for others."""
-    return FileAccess(values.mesh_roots, values.scene_file, writes=values.allow_writes)
+    return FileAccess(
+        values.mesh_roots, values.scene_file, values.package_roots, writes=values.allow_writes
+    )
 
 
 def declared(node: Node, name: str, default: object, descriptor: ParameterDescriptor) -> Any:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
 from drake_geom_ros.ros.services.table import BESIDE, SERVICES
@@ -28,6 +28,7 @@ RESULTS = tuple(
 )
 SHARED_RESULTS = ('/diagnostics',)
 INPUTS = ('~/frame_poses', '~/query_points', '/tf', '/tf_static')
+ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
 CLOCK = ('/clock',)
 # What every node of rclpy has, and what one with a life cycle has besides.
 LOGS = ('/parameter_events', '/rosout')
@@ -50,9 +51,9 @@ OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES
 
 
 def policy(
-    namespace: str = '/', name: str = 'scene_graph', robot_description: str = 'robot_description'
+    namespace: str = '/', name: str = 'scene_graph', robot_topics: Sequence[str] = ROBOT_TOPICS
 ) -> str:
-    """Return the policy of a node as XML; ``robot_description`` is the value of the parameter."""
+    """Return the policy of a node as XML; ``robot_topics`` are the values of the parameters."""
     root = f'{namespace.rstrip("/")}/'
     node = f'{root}{name}'
 
@@ -61,7 +62,7 @@ def policy(
         absolute = (f'{node}{each[1:]}' if each[0] == '~' else each for each in names)
         return sorted(each if each[0] == '/' else f'{root}{each}' for each in absolute)
 
-    inputs = full([*INPUTS, robot_description] if robot_description else INPUTS)
+    inputs = full([*INPUTS, *filter(None, robot_topics)])
     results = full((*RESULTS, *SHARED_RESULTS))
     element = ElementTree.Element('policy', version=VERSION)
     enclaves = ElementTree.SubElement(element, 'enclaves')
@@ -105,16 +106,18 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog='policy', description=__doc__.splitlines()[0])
     parser.add_argument('--namespace', default='/', help='of the node, such as /cell')
     parser.add_argument('--name', default='scene_graph', help='of the node')
-    parser.add_argument(
-        '--robot-description',
-        default='robot_description',
-        metavar='TOPIC',
-        help='value of the parameter robot_description_topic; empty: none',
-    )
+    for default in ROBOT_TOPICS:
+        parser.add_argument(
+            f'--{default.replace("_", "-")}',
+            default=default,
+            metavar='TOPIC',
+            help=f'value of the parameter {default}_topic; empty: none',
+        )
     options = parser.parse_args()
     if not options.namespace.startswith('/'):
         parser.error(f'--namespace is {options.namespace!r}; it must begin with /')
-    print(policy(options.namespace, options.name, options.robot_description), end='')
+    topics = options.robot_description, options.robot_description_semantic
+    print(policy(options.namespace, options.name, topics), end='')
     return 0
 
 

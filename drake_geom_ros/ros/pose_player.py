@@ -9,6 +9,7 @@ and it answers ``~/restart`` (std_srvs/Trigger): the motion begins anew, from it
 from __future__ import annotations
 
 import array
+import importlib.util
 import sys
 from typing import Any
 
@@ -19,14 +20,16 @@ from drake_geom_msgs.msg import (
     FramePoses,
     GeometrySet,
 )
+from numpy.typing import NDArray
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
-from drake_geom_ros.ros.parameters import ParameterRefusedError, declared
+from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
+from drake_geom_ros.ros.tf_sending import TransformSender
 from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion import Grasp, Motion
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -40,6 +43,7 @@ _TEXTS = {
     'world_frame': 'Name of the world frame in headers.',
     'topic': 'Topic of the poses.',
     'rate': 'Messages per second [Hz].',
+    'tf': 'Send transforms on /tf of all that moves, instead of messages; needs tf2_msgs.',
     'loop': 'Begin anew at the end; else stay there and go on publishing.',
 }
 
@@ -63,6 +67,10 @@ class PosePlayer(Node):
         self._message.header.frame_id = self._declare('world_frame', 'world')
         topic = self._declare('topic', '/scene_graph/frame_poses')
         self._poses = self.create_publisher(FramePoses, topic, QoSProfile(depth=5))
+        by_tf = self._declare('tf', False)
+        if by_tf and importlib.util.find_spec('tf2_msgs') is None:
+            raise ParameterRefusedError('tf is true, and the package tf2_msgs cannot be imported')
+        self._transforms = TransformSender(self, self._motion) if by_tf else None
         self._contacts = self.create_publisher(
             CollisionFilterDeclaration, '~/intended_contacts', _LATCHED
         )
@@ -70,8 +78,11 @@ class PosePlayer(Node):
         self._start = self.get_clock().now()
         self._held: tuple[Grasp, ...] | None = None
         self._timer = self.create_timer(1.0 / rate, self._play)
+        for told in unknown_parameters(self):
+            self.get_logger().warning(told)
         self.get_logger().info(
-            f'playing {len(self._message.frame_names)} frames on {self._poses.topic_name} at '
+            f'playing {len(self._message.frame_names)} frames on '
+            f'{self._poses.topic_name if self._transforms is None else "/tf"} at '
             f'{rate:g} Hz, {self._motion.duration:g} s long{", again and again" * self._loop}'
         )
 
@@ -99,16 +110,22 @@ class PosePlayer(Node):
         if self._loop and self._motion.duration > 0.0:
             time %= self._motion.duration
         poses = self._motion.poses(time)
-        flat = np.concatenate([poses[source].ravel() for source in self._motion.frame_names])
-        self._message.header.stamp = now.to_msg()
-        self._message.poses = array.array('d', flat.tobytes())
-        self._poses.publish(self._message)
+        if self._transforms is not None:
+            self._transforms.send(poses, self._message.header.frame_id, now.to_msg())
+        else:
+            self._send(poses, now.to_msg())
         held = self._motion.held(time)
         if held != self._held:
             self._held = held
             self._contacts.publish(
                 CollisionFilterDeclaration(statements=[_statement(grasp) for grasp in held])
             )
+
+    def _send(self, poses: dict[str, NDArray[np.float64]], stamp: Any) -> None:
+        flat = np.concatenate([poses[source].ravel() for source in self._motion.frame_names])
+        self._message.header.stamp = stamp
+        self._message.poses = array.array('d', flat.tobytes())
+        self._poses.publish(self._message)
 
 
 def _full_names(motion: Motion) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any
 
+from drake_geom_ros.ros.inputs.tf_edges import Refusal
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
@@ -42,10 +43,10 @@ class PoseStream:
             self._posed(scene, scene.take_poses(message, waited), start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def hear_transforms(self, tf: TfInput, static: bool, message: Any, waited: float) -> None:
-        """Take a TFMessage that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
+    def hear_transforms(self, tf: TfInput, static: bool, message: Any, waited: float) -> Refusal:
+        """Take a TFMessage that came ``waited`` [s] ago; return what was not taken of it."""
         with self._live.editing():
-            tf.hear(message, static=static, waited=waited)
+            return tf.hear(message, static=static, waited=waited)
 
     def pose_by_transforms(self, tf: TfInput, messages: int, passed_over: int) -> None:
         """Pose by what some messages brought, at once: a cycle for each would fall behind."""

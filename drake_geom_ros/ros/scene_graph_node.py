@@ -26,17 +26,19 @@ from drake_geom_ros.ros.memory import give_back_large_blocks
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import (
+    QOS_OVERRIDES,
     NodeParameters,
     ParameterRefusedError,
     ParameterStore,
     file_access,
+    unknown_parameters,
 )
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.watchdog import Watchdog
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
 
 
 class SceneGraphNode(LifecycleNode):
@@ -56,6 +58,7 @@ class SceneGraphNode(LifecycleNode):
         self._guard = Guard(self.get_logger(), self._diagnostics.refuse)
         answer_always(self)
         self._surface = Surface(self)
+        self._tell_unknown_parameters()
         self._first_version = 0  # versions of the scene grow from one life to the next
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
@@ -82,9 +85,19 @@ class SceneGraphNode(LifecycleNode):
         with self.watchdog.paused():
             is_configured = self._guard.succeeds(configured)
         if is_configured:
+            self._tell_unknown_parameters(QOS_OVERRIDES)
             return TransitionCallbackReturn.SUCCESS
         self._surface.close()
+        self.get_logger().error(
+            'the node is not configured and answers nothing. Correct what is said above and go on '
+            f'with `ros2 lifecycle set {self.get_fully_qualified_name()} configure`, then '
+            '`activate`: files are read anew. Parameters that are read-only need a new start'
+        )
         return TransitionCallbackReturn.FAILURE
+
+    def _tell_unknown_parameters(self, prefix: str = '') -> None:
+        for told in unknown_parameters(self, prefix):
+            self.get_logger().warning(told)
 
     def _open(self, values: NodeParameters) -> ConfiguredNode:
         """Return what a configured node has."""
@@ -93,10 +106,16 @@ class SceneGraphNode(LifecycleNode):
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = file_access(values)
         live.most_megabytes = values.max_answer_size
+        live.robot_options = RobotOptions(
+            filter_self_collisions=values.filter_self_collisions, solid_meshes=values.solid_meshes
+        )
         if values.scene_file:
+            roots, options = live.files.package_roots, live.robot_options
+            described = read_scene(values.scene_file, package_roots=roots, options=options)
             with live.editing() as scene:
-                frames, geometries = scene.add(read_scene(values.scene_file))
-            self.get_logger().info(f'loaded {frames} frames and {geometries} geometries')
+                frames, geometries = scene.add(described)
+            hulls = hulls_in_words(described.geometries)
+            self.get_logger().info(f'loaded {frames} frames and {geometries} geometries{hulls}')
         kernels = live.compile_kernels()
         opened = ConfiguredNode(
             self,

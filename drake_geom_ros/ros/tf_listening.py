@@ -27,9 +27,11 @@ def listen_to_tf(
     tf = TfInput(clocks)
     for static, topic in ((True, '/tf_static'), (False, '/tf')):
 
-        def hear(raw: bytes, waited: float, static: bool = static) -> None:
+        def hear(raw: bytes, waited: float, static: bool = static, topic: str = topic) -> None:
             message = deserialize_message(raw, TFMessage)
-            stream.hear_transforms(tf, static, message, waited)
+            refusal = stream.hear_transforms(tf, static, message, waited)
+            if refusal.transforms:
+                guard.refuse(topic, refusal.reason, refusal.transforms)
 
         together = Together(
             partial(guard.take, topic, hear),

@@ -20,8 +20,10 @@ from drake_geom_ros.scene_files.description import (
     Member,
     Operation,
     RobotDescription,
+    RobotOptions,
     SceneDescription,
     Statement,
+    hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
 from drake_geom_ros.scene_files.registration import LoadedScene, register, rehearse
@@ -29,6 +31,7 @@ from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.schema import scene_schema
+from drake_geom_ros.scene_files.urdf import robot_name
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 __all__ = [
@@ -42,6 +45,9 @@ __all__ = [
     'poses_in_parents',
     'to_yaml',
     'scene_schema',
+    'robot_name',
+    'hulls_in_words',
+    'RobotOptions',
     'LoadedScene',
     'SceneDescription',
     'RobotDescription',

@@ -4,12 +4,13 @@ Every record knows the place it was read from (``where``), so that whoever finds
 can still name file, line and key. Places do not count when records are compared.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from fnmatch import fnmatchcase
 from pathlib import Path
 
-from drake_geom_ros.geometry import GeometryProperties, Role, Shape
+from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import Location
 
@@ -31,13 +32,18 @@ class Member:
 
 @dataclass(frozen=True)
 class FrameDescription:
-    """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say."""
+    """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say.
+
+    ``static`` is true where its pose does not grow old, false where it is expected to move, and
+    None where that shows when a pose comes.
+    """
 
     source: str
     name: str
     parent: str = WORLD
     group: int = 0
     X_PF: RigidTransform | None = None
+    static: bool | None = None
     where: Location = field(default=_NOWHERE, compare=False)
 
 
@@ -56,10 +62,19 @@ class GeometryDescription:
 
 @dataclass(frozen=True)
 class RobotOptions:
-    """Which of a robot's own pairs are kept from colliding."""
+    """Which of a robot's own pairs are kept from colliding, and which of its meshes are solids.
+
+    ``solid_meshes`` are patterns with ``*`` and ``?``, of links or of ``link/geometry``.
+    """
 
     filter_adjacent_links: bool = True
     filter_self_collisions: bool = False
+    solid_meshes: tuple[str, ...] = ()
+
+    def is_solid(self, link: str, geometry: str) -> bool:
+        """Return whether a mesh is the body that its surface encloses, and not its hull."""
+        names = (link, f'{link}/{geometry}')
+        return any(fnmatchcase(name, pattern) for name in names for pattern in self.solid_meshes)
 
 
 @dataclass(frozen=True)
@@ -137,6 +152,17 @@ class DeactivationDescription:
 FilterDescription = (
     GroupDescription | CliqueDescription | DeclarationDescription | DeactivationDescription
 )
+
+
+def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
+    """Return how many meshes count as their convex hulls, to go behind a sentence; or nothing."""
+    count = sum(
+        isinstance(geometry.shape, Mesh)
+        and Role.kProximity in geometry.roles
+        and not geometry.roles[Role.kProximity].GetPropertyOrDefault('mesh', 'solid', False)
+        for geometry in geometries
+    )
+    return f'; {count} meshes count as their convex hulls' if count else ''
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Names of frames and geometries in filters: text to member and back."""
 
-import difflib
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import Role
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -49,11 +49,9 @@ class NameTable:
         if len(found) == 1:
             return found[0]
         if not found:
-            near = difflib.get_close_matches(name, self._members, n=1)
-            hint = f'; is meant: {near[0]!r}?' if near else ''
             raise place.error(
                 f'{name!r} is no frame, and no geometry with the proximity role, of this scene'
-                + hint
+                + nearest(name, self._members)
             )
         longer = ', '.join(f'{_full_name(member)!r}' for member in found)
         raise place.error(

@@ -42,7 +42,8 @@ class LoadedScene:
     role, by (source, frame, geometry), on the world frame with ``world`` as frame;
     ``geometry_ids`` of all geometries in the order of the description; ``robots`` by name, with
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
-    parent of each frame that the description gives one, which contexts made later begin with.
+    parent of each frame that the description gives one, which contexts made later begin with;
+    ``static``, of each frame of which the description says it, whether its pose does not grow old.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -51,6 +52,7 @@ class LoadedScene:
     geometry_ids: tuple[GeometryId, ...] = ()
     robots: Mapping[str, RobotDescription] = field(default_factory=dict)
     X_PFs: Mapping[FrameId, RigidTransform] = field(default_factory=dict)
+    static: Mapping[FrameId, bool] = field(default_factory=dict)
 
 
 def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
@@ -120,6 +122,11 @@ class _Registration:
                 self._frames[frame.source, frame.name]: frame.X_PF
                 for frame in description.frames
                 if frame.X_PF is not None
+            },
+            {
+                self._frames[frame.source, frame.name]: frame.static
+                for frame in description.frames
+                if frame.static is not None
             },
         )
 

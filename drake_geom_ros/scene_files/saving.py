@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 
 from drake_geom_ros.geometry import (
     CollisionFilterManager,
@@ -37,18 +38,20 @@ def describe(
     scene_graph: SceneGraph,
     X_PFs: Mapping[FrameId, RigidTransform] | None = None,
     robots: Iterable[RobotDescription] = (),
+    static: Mapping[FrameId, bool] | None = None,
 ) -> SceneDescription:
     """Return the description of a scene: what ``register`` makes the same scene from.
 
     Left out are transient declarations, robots whose URDF came as text, and that a geometry was
     registered on another one: it is described on their frame, in the same place.
-    ``X_PFs`` are poses of frames in their parents; frames without one stay without.
+    ``X_PFs`` are poses of frames in their parents; frames without one stay without. ``static``
+    says of frames whether their pose does not grow old, as in ``FrameDescription``.
 
     Raises SceneFileError for a frame that is called as the world frame.
     """
     describer = _Describer(scene_graph.model_inspector())
     filters = describer.filters(scene_graph.collision_filter_manager())
-    return describer.describe(X_PFs or {}, robots, filters)
+    return describer.describe(X_PFs or {}, robots, filters, static or {})
 
 
 def describe_moment(query: QueryObject) -> SceneDescription:
@@ -79,6 +82,7 @@ class _Describer:
         X_PFs: Mapping[FrameId, RigidTransform],
         robots: Iterable[RobotDescription] = (),
         filters: Iterable[FilterDescription] = (),
+        static: Mapping[FrameId, bool] = MappingProxyType({}),
     ) -> SceneDescription:
         inspector = self._inspector
         internal = inspector.GetOwningSourceId(self._world)
@@ -87,7 +91,7 @@ class _Describer:
         return SceneDescription(
             sources=tuple(inspector.GetName(id) for id in source_ids),
             robots=tuple(robot for robot in robots if robot.urdf is not None),
-            frames=tuple(self._frame(id, X_PFs.get(id)) for id in frame_ids),
+            frames=tuple(self._frame(id, X_PFs.get(id), static.get(id)) for id in frame_ids),
             geometries=tuple(self._geometry(id) for id in inspector.GetAllGeometryIds()),
             filters=tuple(filters),
         )
@@ -105,7 +109,9 @@ class _Describer:
             )
         return name
 
-    def _frame(self, frame_id: FrameId, X_PF: RigidTransform | None) -> FrameDescription:
+    def _frame(
+        self, frame_id: FrameId, X_PF: RigidTransform | None, static: bool | None
+    ) -> FrameDescription:
         inspector = self._inspector
         return FrameDescription(
             inspector.GetOwningSourceName(frame_id),
@@ -113,6 +119,7 @@ class _Describer:
             self._frame_name(inspector.GetParentFrame(frame_id)),
             inspector.GetFrameGroup(frame_id),
             X_PF,
+            static,
         )
 
     def _geometry(self, geometry_id: GeometryId) -> GeometryDescription:

@@ -26,6 +26,7 @@ PathLike = str | os.PathLike[str]
 # Frames, geometries or whatever else of one kind: reading so many takes half a minute.
 MOST_ITEMS = 100_000
 FORMATS = ('yaml', 'urdf')
+_NO_OPTIONS = RobotOptions()
 
 
 def read_scene(
@@ -34,6 +35,7 @@ def read_scene(
     srdf: PathLike = '',
     package_roots: Iterable[PathLike] = (),
     allowed_roots: Iterable[PathLike] | None = None,
+    options: RobotOptions = _NO_OPTIONS,
 ) -> SceneDescription:
     r"""Return what a scene file describes; nothing is registered.
 
@@ -42,8 +44,8 @@ def read_scene(
     ``format`` is ``yaml`` or ``urdf``; left empty, it is told by the suffix ``.urdf`` or by a text
     that begins with ``<``. ``srdf``, a path or a text too, goes with a URDF. ``package_roots`` and
     ``allowed_roots``, which hold for the files that the scene names: see ``ResourceResolver``.
-    A URDF alone is a scene of one robot at the world's origin, with its own name, adjacent links
-    filtered.
+    A URDF alone is a scene of one robot at the world's origin, with its own name; ``options`` are
+    for it alone (in YAML each robot has its own), and adjacent links are filtered by default.
 
     Raises SceneFileError that names file, line and key of what is wrong.
 
@@ -59,7 +61,7 @@ def read_scene(
     resolver = ResourceResolver(package_roots, allowed_roots)
     if format == 'urdf' or (not format and looks_like_urdf):
         path = None if text else Path(file).absolute()
-        return _urdf_scene(data, file, folder, path, srdf, resolver)
+        return _urdf_scene(data, file, folder, path, srdf, resolver, options)
     if srdf:
         raise SceneFileError('srdf goes with a URDF; in YAML a robot has the key `srdf`', file)
     try:
@@ -107,15 +109,17 @@ def _urdf_scene(
     path: Path | None,
     srdf: PathLike,
     resolver: ResourceResolver,
+    options: RobotOptions,
 ) -> SceneDescription:
     name = robot_name(data, file)
-    parts = read_urdf(data, file, name, folder, resolver, RobotOptions())
+    parts = read_urdf(data, file, name, folder, resolver, options)
     filters = parts.filters
     srdf_path = None
     if srdf:
         srdf_data, srdf_file, _ = _content(srdf)
         srdf_path = None if _as_text(srdf) else Path(srdf_file).absolute()
-        filters = (*filters, read_srdf(srdf_data, srdf_file, name, parts.link_names))
+        adjacent = options.filter_adjacent_links
+        filters = (*filters, read_srdf(srdf_data, srdf_file, name, parts.link_names, adjacent))
     robot = RobotDescription(name, path, RigidTransform(), srdf_path)
     return SceneDescription(file, (name,), (robot,), parts.frames, parts.geometries, filters)
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drake_geom_ros.geometry import ProximityProperties, Role
+from drake_geom_ros.geometry import Mesh, ProximityProperties, Role
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import urdf_filters, urdf_shapes
 from drake_geom_ros.scene_files.description import (
@@ -28,7 +28,7 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
 )
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.urdf_filters import Joint
+from drake_geom_ros.scene_files.urdf_filters import Joint, moved_links
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
 
@@ -70,14 +70,17 @@ def read_urdf(
     attribute(root, 'name', file)
     links = _links(root, file)
     joints = [_joint(element, links, file) for element in root.findall('joint')]
+    moved = moved_links(joints)
     frames = []
     geometries: list[GeometryDescription] = []
     for name, element in links.items():
         if name == WORLD:
             _check_world(element, file)
             continue
-        frames.append(FrameDescription(source, name, where=place_of(element, file)))
-        geometries += _link_geometries(element, name, file, source, folder, resolver)
+        static = False if name in moved else None
+        where = place_of(element, file)
+        frames.append(FrameDescription(source, name, static=static, where=where))
+        geometries += _link_geometries(element, name, file, source, folder, resolver, options)
     with_geometry = {geometry.frame for geometry in geometries}
     filters: tuple[FilterDescription, ...] = (
         *urdf_filters.adjacent_cliques(joints, with_geometry, source, options),
@@ -124,7 +127,13 @@ def _joint(element: Any, links: Mapping[str, Any], file: str) -> Joint:
 
 
 def _link_geometries(
-    link: Any, frame: str, file: str, source: str, folder: Path, resolver: ResourceResolver
+    link: Any,
+    frame: str,
+    file: str,
+    source: str,
+    folder: Path,
+    resolver: ResourceResolver,
+    options: RobotOptions,
 ) -> Iterator[GeometryDescription]:
     names: set[str] = set()
     for index, element in enumerate(link.findall('collision')):
@@ -138,7 +147,10 @@ def _link_geometries(
         if not name or name in names:
             name = f'{name or "collision"}_{index}'
         names.add(name)
-        roles = {Role.kProximity: ProximityProperties()}
+        properties = ProximityProperties()
+        if isinstance(shape, Mesh) and options.is_solid(frame, name):
+            properties.AddProperty('mesh', 'solid', True)
+        roles = {Role.kProximity: properties}
         yield GeometryDescription(source, frame, name, shape, X_LG, roles, place)
 
 

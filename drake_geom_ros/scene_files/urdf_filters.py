@@ -27,6 +27,16 @@ class Joint:
     child: str
 
 
+def moved_links(joints: Sequence[Joint]) -> set[str]:
+    """Return the links that move against the root: those with a joint that is not fixed above."""
+    moved: set[str] = set()
+    fresh = {joint.child for joint in joints if joint.type != 'fixed'}
+    while fresh:
+        moved |= fresh
+        fresh = {joint.child for joint in joints if joint.parent in fresh} - moved
+    return moved
+
+
 def read_groups(root: Any, file: str, source: str) -> tuple[GroupDescription, ...]:
     """Return the ``<collision_filter_group>`` elements of a URDF, in either of Drake's spellings.
 

@@ -98,7 +98,9 @@ class _SceneParser:
         if plain.get('loaded', False):
             return
         options = RobotOptions(
-            plain.get('adjacent_links') != 'kept', plain.get('self_collisions') == 'filtered'
+            plain.get('adjacent_links') != 'kept',
+            plain.get('self_collisions') == 'filtered',
+            tuple(plain.get('solid_meshes', ())),
         )
         parts = urdf.read_urdf(
             urdf_path.read_bytes(),
@@ -129,6 +131,7 @@ class _SceneParser:
             plain.get('parent', WORLD).strip(_BLANKS),
             int(plain.get('group', 0)),
             self._pose(plain, *path) if 'pose' in plain else None,
+            plain.get('static'),
             self._document.at(*path),
         )
 

@@ -101,6 +101,7 @@ def _frame(frame: FrameDescription) -> dict[str, Any]:
         parent=None if frame.parent == WORLD else frame.parent,
         group=frame.group or None,
         pose=None if frame.X_PF is None else plain_pose(frame.X_PF),
+        static=frame.static,
     )
 
 

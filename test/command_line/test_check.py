@@ -99,3 +99,20 @@ def test_without_fcl_the_extra_is_named(capsys, monkeypatch):
     told = capsys.readouterr().err
     assert 'pip install python-fcl mpmath' in told
     assert "extra 'cross_check'" in told
+
+
+def test_a_mesh_is_listed_as_queries_see_it(capsys, tmp_path):
+    points = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n'
+    (tmp_path / 'a.obj').write_text(f'{points}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+    path = tmp_path / 'scene.yaml'
+    path.write_text("""
+geometries:
+- {name: hull, shape: {type: mesh, uri: a.obj}}
+- {name: solid, shape: {type: mesh, uri: a.obj}, roles: {proximity: {mesh: {solid: true}}}}
+- {name: convex, shape: {type: convex, uri: a.obj}}
+""")
+    assert main(['check', str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert '  scene::world/hull: mesh a.obj (as its hull, 4 vertices), proximity' in lines
+    assert '  scene::world/solid: mesh a.obj (as a solid, 4 triangles), proximity' in lines
+    assert '  scene::world/convex: convex a.obj (4 vertices), proximity' in lines

@@ -145,7 +145,7 @@ def test_steps_run_once_and_in_order(folder):
 
 def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     for _ in range(2):
-        code, _, errors = shell(folder, FAKE_STEPS + 'set_up; prepare_tests')
+        code, _, errors = shell(folder, FAKE_STEPS + 'set_up; prepare_with_tf free_domain')
         assert code == 0, errors
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 

@@ -20,7 +20,7 @@ from drake_geom_ros.ros.parameters import NodeParameters
 FILE = ROOT / 'launch/scene_graph.launch.py'
 NAMES = {
     'launch': ('LaunchContext', 'LaunchDescription'),
-    'launch.actions': ('DeclareLaunchArgument', 'OpaqueFunction'),
+    'launch.actions': ('DeclareLaunchArgument', 'LogInfo', 'OpaqueFunction'),
     'launch.substitutions': ('LaunchConfiguration',),
     'launch_ros': (),
     'launch_ros.actions': ('LifecycleNode',),
@@ -61,9 +61,18 @@ def test_every_argument_is_described(file):
 
 def test_parameters_are_the_nodes_own(file):
     defaults = {**vars(NodeParameters()), 'use_sim_time': False}
-    assert {name: kind for name, (kind, _) in file.PARAMETERS.items()} == {
-        name: type(defaults[name]) for name in file.PARAMETERS
+    kinds = {n: file.TEXT_LIST if isinstance(v, tuple) else type(v) for n, v in defaults.items()}
+    assert {name: kind for name, (kind, _) in file.PARAMETERS.items()} == kinds
+
+
+def test_an_argument_that_is_misspelt_is_told_with_the_nearest_name(file):
+    given = {name: argument['default_value'] for name, argument in declared(file).items()}
+    given |= {'max_distanse': '1', 'robot_of_who_includes_this': 'ur5'}
+    told, node = file.start_node(SimpleNamespace(launch_configurations=given))
+    assert told.named == {
+        'msg': "the launch argument 'max_distanse' does not exist; nearest: 'max_distance'"
     }
+    assert node.named['parameters'] == []
 
 
 def test_what_is_not_given_is_not_passed_on(file):
@@ -78,6 +87,14 @@ def test_what_is_not_given_is_not_passed_on(file):
         SimpleNamespace(launch_configurations={**given, 'max_distance': '', 'params_file': ''})
     )
     assert node.named['parameters'] == []
+
+
+def test_a_namespace_may_have_a_tree_of_tf_of_its_own(file):
+    given = {name: argument['default_value'] for name, argument in declared(file).items()}
+    for own, rules in (('false', []), ('true', file.OWN_TF)):
+        context = SimpleNamespace(launch_configurations={**given, 'own_tf': own})
+        (node,) = file.start_node(context)
+        assert node.named['remappings'] == rules
 
 
 def installed():
@@ -110,7 +127,7 @@ def test_ros2_launch_starts_the_node(lone_client, tmp_path):
 
 def test_the_node_does_without_shared_memory_unless_told_otherwise(file, monkeypatch):
     context = SimpleNamespace(
-        launch_configurations=dict.fromkeys([*file.PARAMETERS, 'params_file'], '')
+        launch_configurations=dict.fromkeys([*file.PARAMETERS, *file.ARGUMENTS], '')
     )
     name = 'FASTDDS_BUILTIN_TRANSPORTS'
     monkeypatch.delenv(name, raising=False)

@@ -5,6 +5,7 @@ import pytest
 from oracles.random_poses import matrix_of, random_poses
 
 from drake_geom_ros.math.batched import (
+    are_poses,
     compose,
     invert,
     matrices_from_poses,
@@ -109,3 +110,17 @@ def test_the_norm_may_be_off_by_the_tolerance():
     for norm in (1 - 0.999 * QUATERNION_NORM, 1 + 0.999 * QUATERNION_NORM):
         R = rotations_from_quaternions([[0.6 * norm, 0, 0, 0.8 * norm]])
         np.testing.assert_allclose(R, rotations_from_quaternions([[0.6, 0, 0, 0.8]]), atol=1e-15)
+
+
+def test_which_rows_are_poses():
+    good = [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0]
+    rows = np.array([good] * 6)
+    rows[1, 0], rows[2, 6], rows[3, 3], rows[4, 6] = np.nan, 1.1, np.inf, 1e200
+    assert are_poses(rows).tolist() == [True, False, False, False, False, True]
+    assert are_poses(np.zeros((0, 7))).tolist() == []
+    for row, is_pose in zip(rows, are_poses(rows), strict=True):
+        if is_pose:
+            matrices_from_poses([row])
+        else:
+            with pytest.raises(RuntimeError):
+                matrices_from_poses([row])

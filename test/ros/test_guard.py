@@ -136,3 +136,10 @@ def test_what_may_fail_is_told_and_nothing_is_counted(guard, log, diagnostics):
 def test_long_reasons_are_shortened(guard, log):
     guard.take('poses', refuse, 'n' * 10**6)
     assert len(log.lines[0][1]) < 2000
+
+
+def test_parts_of_a_message_are_counted_each_and_told_now_and_then(guard, log, diagnostics):
+    guard.refuse('/tf', '2 of 3 transforms were not taken', 2)
+    guard.refuse('/tf', '1 of 3 transforms were not taken', 1)
+    assert told(diagnostics)['refused from /tf'] == '3'
+    assert log.lines == [('warning', 'of a message of /tf: 2 of 3 transforms were not taken')]

@@ -8,9 +8,10 @@ import sys
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
-from ros.harness import environment, start_node
+from ros.harness import LATCHED, environment, start_node
 from ros.scene_calls import accepted, add_pair, exclude, poses
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
 
 
 def values(diagnostics):
@@ -104,5 +105,35 @@ def test_simulated_time_rules_stamps_and_steady_time_leases(tmp_path, lone_clien
         client.wait_for(posed, 'poses of the new time')
         assert age() < 50.0
         assert answer().message == ''
+    finally:
+        assert node.end() == 0, node.output()
+
+
+ARM = (
+    '<robot name="arm">'
+    + ''.join(
+        f'<link name="{name}"><collision><geometry><sphere radius="1"/></geometry></collision>'
+        '</link>'
+        for name in ('base', 'hand')
+    )
+    + '</robot>'
+)
+SRDF = '<robot name="arm"><disable_collisions link1="base" link2="hand" reason="Never"/></robot>'
+
+
+def test_the_srdf_of_a_robot_comes_by_topic(tmp_path, lone_client):
+    node = start_node(tmp_path / 'log')
+    client = lone_client
+    try:
+        for topic, text in (('robot_description_semantic', SRDF), ('robot_description', ARM)):
+            client.node.create_publisher(String, f'/{topic}', LATCHED).publish(String(data=text))
+        done = "robot 'arm' added: 2 links, 2 shapes"
+        client.wait_for(lambda: done in node.output(), 'the robot')
+        pair = {'geometry_a': 'base/collision_0', 'geometry_b': 'hand/collision_0'}
+
+        def left_out():
+            return client.call(srv.ExplainFilter, 'explain_filter', **pair).filtered
+
+        client.wait_for(left_out, 'the filter of the SRDF')
     finally:
         assert node.end() == 0, node.output()

@@ -55,7 +55,7 @@ def test_inputs_have_the_quality_of_service_that_the_table_says(client):
     rows = re.findall(
         r'^\| `([\w~/]+)` \| `\S+` \| (best effort|reliable), (latched, )?', TEXT, re.M
     )
-    assert len(rows) == 3
+    assert len(rows) == 4
     for topic, reliability, latched in rows:
         name = topic.replace('~', '/scene_graph') if topic.startswith('~') else f'/{topic}'
         client.wait_for(lambda n=name: client.node.get_subscriptions_info_by_topic(n), name)

@@ -115,8 +115,9 @@ def test_the_command_prints_it():
         )
 
     options = '--namespace', '/cell', '--name', 'geometry', '--robot-description', ''
-    assert run(*options).stdout == policy('/cell', 'geometry', '')
-    assert '/robot_description<' not in policy('/cell', 'geometry', '')
+    expected = policy('/cell', 'geometry', ('', 'robot_description_semantic'))
+    assert run(*options).stdout == expected
+    assert '/robot_description<' not in expected
     assert '>/robot_description<' in run().stdout
     wrong = run('--namespace', 'cell')
     assert wrong.returncode == 2

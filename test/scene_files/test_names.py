@@ -66,7 +66,7 @@ def test_a_name_is_found(table, name, member):
         ('hand', "stands for several: 'left::hand', 'right::hand'"),
         ('arm/hand', "stands for several: 'left::arm/hand', 'right::arm/hand'"),
         ('a::b::c', 'stands for several'),
-        ('left::hnad', "is meant: 'left::hand'?"),
+        ('left::hnad', "nearest: 'left::hand'"),
         ('arm/drawn', 'no geometry with the proximity role'),
         ('room::world', 'is no frame'),
         ({'source': 'left', 'frame': 'nose'}, "'left::nose' is not in this scene"),

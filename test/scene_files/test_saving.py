@@ -23,6 +23,7 @@ from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.scene_file import load_scene, save_scene
+from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 ROLES = (Role.kProximity, Role.kIllustration, Role.kPerception)
 NAMES = st.sampled_from(
@@ -243,3 +244,12 @@ def test_a_frame_called_as_the_world_cannot_be_saved():
     scene_graph.RegisterFrame(scene_graph.RegisterSource('s'), GeometryFrame('world'))
     with pytest.raises(SceneFileError, match=r"source 's' has a frame 'world'.*RenameFrame"):
         describe(scene_graph)
+
+
+def test_what_is_static_and_what_is_expected_to_move_is_saved_and_read():
+    scene_graph, (a0, _, b0, _) = scene_with_two_balls()
+    a, b = map(scene_graph.model_inspector().GetFrameId, (a0, b0))
+    text = to_yaml(describe(scene_graph, static={a: True, b: False}))
+    loaded = load_scene(text, SceneGraph())
+    assert loaded.static == {loaded.frames['s', 'a']: True, loaded.frames['s', 'b']: False}
+    assert load_scene(save_scene(scene_graph), SceneGraph()).static == {}

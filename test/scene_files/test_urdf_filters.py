@@ -13,7 +13,9 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.urdf_filters import (
+    Joint,
     adjacent_cliques,
+    moved_links,
     read_groups,
     read_srdf,
     self_cliques,
@@ -144,3 +146,14 @@ def test_a_bad_srdf_is_refused_with_its_line(data, message):
     with pytest.raises(SceneFileError) as caught:
         read_srdf(data, 'r.srdf', 'left', 'abc')
     assert str(caught.value).startswith(message)
+
+
+def test_links_move_where_a_joint_above_them_is_not_fixed():
+    joints = [
+        Joint('fixed', 'base', 'plate'),
+        Joint('fixed', 'wrist', 'flange'),
+        Joint('revolute', 'plate', 'arm'),
+        Joint('fixed', 'arm', 'wrist'),
+        Joint('continuous', 'flange', 'wrist'),  # a loop, which is no tree and ends all the same
+    ]
+    assert moved_links(joints) == {'arm', 'wrist', 'flange'}

@@ -2,8 +2,9 @@
 
 What comes through a service or a topic may name files: meshes, scene files, URDF and SRDF, and the
 file that a scene is saved to. Those must lie in the folders of ``mesh_roots`` or beside the
-node's own ``scene_file``; a link in one of them is followed to read, as colcon installs by links,
-and never to write elsewhere. In ``mesh_roots``, ``package://`` stands for the share folders of all
+node's own ``scene_file``, or, to be read, in ``package_roots``, where packages are looked for
+first; a link in one of them is followed to read, as colcon installs by links, and never to write
+elsewhere. In ``mesh_roots``, ``package://`` stands for the share folders of all
 packages, and a relative folder counts from the working folder of the node.
 """
 
@@ -22,16 +23,24 @@ class FileAccess:
     """The folders that files may be opened in."""
 
     def __init__(
-        self, mesh_roots: Sequence[str], scene_file: str = '', *, writes: bool = True
+        self,
+        mesh_roots: Sequence[str],
+        scene_file: str = '',
+        package_roots: Sequence[str] = (),
+        *,
+        writes: bool = True,
     ) -> None:
         """Take the values of the parameters; ``writes``: files may be written there, too."""
         self._writes = writes
+        self.package_roots = [Path(root).absolute() for root in package_roots if root]
         self.folders: list[Path] = []
         for root in filter(None, mesh_roots):
             self.folders += share_folders() if root == ALL_PACKAGES else [Path(root).absolute()]
         if scene_file:
             self.folders.append(Path(scene_file).absolute().parent)
-        self._resolver = ResourceResolver(allowed_roots=self.folders)
+        self._to_write = list(self.folders)
+        self.folders += self.package_roots
+        self._resolver = ResourceResolver(self.package_roots, self.folders)
 
     def file(self, uri: str, what: str) -> Path:
         """Return the path of a file that exists; raises ArgumentError for one not to be opened.
@@ -54,8 +63,8 @@ class FileAccess:
                 'empty path asks for the text alone.'
             )
         target = Path(path).absolute()
-        if not any(target.resolve().is_relative_to(root.resolve()) for root in self.folders):
-            folders = ', '.join(map(str, self.folders)) or 'none'
+        if not any(target.resolve().is_relative_to(root.resolve()) for root in self._to_write):
+            folders = ', '.join(map(str, self._to_write)) or 'none'
             raise ArgumentError(
                 f'{what}: {str(target)!r} lies outside the folders that files may be opened in: '
                 f'{folders}. See the parameter mesh_roots.'

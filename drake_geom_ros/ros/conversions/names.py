@@ -8,8 +8,10 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice
 from typing import TypeVar
 
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     FrameId,
     GeometryError,
@@ -19,6 +21,8 @@ from drake_geom_ros.geometry import (
 )
 
 WORLD = 'world'
+_MOST_HINTS = 64  # that are kept
+_MOST_LOOKED_AT = 5000  # names that are compared with one of them, some 10 us each
 _ID = re.compile('#[0-9]{1,20}')  # uint64 has no more digits
 _Id = TypeVar('_Id', FrameId, GeometryId)
 
@@ -64,6 +68,7 @@ class NameTable:
             for alias in (f'{called}/{name}' for called in frames):
                 for key in (alias, f'{source}::{alias}'):
                     self._geometries[key].append(geometry)
+        self._hints: dict[tuple[str, str], str] = {}
         self._known_frames = {f.get_value(): f for f in self.frame_names}
         self._known_geometries = {g.get_value(): g for g in self.geometry_names}
 
@@ -75,7 +80,8 @@ class NameTable:
         if (value := _value(name)) in by_value:
             return by_value[value]
         raise UnknownNameError(
-            f'There is no source {name[:80]!r}. Sources: {_some(self._sources)}. '
+            f'There is no source {name[:80]!r}{nearest(name, self._sources)}. Sources: '
+            f'{_some(self._sources)}. '
             'See register_source and the topic ~/scene.'
         )
 
@@ -119,8 +125,9 @@ class NameTable:
             return self._known_geometries[value]
         raise UnknownNameError(self._problem('geometry', f'#{value}', [], self.geometry_names))
 
-    @staticmethod
-    def _problem(kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]) -> str:
+    def _problem(
+        self, kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]
+    ) -> str:
         shown = name if len(name) <= 80 else f'{name[:77]}...'
         if found:
             ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
@@ -128,10 +135,27 @@ class NameTable:
                 f'The {kind} name {shown!r} is borne by {len(found)}: {ids}. '
                 'Name the source too, as in `source::name`, or give `#<id>`.'
             )
+        # A stream may name the same thing again and again, and to look for what is like it takes
+        # a while; what is like a name too long to be shown is no help.
+        key = (kind, shown)
+        if key not in self._hints:
+            if len(self._hints) >= _MOST_HINTS:
+                self._hints.clear()
+            self._hints[key] = self._hint(kind, name) if shown == name else ''
         return (
-            f'There is no {kind} {shown!r} in the scene. It holds {len(names)}: '
-            f'{_some(names.values())}. See the topic ~/scene.'
+            f'There is no {kind} {shown!r} in the scene{self._hints[key]}. It holds '
+            f'{len(names)}: {_some(names.values())}. See the topic ~/scene.'
         )
+
+    def _hint(self, kind: str, name: str) -> str:
+        """Return what else a name stands for, or which names are like it."""
+        if kind == 'frame' and name in self._geometries:
+            return '; that is a geometry'
+        if kind == 'geometry' and (name in self._frames or name in self._world_names):
+            on_it = [n for n in self._geometries if n.rpartition('/')[0] == name]
+            return f'; that is a frame, and on it there is {_some(on_it)}'
+        known = self._frames if kind == 'frame' else self._geometries
+        return nearest(name, islice(known, _MOST_LOOKED_AT))
 
 
 def _value(name: str) -> int | None:

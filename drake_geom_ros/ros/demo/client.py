@@ -23,12 +23,21 @@ from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
+from drake_geom_ros.client import (
+    Geometry,
+    Penetrations,
+    SceneListener,
+    SceneTable,
+    SignedDistance,
+    SignedDistances,
+    exclude_between,
+    sleep,
+)
 from drake_geom_ros.ros.demo import reading
-from drake_geom_ros.ros.demo.filter_keeper import FilterKeeper, exclude_between, sleep
+from drake_geom_ros.ros.demo.filter_keeper import FilterKeeper
 from drake_geom_ros.ros.demo.live_table import Screen
 from drake_geom_ros.ros.demo.recording import FilterChange, Recording
 from drake_geom_ros.ros.demo.report import write_report
-from drake_geom_ros.ros.demo.scene_table import Geometry
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 from drake_geom_ros.scene_files import SceneDescription, read_scene
 from drake_geom_ros.trajectories.motion_file import adjacent_links
@@ -40,6 +49,7 @@ _START_PATIENCE = 900.0  # [s] for the node to compile its kernels the first tim
 _PROGRESS_PERIOD = 5  # [s]
 _POSES_KEPT = 100
 _POLL = 0.05  # [s]
+_ANSWER_PATIENCE = 5.0  # [s]
 
 
 class DemoFailedError(RuntimeError):
@@ -56,9 +66,9 @@ class DemoClient(Node):
         self._seconds = seconds
         self._record_from = np.inf  # stamp [s] of the motion's beginning
         self._poses: dict[float, msg.FramePoses] = {}
-        self._closest: tuple[msg.SignedDistancePairs, int] | None = None
+        self._closest: tuple[SignedDistances, SignedDistance] | None = None
         self._awaited, self._heard, self._patience = 'service', self._now(), _START_PATIENCE
-        self._start_result: msg.SignedDistancePairs | None = None
+        self._start_result: SignedDistances | None = None
         self._screen = Screen(sys.stdout)
         self.recording: Recording | None = None
         self.done: Future = Future()
@@ -70,16 +80,12 @@ class DemoClient(Node):
         self.create_timer(1.0, self._watch)
 
     def _subscribe(self) -> None:
+        self._listener = SceneListener(self, 'scene_graph')
+        self._listener.on_scene(self._on_scene)
+        self._listener.on_signed_distances(self._on_distances)
+        self._listener.on_penetrations(self._on_penetrations)
         for kind, topic, callback, qos in (
-            (msg.Scene, 'scene_graph/scene', self._on_scene, _LATCHED),
             (msg.FramePoses, 'scene_graph/frame_poses', self._on_poses, _STREAM),
-            (
-                msg.SignedDistancePairs,
-                'scene_graph/signed_distances',
-                self._on_distances,
-                _STREAM,
-            ),
-            (msg.PenetrationPairs, 'scene_graph/penetrations', self._on_penetrations, _STREAM),
             (msg.CycleReport, 'scene_graph/cycle_report', self._on_report, _STREAM),
             (
                 msg.CollisionFilterDeclaration,
@@ -104,19 +110,32 @@ class DemoClient(Node):
 
     async def _begin(self) -> None:
         """Wait for the node and the player, and let the motion begin."""
-        while missing := [c.srv_name for c in self.clients if not c.service_is_ready()]:
+        while missing := self._missing():
             self._awaited = f'service {missing[0]}'
             await sleep(self, _POLL)
         self._awaited = 'result'
-        await self._restart.call_async(Trigger.Request())
+        await self._restarted()
         self._record_from = self._heard = self._now()
         self._patience = _PATIENCE
 
-    def _for_good(self, message: msg.SignedDistancePairs) -> msg.CollisionFilterDeclaration:
+    async def _restarted(self) -> None:
+        """Have the player begin anew; an answer may be lost where it has not found us yet."""
+        while True:
+            future = self._restart.call_async(Trigger.Request())
+            end = self._now() + _ANSWER_PATIENCE
+            while not future.done() and self._now() < end:
+                await sleep(self, _POLL)
+            if future.done():
+                return
+
+    def _missing(self) -> list[str]:
+        restart = [] if self._restart.service_is_ready() else [self._restart.srv_name]
+        return self._filters.missing() + restart
+
+    def _for_good(self, distances: SignedDistances) -> msg.CollisionFilterDeclaration:
         """Return what to exclude for good: adjacent links, and what touches in this result."""
         sets = [(_frame(a), _frame(b)) for a, b in self._adjacent]
-        touching = reading.touching(message, self._table)
-        sets += [(_set_of(a), _set_of(b)) for a, b in touching]
+        sets += [(_set_of(a), _set_of(b)) for a, b in reading.touching(distances)]
         return msg.CollisionFilterDeclaration(statements=[exclude_between(*s) for s in sets])
 
     def _fail(self, reason: str) -> None:
@@ -143,11 +162,9 @@ class DemoClient(Node):
 
     # What comes in.
 
-    def _on_scene(self, message: msg.Scene) -> None:
-        self._table = reading.scene_table(message)
-        self._parents = reading.frame_parents(message)
+    def _on_scene(self, table: SceneTable) -> None:
         if self.recording is not None:
-            self.recording.scene = self._table
+            self.recording.scene = table
 
     def _on_poses(self, message: msg.FramePoses) -> None:
         self._poses[reading.stamp(message)] = message
@@ -162,14 +179,9 @@ class DemoClient(Node):
         if self.recording is not None:
             self.recording.cycle_seconds.append(message.seconds)
 
-    def _on_penetrations(self, message: msg.PenetrationPairs) -> None:
-        if self.recording is not None and self._is_ours(message):
-            self.recording.add_penetrations(
-                reading.stamp(message),
-                _integers(message.id_a),
-                _integers(message.id_b),
-                np.asarray(message.depth),
-            )
+    def _on_penetrations(self, found: Penetrations) -> None:
+        if self.recording is not None and found.stamp >= self._record_from:
+            self.recording.add_penetrations(found.stamp, found.id_a, found.id_b, found.depth)
             self._exclude_once()
 
     def _exclude_once(self) -> None:
@@ -185,51 +197,39 @@ class DemoClient(Node):
         )
         self._run(self._filters.exclude_for_good(declaration, text))
 
-    def _on_distances(self, message: msg.SignedDistancePairs) -> None:
+    def _on_distances(self, found: SignedDistances) -> None:
         self._heard = self._now()
-        if not self._is_ours(message):
-            return
+        if found.stamp < self._record_from:
+            return  # of the motion before
         if self.recording is None:
-            self.recording = Recording(self._table, self._robots, message.max_distance)
-            self._start_result = message
-        time = reading.stamp(message)
-        id_a, id_b = _integers(message.id_a), _integers(message.id_b)
-        distance = np.asarray(message.distance)
+            self.recording = Recording(found.table, self._robots, found.max_distance)
+            self._start_result = found
         self.recording.add_distances(
-            time,
-            self._now() - time,
-            id_a,
-            id_b,
-            distance,
-            np.asarray(message.error_bound),
-            _integers(message.method),
+            found.stamp,
+            self._now() - found.stamp,
+            found.id_a,
+            found.id_b,
+            found.distance,
+            found.error_bound,
+            found.method,
         )
-        k = self.recording.closer(id_a, id_b, distance)
+        k = self.recording.closer(found.id_a, found.id_b, found.distance)
         if k is not None:
-            self._closest = message, k
+            self._closest = found, found[k]
             self._picture_closest()
-        if time - self.recording.start >= self._seconds and not self.done.done():
+        if found.stamp - self.recording.start >= self._seconds and not self.done.done():
             self.done.set_result(None)
-
-    def _is_ours(self, message: Any) -> bool:
-        """Return whether a result is of this motion and of the scene that we know."""
-        known = hasattr(self, '_table') and self._table.version == message.scene_version
-        return known and reading.stamp(message) >= self._record_from
 
     def _picture_closest(self) -> None:
         """Keep the closest moment once the poses of the same stamp have come as well."""
         if self._closest is None or self.recording is None:
             return
-        message, k = self._closest
-        poses = self._poses.get(reading.stamp(message))
-        if poses is not None and message.scene_version == self._table.version:
-            X_WFs = reading.world_poses(poses, self._parents)
-            self.recording.approach = reading.approach(message, k, self._table, X_WFs)
+        found, pair = self._closest
+        poses = self._poses.get(found.stamp)
+        if poses is not None and found.table is self._listener.table:
+            X_WFs = reading.world_poses(poses, found.table.parents)
+            self.recording.approach = reading.approach(pair, found.stamp, found.table, X_WFs)
             self._closest = None
-
-
-def _integers(values: Any) -> np.ndarray:
-    return np.asarray(values).astype(np.int64)
 
 
 def _frame(name: str) -> msg.GeometrySet:

@@ -5,94 +5,57 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.client.results import SignedDistance, SignedDistances
+from drake_geom_ros.client.scene_table import WORLD, Geometry, SceneTable
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.demo.recording import Approach
-from drake_geom_ros.ros.demo.scene_table import WORLD, Geometry, SceneTable
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
 
 Floats = NDArray[np.float64]
+Poses = dict[str, Floats]  # X_WF (4, 4) by ``source::frame``
 # Things closer than this [m] at the beginning of the motion are taken to touch by construction.
 TOUCHING = 0.0005
 
 
-def scene_table(message: Any) -> SceneTable:
-    """Return the geometries of a Scene message."""
-    sources = {source.id: source.name for source in message.sources}
-    frames = _frame_names(message)
-    geometries = []
-    for entry in message.geometries:
-        p, q = entry.pose.position, entry.pose.orientation
-        geometries.append(
-            Geometry(
-                entry.id,
-                sources[entry.source_id],
-                frames[entry.frame_id],
-                entry.name,
-                entry.shape.type,
-                tuple(entry.shape.dimensions),
-                matrices_of_poses([p.x, p.y, p.z, q.x, q.y, q.z, q.w]),
-            )
-        )
-    return SceneTable(geometries, message.scene_version)
-
-
-def frame_parents(message: Any) -> dict[str, str]:
-    """Return the parent of each frame of a Scene message by name, parents first."""
-    names = _frame_names(message)
-    return {
-        names[frame.id]: names[frame.parent_id]
-        for frame in message.frames
-        if names[frame.id] != WORLD
-    }
-
-
-def _frame_names(message: Any) -> dict[int, str]:
-    sources = {source.id: source.name for source in message.sources}
-    return {
-        frame.id: WORLD
-        if frame.parent_id == frame.id
-        else f'{sources[frame.source_id]}::{frame.name}'
-        for frame in message.frames
-    }
-
-
-def world_poses(message: Any, parents: dict[str, str]) -> dict[str, Floats]:
+def world_poses(message: Any, parents: dict[str, str]) -> Poses:
     """Return X_WF (4, 4) of the frames of a FramePoses message by ``source::frame``."""
     names = [f'{message.source}::{n}' if message.source else n for n in message.frame_names]
     X_PFs = dict(zip(names, matrices_of_poses(np.reshape(message.poses, (-1, 7))), strict=True))
-    X_WFs: dict[str, Floats] = {WORLD: np.eye(4)}
+    X_WFs: Poses = {WORLD: np.eye(4)}
     for name, parent in parents.items():
         if name in X_PFs and parent in X_WFs:
             X_WFs[name] = X_WFs[parent] @ X_PFs[name]
     return X_WFs
 
 
-def approach(message: Any, k: int, table: SceneTable, X_WFs: dict[str, Floats]) -> Approach:
-    """Return pair ``k`` of a SignedDistancePairs message with its witnesses in the world."""
+def approach(pair: SignedDistance, time: float, table: SceneTable, X_WFs: Poses) -> Approach:
+    """Return a pair at a time [s] with its witnesses in the world."""
 
-    def in_world(ids: Any, witnesses: Any) -> Floats:
-        geometry = table[ids[k]]
+    def in_world(id: int, p_GQ: Floats) -> Floats:
+        geometry = table[id]
         X_WG = X_WFs[geometry.frame] @ geometry.X_FG
-        return np.asarray((X_WG @ [*witnesses[3 * k : 3 * k + 3], 1.0])[:3])
+        return np.asarray((X_WG @ [*p_GQ, 1.0])[:3])
 
     return Approach(
-        stamp(message),
-        int(message.id_a[k]),
-        int(message.id_b[k]),
-        float(message.distance[k]),
-        in_world(message.id_a, message.p_aca),
-        in_world(message.id_b, message.p_bcb),
-        np.array(message.nhat_ba_w[3 * k : 3 * k + 3]),
+        time,
+        pair.id_a,
+        pair.id_b,
+        pair.distance,
+        in_world(pair.id_a, pair.p_ACa),
+        in_world(pair.id_b, pair.p_BCb),
+        pair.nhat_BA_W,
         X_WFs,
     )
 
 
-def touching(message: Any, table: SceneTable) -> list[tuple[Geometry, Geometry]]:
-    """Return the pairs of a SignedDistancePairs message that touch, one for each two things."""
+def touching(distances: SignedDistances) -> list[tuple[Geometry, Geometry]]:
+    """Return the pairs of a result that touch, one for each two things."""
     things: dict[str, tuple[Geometry, Geometry]] = {}
-    for a, b, distance in zip(message.id_a, message.id_b, message.distance, strict=True):
-        if distance < TOUCHING:
-            things.setdefault(table.pair_name(a, b), (table[a], table[b]))
+    table = distances.table
+    for pair in distances:
+        if pair.distance < TOUCHING:
+            both = table[pair.id_a], table[pair.id_b]
+            things.setdefault(table.pair_name(pair.id_a, pair.id_b), both)
     return list(things.values())
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.ros.demo.scene_table import SceneTable
+from drake_geom_ros.client.scene_table import SceneTable
 
 Floats = NDArray[np.float64]
 CLOSEST_KEPT = 5

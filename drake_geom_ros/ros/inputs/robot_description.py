@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
@@ -20,8 +21,10 @@ from drake_geom_ros.scene_files import (
     Member,
     SceneDescription,
     Statement,
+    hulls_in_words,
     read_scene,
     rehearse,
+    robot_name,
 )
 from drake_geom_ros.scene_files.description import FilterDescription
 
@@ -31,16 +34,62 @@ class RobotInput:
 
     def __init__(self, live: LiveScene) -> None:
         self._live = live
-        self._text = ''
+        self._text = ''  # the URDF that is in the scene
         self._source = ''
+        self._srdf = ''
 
     def take(self, text: str) -> str:
         """Take a URDF and return what became of it, for the log; raises RuntimeError for none."""
         with self._live.reading() as scene:
             if text == self._text and self._is_in(scene):
                 return ''
-        # A line break tells a text from a path.
-        robot = read_scene(f'{text}\n', 'urdf', allowed_roots=self._live.files.folders)
+        return self._put(text)
+
+    def take_semantics(self, text: str) -> str:
+        """Take an SRDF, which may come before its URDF; raises RuntimeError for none.
+
+        Return what became of it, for the log.
+        """
+        name = _name_of(text)
+        if text == self._srdf:
+            return ''
+        before, self._srdf = self._srdf, text
+        with self._live.reading() as scene:
+            is_in = self._is_in(scene)
+        if not is_in:
+            return f'the SRDF of {name!r} waits for its URDF'
+        if name != self._source:
+            return f'the SRDF of {name!r} waits for its URDF; the robot is {self._source!r}'
+        try:
+            return self._put(self._text, strict=True)
+        except RuntimeError:
+            self._srdf = before
+            raise
+
+    def _read(self, text: str, srdf: str) -> SceneDescription:
+        """Return what texts describe; a line break tells a text from a path."""
+        files = self._live.files
+        return read_scene(
+            *(f'{text}\n', 'urdf', srdf and f'{srdf}\n', files.package_roots, files.folders),
+            self._live.robot_options,
+        )
+
+    def _put(self, text: str, *, strict: bool = False) -> str:
+        """Put a robot into the scene, with the SRDF of its name.
+
+        One that does not fit is left away: another robot's may still be on its way. ``strict``:
+        it is refused.
+        """
+        srdf, told = self._srdf, ', pairs of its SRDF left out'
+        if not srdf or _name_of(srdf) != _name_of(text):
+            srdf, told = '', ''
+        try:
+            robot = self._read(text, srdf)
+        except RuntimeError as error:
+            if not srdf or strict:
+                raise
+            robot = self._read(text, '')
+            self._srdf, told = '', f', without its SRDF, which is of another one: {error}'
         (source,) = robot.sources
         self._make_ready(robot)
         with self._live.editing() as scene:
@@ -53,11 +102,13 @@ class RobotInput:
             self._text, self._source = text, source
         return (
             f'robot {source!r} {done}: {len(robot.frames)} links, {len(robot.geometries)} shapes'
+            f'{told}{hulls_in_words(robot.geometries)}'
         )
 
     def _make_ready(self, robot: SceneDescription) -> None:
         """Read the robot's meshes and compile its kernels, beside the cycle; may refuse it."""
         with self._live.reading() as scene:
+            self._refuse_same_name(robot.sources[0], scene)
             whole = self._in_its_place(robot, scene) if self._is_in(scene) else None
         if whole is not None:
             prepared(whole)
@@ -69,8 +120,26 @@ class RobotInput:
         return joined(without_source(scene.description(), self._source), robot)
 
     def _is_in(self, scene: HeldScene) -> bool:
-        inspector = scene.inspector
-        return self._source in map(inspector.GetName, inspector.GetAllSourceIds())
+        return self._source in _sources(scene)
+
+    def _refuse_same_name(self, name: str, scene: HeldScene) -> None:
+        """Raise ArgumentError where a source that is not the robot of before has the name."""
+        if name in _sources(scene) - {self._source}:
+            raise ArgumentError(
+                f'the robot is called {name!r}, and so is a source of the scene: the name is '
+                'taken. Where that is the same robot, take it out of the scene file, or start the '
+                "node with robot_description_topic:=''; where it is another, rename one of them"
+            )
+
+
+def _name_of(text: str) -> str:
+    """Return the name of the robot of a URDF or an SRDF; raises RuntimeError for neither."""
+    return robot_name(text.encode(errors='surrogatepass'), '<text>')
+
+
+def _sources(scene: HeldScene) -> set[str]:
+    inspector = scene.inspector
+    return set(map(inspector.GetName, inspector.GetAllSourceIds()))
 
 
 def joined(first: SceneDescription, second: SceneDescription) -> SceneDescription:

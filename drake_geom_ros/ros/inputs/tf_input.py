@@ -3,8 +3,11 @@
 A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or,
 where only one source has a frame of that name, ``frame``; the chain of TF must lead to the world
 frame. Nothing is looked up later: the newest transform of each TF frame is kept. Messages that
-came together, each taken whole or not at all, pose the frames of the scene that hang on what they
-bring. No ROS import.
+came together pose the frames of the scene that hang on what they bring; of a message what is no
+transform is left out. No ROS import.
+
+A frame that ``~/frame_poses`` posed since is left alone until its own transform comes anew: what
+was let go is not torn away by the gripper that it was in.
 
 A pose is as old as the oldest moving transform in its chain, so a gap in TF makes poses stale.
 A transform that is older than the one that is known is ignored, but when time has gone back by
@@ -20,31 +23,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
-from drake_geom_ros.math.batched import matrices_from_poses, poses_from_matrices
-from drake_geom_ros.ros.conversions.fields import seconds_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Arrival, Clocks, Since
+from drake_geom_ros.math.batched import poses_from_matrices
+from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_edges
+from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, loop_of, shared, unlinked
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
-_BY_TURNS = 1.0  # [s] who goes back to a parent that soon has two, and is not handed over
-_REMEMBERED = 5.0  # [s] for which two parents are told after they were seen
-_SHOWN = 5  # frames in a sentence, and sentences
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
-# [m] longest translation: chains of so many stay within what a scene takes, 2**1004 m.
-_FARTHEST = 2.0**900
 
 Floats = NDArray[np.float64]
-
-
-class _Edge(NamedTuple):
-    """The newest transform of a TF frame C in its parent P."""
-
-    parent: str
-    R_PC: Floats
-    p_PC: Floats  # [m]
-    stamp: float  # [s] of the message; inf for a static one
-    since: Since
 
 
 class _Placed(NamedTuple):
@@ -63,32 +53,33 @@ class TfInput:
 
     def __init__(self, clocks: Clocks) -> None:
         self._clocks = clocks
-        self._edges: dict[str, _Edge] = {}
+        self._edges: dict[str, Edge] = {}
         self._changed: set[str] = set()  # the TF frames of which was heard since the last time
-        self._left: dict[
-            str, tuple[str, float]
-        ] = {}  # the former parent, and when [s] it was left
-        self._claims: dict[str, tuple[str, float]] = {}  # what is wrong, and since when [s]
+        self._claims = Claims()
         self._loops: list[str] = []
         self._stamp: Any = None
-        self._version = -1
+        self._version = self._named_version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
         self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
 
-    def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> None:
-        """Take a TFMessage whole, which came ``waited`` [s] ago; ``pose`` does what it says.
+    def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> Refusal:
+        """Take the transforms of a TFMessage that came ``waited`` [s] ago; ``pose`` poses by them.
 
-        Raises RuntimeError, and nothing is taken, for a transform that is none and for too many
+        Return what was not taken of it. Raises RuntimeError, and nothing is taken, for too many
         frames.
         """
-        fresh = self._read(message.transforms, static, self._clocks.arrival(waited))
+        arrival = self._clocks.arrival(waited)
+        fresh, refusal = read_edges(message.transforms, arrival, static=static)
         self._refuse_too_many(fresh)
         if not static:
             self._notice_rewind(fresh)
         changed = set()
         for child, edge in fresh:
             if self._is_news(child, edge):
-                self._notice_claims(child, edge)
+                known = self._edges.get(child)
+                if known is not None and known.parent != edge.parent:
+                    now = self._clocks.steady()
+                    self._claims.notice(child, edge.parent, known.parent, now)
                 self._edges[child] = edge
                 changed.add(child)
         # What is static holds at any time: its own does not tell how new the poses are.
@@ -96,10 +87,11 @@ class TfInput:
             fresh_stamps = [
                 entry.header.stamp
                 for entry in message.transforms
-                if _plain(entry.child_frame_id) in changed
+                if plain_name(entry.child_frame_id) in changed
             ]
             self._stamp = max(fresh_stamps, key=time_of)
         self._changed |= changed
+        return refusal
 
     def pose(self, scene: EditableScene) -> int:
         """Pose what hangs on what was heard since the last time; return how many frames."""
@@ -110,35 +102,7 @@ class TfInput:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
         return self._pose(scene, set()) if self._version != scene.version else 0
 
-    def _read(self, transforms: Any, static: bool, arrival: Arrival) -> list[tuple[str, _Edge]]:
-        """Return TransformStamped messages as child's name and edge each."""
-        rows = np.zeros((len(transforms), 7))
-        for row, entry in zip(rows, transforms, strict=True):
-            p, q = entry.transform.translation, entry.transform.rotation
-            row[:] = p.x, p.y, p.z, q.x, q.y, q.z, q.w
-        R_PCs, p_PCs = matrices_from_poses(rows, 'transforms')
-        if np.abs(p_PCs).max(initial=0.0) > _FARTHEST:
-            far = transforms[int(np.abs(p_PCs).max(axis=1).argmax())]
-            raise ArgumentError(
-                f'the translation of {far.child_frame_id[:80]!r} in {far.header.frame_id[:80]!r} '
-                f'has a coordinate beyond {_FARTHEST:.3g} m'
-            )
-        stamp, since = math.inf, ALWAYS
-        edges = []
-        for entry, R_PC, p_PC in zip(transforms, R_PCs, p_PCs, strict=True):
-            parent, child = _plain(entry.header.frame_id), _plain(entry.child_frame_id)
-            if not parent or not child or parent == child:
-                raise ArgumentError(
-                    f'a transform of {child[:80]!r} in {parent[:80]!r}: both must be named, and '
-                    'differ'
-                )
-            if not static:
-                stamp = seconds_of(entry.header.stamp)
-                since = arrival.since(stamp)
-            edges.append((child, _Edge(parent, R_PC, p_PC, stamp, since)))
-        return edges
-
-    def _refuse_too_many(self, fresh: list[tuple[str, _Edge]]) -> None:
+    def _refuse_too_many(self, fresh: list[tuple[str, Edge]]) -> None:
         """Raise ArgumentError where more frames would be known than are kept."""
         if len(self._edges) + len(fresh) > _MOST_FRAMES:
             count = len(self._edges.keys() | {child for child, _ in fresh})
@@ -148,7 +112,7 @@ class TfInput:
                     f'{_MOST_FRAMES} are kept'
                 )
 
-    def _notice_rewind(self, fresh: list[tuple[str, _Edge]]) -> None:
+    def _notice_rewind(self, fresh: list[tuple[str, Edge]]) -> None:
         """Forget all moving transforms when time has gone back."""
         for child, edge in fresh:
             known = self._edges.get(child)
@@ -156,33 +120,24 @@ class TfInput:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
                 return
 
-    def troubles(self) -> list[str]:
+    def troubles(self, scene: EditableScene) -> list[str]:
         """Return what is wrong with the tree of TF now, in words."""
-        now = self._clocks.steady()
-        claims = [told for told, heard in self._claims.values() if now - heard < _REMEMBERED]
-        return claims[:_SHOWN] + self._loops[:_SHOWN]
+        return [
+            *self._claims.told(self._clocks.steady()),
+            *self._loops[:SHOWN],
+            *unlinked(self._edges, self._names_of_frames(scene), scene.world_frame),
+            *shared(self._edges, scene.names),
+        ]
 
-    def _notice_claims(self, child: str, edge: _Edge) -> None:
-        """Notice a frame that has two parents by turns; to change the parent once is no fault."""
-        known = self._edges.get(child)
-        if known is None or known.parent == edge.parent:
-            return
-        now = self._clocks.steady()
-        former, left = self._left.get(child, ('', -math.inf))
-        if former == edge.parent and now - left < _BY_TURNS:
-            both = ' and '.join(repr(name[:80]) for name in sorted((known.parent, edge.parent)))
-            told = f'the TF frame {child[:80]!r} has two parents by turns, {both}: who sends them?'
-            self._claims[child] = told, now
-        self._left[child] = known.parent, now
-
-    def _is_news(self, child: str, edge: _Edge) -> bool:
+    def _is_news(self, child: str, edge: Edge) -> bool:
         known = self._edges.get(child)
         return known is None or known.stamp == math.inf or edge.stamp >= known.stamp
 
     def _pose(self, scene: EditableScene, changed: set[str]) -> int:
         """Pose the frames of the scene whose chains hold a changed transform; return how many."""
+        heard = changed
         if self._version != scene.version:
-            changed = set(self._edges)
+            changed, self._version = set(self._edges), scene.version
         placed: dict[str, _Placed | None] = {scene.world_frame: _WORLD}
         self._loops = []
         moved: dict[str, bool] = {}
@@ -190,6 +145,8 @@ class TfInput:
         affected = set()
         for frame, names in self._names_of_frames(scene):
             name = next((n for n in names if n in self._edges), None)
+            if name not in heard and scene.feeders.is_fed_by(MESSAGES, frame.get_value()):
+                continue
             if name is not None and (here := self._place(name, placed)) is not None:
                 found[frame] = here
                 if self._hangs_on(name, changed, moved):
@@ -213,12 +170,12 @@ class TfInput:
             ids = np.array([frame.get_value() for frame in to_pose], dtype=np.int64)
             rows = poses_from_matrices([R for R, _ in X_PFs], [p for _, p in X_PFs])
             posed = {frame.get_value(): found[frame].since for frame in to_pose}
-            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp)
+            scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF)
         return len(to_pose)
 
     def _names_of_frames(self, scene: EditableScene) -> list[tuple[FrameId, tuple[str, ...]]]:
         """Return the frames of the scene and the TF names that each answers to."""
-        if self._version != scene.version:
+        if self._named_version != scene.version:
             names = scene.names
             self._scene_frames = []
             for frame, full in names.frame_names.items():
@@ -227,7 +184,7 @@ class TfInput:
                     unique = names.frames_called(short) == [frame]
                     tf_names = (f'{source}/{short}', short) if unique else (f'{source}/{short}',)
                     self._scene_frames.append((frame, tf_names))
-            self._version = scene.version
+            self._named_version = scene.version
         return self._scene_frames
 
     def _place(self, name: str, placed: dict[str, _Placed | None]) -> _Placed | None:
@@ -240,8 +197,7 @@ class TfInput:
                 name = self._edges[name].parent
         base = placed[name]
         if name in chain:
-            loop = ', '.join(sorted(repr(n[:80]) for n in chain[chain.index(name) :][:_SHOWN]))
-            self._loops.append(f'the chain of these TF frames is a loop: {loop}')
+            self._loops.append(loop_of(chain[chain.index(name) :]))
         for child in reversed(chain):
             if base is not None:
                 edge = self._edges[child]
@@ -279,8 +235,3 @@ def _in_parent(
         X_WP = scene.query.X_WF(parent)
         R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
     return R_WP.T @ here.R_WF, R_WP.T @ (here.p_WF - p_WP)
-
-
-def _plain(name: str) -> str:
-    """Return a TF frame's name without the leading slash that TF once had."""
-    return name.removeprefix('/')

@@ -78,15 +78,15 @@ class Diagnostics:
             with self._lock:
                 self._lags.append(lag)
 
-    def refuse(self, what: str, reason: str) -> None:
-        """Count a message that was refused; ``what`` names the input."""
+    def refuse(self, what: str, reason: str, count: int = 1) -> None:
+        """Count what was refused: messages, and transforms; ``what`` names the input."""
         key = f'{what}: {reason[:_REASON_LENGTH]}'
         with self._lock:
             self._latest = key
-            self._refused[what] += 1
+            self._refused[what] += count
             # The kinds of reasons are few; texts with ever new names in them must not pile up.
             if len(self._reasons) < _KINDS_OF_REASONS or key in self._reasons:
-                self._reasons[key] += 1
+                self._reasons[key] += count
 
     def message(
         self, scene: SceneState, stale_after: float, cycle: Cycle, now: float

@@ -6,10 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import FilterError, FilterId, FramePoseVector, SceneGraph
+from drake_geom_ros.geometry import (
+    FilterError,
+    FilterId,
+    FrameId,
+    FramePoseVector,
+    SceneGraph,
+)
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
-from drake_geom_ros.ros.conversions.names import some_of
+from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import Since
+from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
 
@@ -56,9 +64,27 @@ class EditableScene(HeldScene):
 
     def _take(self, loaded: LoadedScene) -> tuple[int, int]:
         """Take over what was registered."""
-        self._context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
+        X_PFs = {**self._frame_that_is_the_world(loaded), **loaded.X_PFs}
+        self._context.UpdateFramePoses(FramePoseVector(X_PFs))
+        declared = {frame.get_value(): static for frame, static in loaded.static.items()}
+        self._ages.begin([frame.get_value() for frame in X_PFs], declared)
         self._robots += loaded.robots.values()
         return len(loaded.frames), len(loaded.geometry_ids)
+
+    def _frame_that_is_the_world(self, loaded: LoadedScene) -> dict[FrameId, RigidTransform]:
+        """Return the pose of a loaded frame called as the world frame, such as a robot's base.
+
+        Nobody sends a transform of it. Where several sources have one, none is the world.
+        """
+        if self.world_frame == WORLD:
+            return {}
+        called = self.names.frames_called(self.world_frame)
+        return {
+            frame: RigidTransform()
+            for frame in loaded.frames.values()
+            if called == [frame]
+            and self.inspector.GetParentFrame(frame) == self.inspector.world_frame_id()
+        }
 
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy level of queries that name none."""
@@ -69,14 +95,18 @@ class EditableScene(HeldScene):
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
         poses = self.read_poses(message)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
-        self.pose(poses, dict.fromkeys(poses.id_values().tolist(), since), message.header.stamp)
+        posed = dict.fromkeys(poses.id_values().tolist(), since)
+        self.pose(poses, posed, message.header.stamp, MESSAGES)
         return len(poses)
 
-    def pose(self, poses: FramePoseVector, posed: Mapping[int, Since], stamp: Any) -> None:
+    def pose(
+        self, poses: FramePoseVector, posed: Mapping[int, Since], stamp: Any, feeder: str
+    ) -> None:
         """Pose frames; ``posed`` says since when these hold, by the value of the frame's id."""
         self._context.UpdateFramePoses(poses)
         if posed:
             self._ages.note(posed, stamp)
+            self.feeders.note(feeder, posed.keys())
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""

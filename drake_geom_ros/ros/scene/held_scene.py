@@ -15,8 +15,9 @@ from drake_geom_ros.geometry import (
     SourceId,
 )
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
-from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
@@ -53,6 +54,7 @@ class HeldScene:
         self._version_base = version
         self._named_version = -1
         self._ages, self._leases = PoseAges(self._clocks), Leases(self._clocks.steady)
+        self.feeders = Feeders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
         self._owners: dict[int, str] = {}
 
@@ -131,6 +133,17 @@ class HeldScene:
         """Return what waits for its first pose."""
         return waiting(self.query, self.names)
 
+    def troubles(self) -> list[str]:
+        """Return what is wrong with the poses that come, in words."""
+        values = self.feeders.contested()
+        names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
+        if not names:
+            return []
+        return [
+            f'{len(names)} frames are posed by {TF} and by {MESSAGES} in turns, and the last one '
+            f'counts: {some_of(names)}; let one of the two stop'
+        ]
+
     def view(self) -> SceneView:
         """Return a snapshot, which may be kept."""
         context = self._context.what_if()
@@ -147,4 +160,6 @@ class HeldScene:
 
         Frames that wait for their first pose go on waiting in it.
         """
-        return describe(self._scene_graph, poses_in_parents(self.query), self._robots)
+        static = self._ages.static()
+        known = {f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static}
+        return describe(self._scene_graph, poses_in_parents(self.query), self._robots, known)

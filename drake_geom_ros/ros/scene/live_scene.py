@@ -24,6 +24,7 @@ from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
+from drake_geom_ros.scene_files import RobotOptions
 
 
 class LiveScene:
@@ -42,6 +43,7 @@ class LiveScene:
         """
         self.clocks = clocks
         self.files = FileAccess([ALL_PACKAGES])
+        self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
         self.most_megabytes = math.inf  # of an answer
         self.world_frame = world_frame
         self._lock = threading.RLock()

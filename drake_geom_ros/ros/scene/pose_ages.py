@@ -1,9 +1,15 @@
-"""Since when each frame has its pose, by the node's clocks and by the sender's. No ROS import."""
+"""Since when each frame has its pose, by the node's clocks and by the sender's. No ROS import.
+
+Only the pose of a frame that is expected to move grows old. A pose that a scene file gives, or a
+static transform of TF, holds until another one comes, and so does any pose of a frame that is
+declared static. A frame is expected to move once a pose came for it by a message, or where it is
+declared so: then the pose of a scene file is of unknown age.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
@@ -34,6 +40,20 @@ class PoseAges:
         self._stamps: dict[int, Any] = {}
         self.newest_stamp: Any = None  # builtin_interfaces/Time; None before the first pose
         self._latest = ALWAYS
+        self._declared: dict[int, bool] = {}  # static or expected to move, as the scene says
+        self._static: set[int] = set()  # those of them that are static
+
+    def begin(self, with_poses: Iterable[int], declared: Mapping[int, bool]) -> None:
+        """Take over the frames of a scene: which it gives a pose, and what it says of which."""
+        self._declared.update(declared)
+        self._static = {value for value, static in self._declared.items() if static}
+        rest = (value for value in with_poses if declared.get(value) is not False)
+        self._posed.update(dict.fromkeys(rest, ALWAYS))
+
+    def static(self) -> dict[int, bool]:
+        """Return which frames are static (true) or expected to move (false), as far as known."""
+        moved = (value for value, since in self._posed.items() if since != ALWAYS)
+        return {**self._declared, **dict.fromkeys(moved, False)}
 
     def note(self, posed: Mapping[int, Since], stamp: Any) -> None:
         """Note since when frames have their poses.
@@ -43,6 +63,8 @@ class PoseAges:
         time before the clock jumped.
         """
         self._posed.update(posed)
+        if self._static:
+            self._posed.update(dict.fromkeys(self._static & posed.keys(), ALWAYS))
         self._latest = max((s for s in set(posed.values()) if s != ALWAYS), default=ALWAYS)
         self._stamps.update(dict.fromkeys(posed, stamp))
         if self.newest_stamp is None or time_of(stamp) >= time_of(self.newest_stamp):

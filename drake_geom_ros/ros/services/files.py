@@ -28,7 +28,9 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     srdf = request.srdf
     if srdf and not srdf.lstrip().startswith('<'):
         srdf = str(files.file(srdf, 'srdf'))
-    description = read_scene(told, request.format, srdf, allowed_roots=files.folders)
+    description = read_scene(
+        *(told, request.format, srdf, files.package_roots, files.folders), live.robot_options
+    )
     if request.replace:
         other = prepared(description)
         with live.editing() as scene:

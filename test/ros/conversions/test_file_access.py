@@ -73,3 +73,14 @@ def test_new_files_are_made_in_a_root_only(folders):
     for path in (f'{outside}/new.yaml', f'{inside}/../new.yaml', f'{inside}/way_out/new.yaml'):
         with pytest.raises(RuntimeError, match='mesh_roots'):
             files.new_file(path, 'path')
+
+
+def test_packages_are_looked_for_in_the_given_roots_which_may_be_opened(tmp_path):
+    mesh = tmp_path / 'robots/my_robot/meshes/a.stl'
+    mesh.parent.mkdir(parents=True)
+    mesh.write_text('solid')
+    for root in ('robots', 'robots/my_robot'):
+        files = FileAccess([], package_roots=[str(tmp_path / root)])
+        assert files.file('package://my_robot/meshes/a.stl', 'mesh') == mesh
+    with pytest.raises(RuntimeError, match='no package'):
+        FileAccess([]).file('package://my_robot/meshes/a.stl', 'mesh')

@@ -66,3 +66,27 @@ def test_a_long_name_is_not_repeated_whole(names):
     with pytest.raises(UnknownNameError) as caught:
         names.geometry('n' * 10**6)
     assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ('kind', 'name', 'hint'),
+    [
+        ('frame', 'toll', "There is no frame 'toll' in the scene; nearest: 'tool'."),
+        ('frame', 'left::TOOL', "; nearest: 'left::tool'"),
+        ('frame', 'tool/ball', '; that is a geometry.'),
+        ('geometry', 'tool/bal', "; nearest: 'tool/ball'"),
+        ('geometry', 'tool', "; that is a frame, and on it there is 'tool/ball'."),
+        (
+            'geometry',
+            'map',
+            "; that is a frame, and on it there is 'map/left floor', 'map/right floor'.",
+        ),
+        ('geometry', 'zzz', "There is no geometry 'zzz' in the scene. It holds"),
+        ('source', 'lefd', "There is no source 'lefd'; nearest: 'left'"),
+    ],
+)
+def test_what_is_unknown_comes_with_what_may_be_meant(names, kind, name, hint):
+    for _ in range(2):  # the second one is remembered
+        with pytest.raises(UnknownNameError) as caught:
+            getattr(names, kind)(name)
+        assert hint in str(caught.value)

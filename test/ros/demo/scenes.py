@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from drake_geom_ros.client.scene_table import Geometry, SceneTable
 from drake_geom_ros.ros.demo.recording import Approach, FilterChange, Recording
-from drake_geom_ros.ros.demo.scene_table import Geometry, SceneTable
 
 
 def _at(x, y, z):

@@ -3,6 +3,8 @@ from types import SimpleNamespace as Some
 import numpy as np
 import pytest
 
+from drake_geom_ros.client.results import SignedDistances
+from drake_geom_ros.client.scene_table import SceneTable
 from drake_geom_ros.ros.demo import reading
 
 
@@ -32,6 +34,7 @@ SCENE = Some(
         _geometry(8, 2, 11, 'ring', 1, [0.1], _pose(0.0, 0.0, 0.0)),
     ],
 )
+TABLE = SceneTable.from_message(SCENE)
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)  # about x: y and z change their signs
 POSES = Some(
     source='arm',
@@ -45,39 +48,34 @@ def _result(distance):
         header=Some(stamp=Some(sec=12, nanosec=500_000_000)),
         id_a=[5, 5, 6],
         id_b=[6, 8, 8],
+        scene_version=7,
+        oldest_pose_age=0.0,
+        max_distance=1.0,
         distance=distance,
+        error_bound=[0.0] * 3,
+        method=[1] * 3,
         p_aca=[0.1, 0.2, 0.05, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         p_bcb=[0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         nhat_ba_w=[0.0, 0.0, 1.0] * 3,
     )
 
 
-def test_scene_table_takes_names_shapes_and_poses():
-    table = reading.scene_table(SCENE)
-    assert table.version == 7
-    assert table[5].full_name == 'room::world/table'
-    assert table[5].anchored
-    assert (table[6].full_name, table[6].frame) == ('arm::tip/ball', 'arm::tip')
-    assert (table[6].shape_type, table[6].dimensions) == (1, (0.1,))
-    np.testing.assert_allclose(table[6].X_FG[:3, 3], [0, 0, 0.2])
-
-
 def test_world_poses_follow_the_parents():
-    X_WFs = reading.world_poses(POSES, reading.frame_parents(SCENE))
+    X_WFs = reading.world_poses(POSES, TABLE.parents)
     np.testing.assert_allclose(X_WFs['arm::hand'][:3, 3], [1, 2, 3])
     np.testing.assert_allclose(X_WFs['arm::tip'][:3, 3], [1, 2, 2.5])  # z of hand points down
 
 
 def test_names_with_their_source_and_frames_that_are_missing():
     poses = Some(source='', frame_names=['arm::tip'], poses=POSES.poses[:7])
-    X_WFs = reading.world_poses(poses, reading.frame_parents(SCENE))
+    X_WFs = reading.world_poses(poses, TABLE.parents)
     assert list(X_WFs) == ['world']  # the tip's parent has no pose
 
 
 def test_approach_expresses_the_witnesses_in_the_world():
-    table = reading.scene_table(SCENE)
-    X_WFs = reading.world_poses(POSES, reading.frame_parents(SCENE))
-    moment = reading.approach(_result([0.3, 0.4, 0.5]), 0, table, X_WFs)
+    X_WFs = reading.world_poses(POSES, TABLE.parents)
+    found = SignedDistances(_result([0.3, 0.4, 0.5]), TABLE)
+    moment = reading.approach(found[0], found.stamp, TABLE, X_WFs)
     assert (moment.time, moment.id_a, moment.id_b, moment.distance) == (12.5, 5, 6, 0.3)
     np.testing.assert_allclose(moment.p_WCa, [0.1, 0.2, 0.0])
     np.testing.assert_allclose(moment.p_WCb, [1.0, 1.9, 2.3])
@@ -89,5 +87,5 @@ def test_approach_expresses_the_witnesses_in_the_world():
     [([0.1, 0.2, 0.3], []), ([-0.1, 0.0, 0.3], [(5, 6), (5, 8)]), ([1.0, 1.0, 0.0004], [(6, 8)])],
 )
 def test_touching_are_those_that_overlap_or_nearly(distance, expected):
-    pairs = reading.touching(_result(distance), reading.scene_table(SCENE))
+    pairs = reading.touching(SignedDistances(_result(distance), TABLE))
     assert [(a.id, b.id) for a, b in pairs] == expected

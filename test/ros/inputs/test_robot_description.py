@@ -6,9 +6,10 @@ import pytest
 from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet
+from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.scene.editable_scene import prepared
-from drake_geom_ros.scene_files import read_scene
+from drake_geom_ros.scene_files import RobotOptions, read_scene
 
 TABLE = """
 sources: [room]
@@ -124,3 +125,67 @@ def test_meshes_come_from_the_roots_only(scene, robot, tmp_path):
     shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'
     with pytest.raises(RuntimeError, match='outside'):
         robot.take(f'<robot name="arm"><link name="base">{shape}</link></robot>')
+
+
+def srdf(name, first, second):
+    pair = f'link1="{first}" link2="{second}" reason="Never"'
+    return f'<robot name="{name}"><disable_collisions {pair}/></robot>'
+
+
+def test_an_srdf_leaves_out_its_pairs_whether_it_comes_before_or_after(scene, robot):
+    assert (
+        robot.take_semantics(srdf('arm', 'base', 'hand')) == "the SRDF of 'arm' waits for its URDF"
+    )
+    assert robot.take_semantics(srdf('arm', 'base', 'hand')) == ''
+    assert 'pairs of its SRDF left out' in robot.take(urdf('arm', 'base', 'upper', 'hand'))
+    assert explain(scene, 'base', 'hand')
+    version = scene.version
+    assert robot.take_semantics(srdf('arm', 'base', 'hand')) == ''
+    assert scene.version == version
+    # Another one takes its place, as another robot would.
+    robot.take(urdf('arm', 'base', 'upper', 'wrist', 'hand'))
+    assert "in the place of 'arm'" in robot.take_semantics(srdf('arm', 'upper', 'hand'))
+    assert not explain(scene, 'base', 'hand')
+    assert explain(scene, 'upper', 'hand')
+
+
+def test_an_srdf_of_another_robot_or_with_an_unknown_link_changes_nothing(scene, robot):
+    robot.take(urdf('arm', 'base', 'upper', 'hand'))
+    version = scene.version
+    told = "the SRDF of 'leg' waits for its URDF; the robot is 'arm'"
+    assert robot.take_semantics(srdf('leg', 'base', 'hand')) == told
+    with pytest.raises(RuntimeError, match="link 'toe' is not in the robot 'arm'"):
+        robot.take_semantics(srdf('arm', 'base', 'toe'))
+    with pytest.raises(RuntimeError, match='text'):
+        robot.take_semantics('no srdf')
+    assert scene.version == version
+    assert 'left out' not in robot.take(urdf('arm', 'base', 'hand'))
+
+
+def test_a_robot_that_its_srdf_does_not_fit_comes_without_it(scene, robot):
+    """Another model of that name: its own SRDF may come after it, and all pairs count."""
+    robot.take_semantics(srdf('arm', 'base', 'hand'))
+    robot.take(urdf('arm', 'base', 'upper', 'hand'))
+    told = robot.take(urdf('arm', 'base', 'upper', 'grip'))
+    assert 'without its SRDF, which is of another one: <text>:1: ' in told
+    assert not explain(scene, 'base', 'grip')
+    assert 'pairs of its SRDF left out' in robot.take_semantics(srdf('arm', 'base', 'grip'))
+    assert explain(scene, 'base', 'grip')
+
+
+def test_what_parameters_say_of_robots_holds_for_one_that_comes_by_topic(
+    scene, live, robot, tmp_path
+):
+    mesh = tmp_path / 'ball.obj'
+    mesh.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+    live.files = FileAccess([], package_roots=[str(tmp_path)])
+    live.robot_options = RobotOptions(filter_self_collisions=True, solid_meshes=('t*',))
+    shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'
+    links = ''.join(f'<link name="{name}">{shape}</link>' for name in ('tool', 'base', 'far'))
+    done = robot.take(f'<robot name="arm">{links}</robot>')
+    assert done.endswith('; 2 meshes count as their convex hulls')
+    assert explain(scene, 'base', 'far')
+    for name, solid in (('tool', True), ('base', False)):
+        geometry = scene.names.geometry(f'{name}/collision_0')
+        properties = scene.inspector.GetProximityProperties(geometry)
+        assert properties.GetPropertyOrDefault('mesh', 'solid', False) is solid

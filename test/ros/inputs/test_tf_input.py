@@ -12,7 +12,10 @@ from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.inputs import tf_input
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
+from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.scene_files import read_scene
+
+NO_STAMP = Plain(sec=0, nanosec=0)
 
 TEXT = """
 sources: [left, right]
@@ -120,7 +123,7 @@ def test_what_hangs_on_a_frame_that_waits_waits_with_it(scene, tf):
     assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 1
     assert {base, hand} <= set(scene.query.waiting_frames())
     # The base gets its pose elsewhere; with whatever TF brings next the hand follows.
-    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): ALWAYS}, Plain(sec=0, nanosec=0))
+    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): ALWAYS}, NO_STAMP, MESSAGES)
     assert take(tf, scene, message(transform('world', 'tool', at(2))), static=False) == 2
     assert position(scene, 'hand') == [4, 0, 0]
     assert scene.query.X_PF(hand).translation().tolist() == [3, 0, 0]
@@ -144,9 +147,9 @@ def test_a_loop_of_frames_leads_nowhere(scene, tf):
 def test_a_loop_is_told_while_it_is_there(scene, tf):
     loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
     take(tf, scene, message(*loop), static=False)
-    assert tf.troubles() == ["the chain of these TF frames is a loop: 'a', 'tool'"]
+    assert tf.troubles(scene) == ["the chain of these TF frames is a loop: 'a', 'tool'"]
     take(tf, scene, message(transform('world', 'a', at(1))), static=False)
-    assert tf.troubles() == []
+    assert tf.troubles(scene) == []
 
 
 def test_two_parents_by_turns_are_told_and_a_frame_that_is_handed_over_is_none(scene, tf, clock):
@@ -154,19 +157,20 @@ def test_two_parents_by_turns_are_told_and_a_frame_that_is_handed_over_is_none(s
         take(tf, scene, message(transform(parent, 'tool', at(1), clock.now)), static=False)
         clock.now += 0.1
 
+    take(tf, scene, message(transform('world', 'left/base', at(1))), static=True)
     send('world')
     send('left/base')  # grasped
     clock.now += 2.0
     send('world')  # and put down
-    assert tf.troubles() == []
+    assert tf.troubles(scene) == []
     send('left/base')
     told = "the TF frame 'tool' has two parents by turns, 'left/base' and 'world': who sends them?"
-    assert tf.troubles() == [told]
+    assert tf.troubles(scene) == [told]
     send('left/base')
-    assert tf.troubles() == [told]
+    assert tf.troubles(scene) == [told]
     clock.now += 6.0
     send('left/base')
-    assert tf.troubles() == []
+    assert tf.troubles(scene) == []
 
 
 def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
@@ -287,15 +291,74 @@ def test_a_changed_scene_is_posed_by_what_is_known(scene, tf):
         (transform('world', 'tool', None), 'finite'),
     ],
 )
-def test_a_bad_transform_refuses_the_message(scene, tf, bad, words):
+def test_a_bad_transform_is_left_out_and_named(scene, tf, bad, words):
     if words == 'norm':
         bad.transform.rotation.w = 2.0
     if words == 'finite':
         bad.transform.translation.x = math.nan
     good = transform('world', 'left/base', at(1))
-    with pytest.raises(RuntimeError, match=words):
-        take(tf, scene, message(good, bad), static=False)
-    assert not scene.query.is_placed(scene.names.frame('left::base'))
+    refusal = tf.hear(message(good, bad), static=False)
+    assert tf.pose(scene) == 1
+    assert refusal.transforms == 1
+    assert refusal.reason.startswith('1 of 2 transforms were not taken: ')
+    assert words in refusal.reason
+    assert repr(bad.child_frame_id) in refusal.reason
+    assert position(scene, 'left::base') == [1, 0, 0]
+    assert not scene.query.is_placed(scene.names.frame('right::tool'))
+
+
+def test_of_many_bad_transforms_a_few_are_named(scene, tf):
+    bad = [transform('world', f'bad{k}', at(1)) for k in range(7)]
+    for entry in bad:
+        entry.transform.translation.x = math.nan
+    refusal = tf.hear(message(transform('world', 'tool', at(1)), *bad), static=True)
+    assert refusal.transforms == 7
+    assert refusal.reason.count('not finite') == 5
+    assert refusal.reason.endswith(' and 2 more')
+    assert tf.pose(scene) == 1
+
+
+def test_a_chain_that_ends_elsewhere_is_told_with_what_is_missing(scene, tf):
+    chain = transform('base_link', 'odom', at(1)), transform('odom', 'tool', at(1))
+    take(tf, scene, message(*chain), static=False)
+    (told,) = tf.troubles(scene)
+    assert told.startswith("1 frames come by TF and are not posed: 'tool'; their chain ends in")
+    assert "a transform from the world frame 'world' to 'base_link'" in told
+    assert told.endswith('world_frame:=base_link')
+    take(tf, scene, message(transform('world', 'base_link', at(1))), static=True)
+    assert tf.troubles(scene) == []
+
+
+def test_a_name_that_several_sources_have_is_told_with_both(scene, tf):
+    take(tf, scene, message(transform('world', 'base', at(1))), static=False)
+    (told,) = tf.troubles(scene)
+    assert told.startswith(
+        "1 TF frames are not followed: 'base'; frames of the sources 'left' and"
+    )
+    assert "robot_description_topic:=''" in told
+    assert "'left/base'" in told
+    take(tf, scene, message(transform('world', 'left/base', at(1))), static=False)
+    assert tf.troubles(scene) == []
+
+
+def test_what_was_let_go_stays_until_tf_speaks_of_it_again(scene, tf, clock):
+    def move(x):
+        take(tf, scene, message(transform('world', 'gripper', at(x), x)), static=False)
+
+    take(tf, scene, message(transform('gripper', 'tool', at(1))), static=True)
+    move(1)
+    assert position(scene, 'tool') == [2, 0, 0]
+    tool = scene.names.frame('tool')
+    scene.pose(FramePoseVector({tool: at(9)}), {tool.get_value(): ALWAYS}, NO_STAMP, MESSAGES)
+    move(3)
+    assert position(scene, 'tool') == [9, 0, 0]
+    scene.add(read_scene('frames:\n- {name: late}'))
+    tf.follow(scene)
+    assert position(scene, 'tool') == [9, 0, 0]
+    clock.now += 2.0
+    take(tf, scene, message(transform('gripper', 'tool', at(2))), static=True)
+    assert position(scene, 'tool') == [5, 0, 0]
+    assert scene.troubles() == []
 
 
 def test_the_world_may_have_another_name(clock, tf):

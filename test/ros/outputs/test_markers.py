@@ -29,6 +29,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.outputs import markers
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
+from drake_geom_ros.ros.scene.feeders import MESSAGES
 
 TEXT = """
 sources: [s]
@@ -273,7 +274,7 @@ def test_what_never_had_a_pose_is_not_drawn_until_it_has(publisher):
     before = publisher.names()
     with live.editing() as scene:
         poses = FramePoseVector({scene.names.frame('a'): RigidTransform()})
-        scene.pose(poses, {}, Plain(sec=0, nanosec=0))
+        scene.pose(poses, {}, Plain(sec=0, nanosec=0), MESSAGES)
     drawing.publish()
     capsule = len(markers.parts_of(Capsule(0.1, 0.4)))
     assert publisher.names().count('proximity') == before.count('proximity') + capsule

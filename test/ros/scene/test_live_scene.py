@@ -70,10 +70,11 @@ def test_frames_stand_where_the_file_puts_them_until_posed(scene):
 
 
 def test_ages_of_poses(scene, clock):
-    assert math.isinf(scene.moment().oldest_pose_age)
+    clock.now += 9.0
+    assert scene.moment().oldest_pose_age == 0.0  # all rest where the file put them
     scene.take_poses(message(a=0))
     clock.now += 2.0
-    assert math.isinf(scene.moment().oldest_pose_age)
+    assert scene.moment().oldest_pose_age == pytest.approx(2.0)
     scene.take_poses(message(b=1))
     clock.now += 0.5
     assert scene.moment().oldest_pose_age == pytest.approx(2.5)

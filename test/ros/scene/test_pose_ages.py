@@ -94,3 +94,30 @@ def test_after_a_jump_of_the_clock_what_is_of_before_has_no_age_and_no_say(
     assert ages.oldest(NAMES) == math.inf
     note(10.0, B)
     assert ages.oldest(NAMES) == 0.0
+
+
+def test_what_a_file_poses_rests_until_a_message_comes(ages, clock, note):
+    ages.begin([A.get_value(), B.get_value()], {})
+    clock[0] += 9.0
+    assert ages.oldest(NAMES) == 0.0
+    assert ages.static() == {}
+    note(108.0, A)
+    assert ages.by_name(NAMES) == {'s::a': 1.0, 's::b': 0.0}
+    assert ages.static() == {A.get_value(): False}
+
+
+def test_what_is_declared_to_move_has_no_age_from_the_file(ages, note):
+    ages.begin([A.get_value(), B.get_value()], {A.get_value(): False})
+    assert ages.by_name(NAMES) == {'s::a': math.inf, 's::b': 0.0}
+    note(100.0, A)
+    assert ages.oldest(NAMES) == 0.0
+
+
+def test_what_is_declared_static_does_not_grow_old_whoever_poses_it(ages, clocks, clock, note):
+    ages.begin([], {A.get_value(): True, B.get_value(): True})
+    assert ages.oldest(NAMES) == math.inf  # neither has a pose
+    assert note(100.0, A, B) == 100.0
+    clock[0] += 9.0
+    clocks.begin_anew()
+    assert ages.oldest(NAMES) == 0.0
+    assert ages.static() == {A.get_value(): True, B.get_value(): True}

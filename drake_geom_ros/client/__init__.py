@@ -1,0 +1,39 @@
+"""What a node or a script that asks a scene_graph node needs: results by name, services, filters.
+
+``SceneGraphClient`` is for scripts: it has a node of its own, and its calls wait for the answer.
+``SceneListener``, ``Services`` and ``HeldFilter`` are for nodes that spin themselves.
+"""
+
+from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient
+from drake_geom_ros.client.held_filter import HeldFilter, sleep
+from drake_geom_ros.client.listening import SceneListener
+from drake_geom_ros.client.results import (
+    Penetration,
+    Penetrations,
+    PointDistance,
+    PointDistances,
+    SignedDistance,
+    SignedDistances,
+)
+from drake_geom_ros.client.scene_table import Geometry, SceneTable
+from drake_geom_ros.client.services import RefusedError, Services, exclude_between, frame_poses
+
+__all__ = [
+    'SceneGraphClient',
+    'SceneListener',
+    'Services',
+    'HeldFilter',
+    'SceneTable',
+    'Geometry',
+    'SignedDistances',
+    'SignedDistance',
+    'Penetrations',
+    'Penetration',
+    'PointDistances',
+    'PointDistance',
+    'RefusedError',
+    'NoAnswerError',
+    'frame_poses',
+    'exclude_between',
+    'sleep',
+]

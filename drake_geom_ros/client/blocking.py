@@ -1,0 +1,207 @@
+"""A scene_graph node's services as plain functions, for scripts."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+import rclpy
+from drake_geom_msgs import msg
+from numpy.typing import ArrayLike
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.time import Time
+
+from drake_geom_ros.client.listening import SceneListener
+from drake_geom_ros.client.results import (
+    Penetrations,
+    PointDistances,
+    Results,
+    SignedDistance,
+    SignedDistances,
+)
+from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.client.services import Poses, Services, accepted, frame_poses
+
+_Results = TypeVar('_Results', bound=Results[Any])
+_POLL = 0.01  # [s] between two looks whether something has come
+# A server may take a request before it has found who asks, and then its answer is lost: what
+# changes nothing is asked again after so long [s].
+_ASK_AGAIN = 5.0
+
+
+class NoAnswerError(RuntimeError):
+    """Something that was waited for did not come in time."""
+
+
+class SceneGraphClient:
+    """Asks a node, from a thread that waits for the answer; has a node of its own meanwhile.
+
+    ``poses`` are "what if" poses: X_PF by frame, RigidTransform or seven numbers x y z [m]
+    qx qy qz qw. Frames that are not named keep theirs, and the live scene does not change.
+    Each call raises RefusedError where the node refuses, with its reason, and NoAnswerError
+    after ``patience`` [s].
+
+        with SceneGraphClient() as client:
+            print(client.signed_distances(poses={'ball': X_WB}).closest())
+    """
+
+    def __init__(self, server: str = '/scene_graph', patience: float = 30.0) -> None:
+        self._patience = patience
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context)
+        name = f'scene_graph_client_{os.getpid()}_{time.monotonic_ns()}'
+        self.node = rclpy.create_node(name, context=self._context)
+        self.listener = SceneListener(self.node, server)
+        self.services = Services(self.node, server)
+        self._poses = self.node.create_publisher(msg.FramePoses, f'{server}/frame_poses', 10)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> SceneGraphClient:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the ROS graph."""
+        self._context.try_shutdown()
+        self._thread.join()
+
+    def _spin(self) -> None:
+        with contextlib.suppress(ExternalShutdownException):
+            self._executor.spin()
+
+    def wait_for(self, fact: Callable[[], Any], what: str) -> Any:
+        """Return ``fact()`` once it is true; raises NoAnswerError that names ``what``."""
+        end = time.monotonic() + self._patience
+        while not (found := fact()):
+            if time.monotonic() > end:
+                raise NoAnswerError(f'waited {self._patience:g} s for {what}')
+            time.sleep(_POLL)
+        return found
+
+    def scene(self, version: int = 0) -> SceneTable:
+        """Return the scene of now, of that version at least."""
+
+        def known() -> SceneTable | None:
+            table = self.listener.table
+            return table if table is not None and table.version >= version else None
+
+        found: SceneTable = self.wait_for(known, f'the scene of version {version} or later')
+        return found
+
+    def call(self, name: str, /, **fields: Any) -> Any:
+        """Call any service by its name with the fields of its request; return its response."""
+        self.wait_for(lambda: not self.services.missing(name), f'the service {name}')
+        future = self.services.send(name, **fields)
+        self.wait_for(future.done, f'an answer of {name}')
+        return accepted(name, future.result())
+
+    def ask(self, name: str, /, **fields: Any) -> Any:
+        """Do as ``call`` does, and ask again where no answer comes: for what changes nothing."""
+        self.wait_for(lambda: not self.services.missing(name), f'the service {name}')
+        asked: list[tuple[float, Any]] = []
+
+        def answered() -> Any:
+            if not asked or time.monotonic() - asked[-1][0] > _ASK_AGAIN:
+                asked.append((time.monotonic(), self.services.send(name, **fields)))
+            return next((future for _, future in asked if future.done()), None)
+
+        return accepted(name, self.wait_for(answered, f'an answer of {name}').result())
+
+    def signed_distances(
+        self, max_distance: float = math.inf, poses: Poses | None = None, accuracy: str = ''
+    ) -> SignedDistances:
+        """Return the signed distances of the unfiltered pairs up to ``max_distance`` [m]."""
+        return self._named(
+            SignedDistances,
+            'compute_signed_distance_pairwise',
+            max_distance=_limit(max_distance),
+            poses=frame_poses(poses or {}),
+            accuracy=accuracy,
+        )
+
+    def signed_distance(
+        self, geometry_a: str, geometry_b: str, poses: Poses | None = None, accuracy: str = ''
+    ) -> SignedDistance:
+        """Return the signed distance of one pair, which must not be filtered."""
+        found = self._named(
+            SignedDistances,
+            'compute_signed_distance_pair',
+            geometry_a=geometry_a,
+            geometry_b=geometry_b,
+            poses=frame_poses(poses or {}),
+            accuracy=accuracy,
+        )
+        return next(iter(found))
+
+    def penetrations(self, poses: Poses | None = None, accuracy: str = '') -> Penetrations:
+        """Return the unfiltered pairs that overlap."""
+        return self._named(
+            Penetrations,
+            'compute_point_pair_penetration',
+            poses=frame_poses(poses or {}),
+            accuracy=accuracy,
+        )
+
+    def point_distances(
+        self,
+        points: ArrayLike,
+        threshold: float = math.inf,
+        poses: Poses | None = None,
+        accuracy: str = '',
+    ) -> PointDistances:
+        """Return the distances of ``points`` (n, 3) [m] to geometries up to ``threshold`` [m]."""
+        return self._named(
+            PointDistances,
+            'compute_signed_distance_to_point',
+            points=np.asarray(points, dtype=np.float64).ravel().tolist(),
+            threshold=_limit(threshold),
+            poses=frame_poses(poses or {}),
+            accuracy=accuracy,
+        )
+
+    def has_collisions(self, poses: Poses | None = None) -> bool:
+        """Return whether any unfiltered pair overlaps."""
+        return bool(self.ask('has_collisions', poses=frame_poses(poses or {})).has_collisions)
+
+    def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
+        """Return why results leave a pair out; empty where they do not."""
+        answer = self.ask('explain_filter', geometry_a=geometry_a, geometry_b=geometry_b)
+        return list(answer.reasons)
+
+    def publish_poses(self, poses: Poses, source: str = '', stamp: float | None = None) -> None:
+        """Pose frames of the live scene; ``stamp`` [s] is that of now where it is None."""
+        self.wait_for(self._poses.get_subscription_count, 'a listener to frame_poses')
+        message = frame_poses(poses, source)
+        now = self.node.get_clock().now()
+        time_of = now if stamp is None else Time(nanoseconds=round(stamp * 1_000_000_000))
+        message.header.stamp = time_of.to_msg()
+        self._poses.publish(message)
+
+    def _named(
+        self, results: Callable[[Any, SceneTable], _Results], name: str, /, **fields: Any
+    ) -> _Results:
+        """Return results with the names of their scene, asked again where that has changed."""
+        while True:
+            answer = self.ask(name, **fields)
+            table = self.scene(answer.result.scene_version)
+            if table.version == answer.result.scene_version:
+                return results(answer.result, table)
+
+
+def _limit(metres: float) -> float:
+    """Return a limit as a request has it: there 0 stands for infinity."""
+    if math.isinf(metres):
+        return 0.0
+    return metres or sys.float_info.min

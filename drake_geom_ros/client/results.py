@@ -1,0 +1,228 @@
+"""Results of a scene_graph node with names: arrays as they came, records when they are indexed.
+
+::
+
+    for pair in distances.between('left', 'room'):
+        print(pair.name_a, pair.name_b, pair.lower_bound)
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.client.scene_table import SceneTable
+
+Floats = NDArray[np.float64]
+Ids = NDArray[np.int64]
+Record = TypeVar('Record')
+Rows = TypeVar('Rows', bound='Results[Any]')
+Pairs = TypeVar('Pairs', bound='_PairResults[Any]')
+
+
+@dataclass(frozen=True)
+class SignedDistance:
+    """The signed distance [m] of two geometries; ``|distance - truth| <= error_bound``.
+
+    Names are ``frame/geometry``. ``p_ACa`` and ``p_BCb`` (3,) [m] are the witnesses, each in its
+    geometry's frame, ``nhat_BA_W`` (3,) the unit normal out of B into A, in the world.
+    """
+
+    id_a: int
+    source_a: str
+    name_a: str
+    id_b: int
+    source_b: str
+    name_b: str
+    distance: float
+    error_bound: float
+    p_ACa: Floats
+    p_BCb: Floats
+    nhat_BA_W: Floats
+
+    @property
+    def lower_bound(self) -> float:
+        """The least [m] that the true distance can be."""
+        return self.distance - self.error_bound
+
+
+@dataclass(frozen=True)
+class Penetration:
+    """How deep [m] two geometries overlap; ``|depth - truth| <= error_bound``.
+
+    ``p_WCa`` and ``p_WCb`` (3,) [m] are the deepest points, in the world.
+    """
+
+    id_a: int
+    source_a: str
+    name_a: str
+    id_b: int
+    source_b: str
+    name_b: str
+    depth: float
+    error_bound: float
+    p_WCa: Floats
+    p_WCb: Floats
+    nhat_BA_W: Floats
+
+
+@dataclass(frozen=True)
+class PointDistance:
+    """The signed distance [m] of a point to a geometry; ``|distance - truth| <= error_bound``.
+
+    ``p_GN`` (3,) [m] is the nearest point of the surface, in the geometry's frame, ``grad_W`` (3,)
+    the gradient of the distance by the point.
+    """
+
+    point_index: int
+    id: int
+    source: str
+    name: str
+    distance: float
+    error_bound: float
+    p_GN: Floats
+    grad_W: Floats
+
+    @property
+    def lower_bound(self) -> float:
+        """The least [m] that the true distance can be."""
+        return self.distance - self.error_bound
+
+
+class Results(Sequence[Record], Generic[Record]):
+    """Rows of a message with the table of the scene that it is for."""
+
+    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
+        """``rows`` of the message, all where there are none given."""
+        self._message = message
+        self._rows = np.arange(len(message.error_bound)) if rows is None else rows
+        self.table = table
+        self.scene_version = int(message.scene_version)
+        # [s] of the newest pose used
+        self.stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1_000_000_000
+        self.oldest_pose_age = float(message.oldest_pose_age)  # [s]; inf: unknown
+        self.error_bound = self._column('error_bound')  # (n,) [m]
+        self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
+
+    def _column(self, name: str, width: int = 1, kind: type = np.float64) -> NDArray[Any]:
+        values: NDArray[Any] = np.asarray(getattr(self._message, name)).astype(kind)
+        return (values if width == 1 else values.reshape(-1, width))[self._rows]
+
+    def _subset(self: Rows, mask: NDArray[np.bool_]) -> Rows:
+        return type(self)(self._message, self.table, self._rows[mask])
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, k: Any) -> Any:
+        """Return the record of row ``k``, or the rows of a slice."""
+        if isinstance(k, slice):
+            return type(self)(self._message, self.table, self._rows[k])
+        return self._record(range(len(self))[k])
+
+    def __iter__(self) -> Iterator[Record]:
+        return map(self._record, range(len(self)))
+
+    @abstractmethod
+    def _record(self, k: int) -> Record:
+        """Return the record of row ``k``."""
+
+
+class _PairResults(Results[Record]):
+    """Results of pairs."""
+
+    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
+        super().__init__(message, table, rows)
+        self.id_a = self._column('id_a', kind=np.int64)  # (n,)
+        self.id_b = self._column('id_b', kind=np.int64)  # (n,)
+        self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
+
+    def between(self: Pairs, a: str, b: str = '*') -> Pairs:
+        """Return the pairs of one that ``a`` stands for and one that ``b`` does, in any order.
+
+        Each is a source, a frame or a geometry, or a pattern: see ``Geometry.matches``.
+        """
+        ids_a, ids_b = self.table.ids(a), self.table.ids(b)
+        one_way = np.isin(self.id_a, ids_a) & np.isin(self.id_b, ids_b)
+        other_way = np.isin(self.id_a, ids_b) & np.isin(self.id_b, ids_a)
+        return self._subset(one_way | other_way)
+
+    def _pair(self, k: int) -> tuple[int, str, str, int, str, str]:
+        a, b = self.table[self.id_a[k]], self.table[self.id_b[k]]
+        return a.id, a.source, a.short_name, b.id, b.source, b.short_name
+
+
+class SignedDistances(_PairResults[SignedDistance]):
+    """What a SignedDistancePairs says."""
+
+    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
+        super().__init__(message, table, rows)
+        self.max_distance = float(message.max_distance)  # [m]
+        self.distance = self._column('distance')  # (n,) [m]
+        self.p_ACa = self._column('p_aca', 3)  # (n, 3) [m]
+        self.p_BCb = self._column('p_bcb', 3)  # (n, 3) [m]
+
+    @property
+    def lower_bound(self) -> Floats:
+        """The least [m] that the true distances can be (n,)."""
+        return np.asarray(self.distance - self.error_bound)
+
+    def closest(self) -> SignedDistance | None:
+        """Return the pair with the least lower bound; None where there is no pair."""
+        return self[int(np.argmin(self.lower_bound))] if len(self) else None
+
+    def _record(self, k: int) -> SignedDistance:
+        numbers = float(self.distance[k]), float(self.error_bound[k])
+        points = self.p_ACa[k], self.p_BCb[k], self.nhat_BA_W[k]
+        return SignedDistance(*self._pair(k), *numbers, *points)
+
+
+class Penetrations(_PairResults[Penetration]):
+    """What a PenetrationPairs says."""
+
+    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
+        super().__init__(message, table, rows)
+        self.depth = self._column('depth')  # (n,) [m]
+        self.p_WCa = self._column('p_wca', 3)  # (n, 3) [m]
+        self.p_WCb = self._column('p_wcb', 3)  # (n, 3) [m]
+
+    def _record(self, k: int) -> Penetration:
+        numbers = float(self.depth[k]), float(self.error_bound[k])
+        points = self.p_WCa[k], self.p_WCb[k], self.nhat_BA_W[k]
+        return Penetration(*self._pair(k), *numbers, *points)
+
+
+class PointDistances(Results[PointDistance]):
+    """What a PointDistances message says."""
+
+    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
+        super().__init__(message, table, rows)
+        self.point_index = self._column('point_index', kind=np.int64)  # (n,)
+        self.id = self._column('id_g', kind=np.int64)  # (n,)
+        self.distance = self._column('distance')  # (n,) [m]
+        self.p_GN = self._column('p_gn', 3)  # (n, 3) [m]
+        self.grad_W = self._column('grad_w', 3)  # (n, 3)
+        # [s] of the points that the answer is for
+        self.query_stamp = message.query_stamp.sec + message.query_stamp.nanosec / 1_000_000_000
+
+    def to(self, name: str) -> PointDistances:
+        """Return the distances to what a name or a pattern stands for: ``Geometry.matches``."""
+        return self._subset(np.isin(self.id, self.table.ids(name)))
+
+    def _record(self, k: int) -> PointDistance:
+        geometry = self.table[self.id[k]]
+        return PointDistance(
+            int(self.point_index[k]),
+            geometry.id,
+            geometry.source,
+            geometry.short_name,
+            float(self.distance[k]),
+            float(self.error_bound[k]),
+            self.p_GN[k],
+            self.grad_W[k],
+        )

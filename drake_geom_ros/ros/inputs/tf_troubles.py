@@ -1,0 +1,101 @@
+"""What is wrong with the tree of TF for the frames of a scene, in words. No ROS import."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+
+from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.ros.conversions.names import NameTable, some_of
+from drake_geom_ros.ros.inputs.tf_edges import Edge
+
+_BY_TURNS = 1.0  # [s] who goes back to a parent that soon has two, and is not handed over
+_REMEMBERED = 5.0  # [s] for which two parents are told after they were seen
+SHOWN = 5  # names in a sentence, and sentences of a kind
+
+
+class Claims:
+    """TF frames that have two parents by turns; to change the parent once is no fault."""
+
+    def __init__(self) -> None:
+        # The former parent, and when [s] it was left.
+        self._left: dict[str, tuple[str, float]] = {}
+        # What is wrong, and since when [s].
+        self._claims: dict[str, tuple[str, float]] = {}
+
+    def notice(self, child: str, parent: str, known: str, now: float) -> None:
+        """Notice a transform of a frame whose ``known`` parent is another one."""
+        former, left = self._left.get(child, ('', -math.inf))
+        if former == parent and now - left < _BY_TURNS:
+            both = ' and '.join(repr(name[:80]) for name in sorted((known, parent)))
+            told = f'the TF frame {child[:80]!r} has two parents by turns, {both}: who sends them?'
+            self._claims[child] = told, now
+        self._left[child] = known, now
+
+    def told(self, now: float) -> list[str]:
+        """Return what is wrong now."""
+        claims = [told for told, heard in self._claims.values() if now - heard < _REMEMBERED]
+        return claims[:SHOWN]
+
+
+def loop_of(names: Iterable[str]) -> str:
+    """Return in words that a chain leads back to where it began."""
+    loop = ', '.join(sorted(repr(name[:80]) for name in list(names)[:SHOWN]))
+    return f'the chain of these TF frames is a loop: {loop}'
+
+
+def unlinked(
+    edges: Mapping[str, Edge],
+    followed: Iterable[tuple[FrameId, tuple[str, ...]]],
+    world_frame: str,
+) -> list[str]:
+    """Return in words which frames come by TF whose chain ends elsewhere than in the world.
+
+    ``followed`` are the frames of the scene with the TF names that each answers to.
+    """
+    ends: dict[str, str] = {world_frame: ''}
+    lost: dict[str, list[str]] = defaultdict(list)
+    for _, names in followed:
+        name = next((n for n in names if n in edges), None)
+        if name is not None and (end := _end(name, edges, ends)):
+            lost[end].append(repr(name[:80]))
+    return [
+        f'{len(names)} frames come by TF and are not posed: {some_of(names, SHOWN)}; their chain '
+        f'ends in {end[:80]!r}. Missing is a transform from the world frame {world_frame!r} to '
+        f'{end[:80]!r}; or start the node with world_frame:={end[:80]}'
+        for end, names in list(lost.items())[:SHOWN]
+    ]
+
+
+def _end(name: str, edges: Mapping[str, Edge], ends: dict[str, str]) -> str:
+    """Return where the chain of a TF frame ends; empty for the world, and for a loop."""
+    chain = []
+    while name not in ends:
+        ends[name] = ''  # of a loop, which is told elsewhere
+        chain.append(name)
+        if name not in edges:
+            ends[name] = name
+            break
+        name = edges[name].parent
+    ends |= dict.fromkeys(chain, ends[name])
+    return ends[name]
+
+
+def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
+    """Return in words which TF names are borne by frames of several sources.
+
+    Nobody follows such a name, unless TF has the name with the source too.
+    """
+    found: dict[tuple[str, ...], list[str]] = defaultdict(list)
+    for name in edges:
+        sources = [names.frame_names[f].partition('::')[0] for f in names.frames_called(name)]
+        if len(sources) > 1 and not any(f'{source}/{name}' in edges for source in sources):
+            found[tuple(sources)].append(name[:80])
+    return [
+        f'{len(shorts)} TF frames are not followed: {some_of([repr(n) for n in shorts], SHOWN)}; '
+        f'frames of the sources {" and ".join(map(repr, sources))} have these names. Where that '
+        "is one robot twice, start the node with robot_description_topic:='' or take it out of "
+        f'the scene file; where there are several, send TF as {f"{sources[0]}/{shorts[0]}"!r}'
+        for sources, shorts in list(found.items())[:SHOWN]
+    ]

@@ -1,0 +1,46 @@
+"""Who poses which frame: the last one counts, and two that do it by turns are told of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Set
+
+TF, MESSAGES = 'TF', '~/frame_poses'
+_BY_TURNS = 1.0  # [s] a frame that changes hands again that soon is not handed over
+_REMEMBERED = 5.0  # [s] for which it is told of
+
+
+class Feeders:
+    """The frames, by the value of their id, that each feeder posed last."""
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        """``now()`` [s] is of steady time."""
+        self._now = now
+        self._frames: dict[str, set[int]] = {TF: set(), MESSAGES: set()}
+        self._handed: dict[int, float] = {}  # when [s] a frame was handed over
+        self._contested: dict[int, float] = {}  # when [s] that happened by turns
+
+    def note(self, feeder: str, frames: Set[int]) -> None:
+        """Note who poses frames now."""
+        fresh = frames - self._frames[feeder]
+        if not fresh:
+            return
+        now = self._now()
+        for other, theirs in self._frames.items():
+            if other == feeder:
+                theirs |= fresh
+                continue
+            for frame in theirs & fresh:
+                if now - self._handed.get(frame, -math.inf) < _BY_TURNS:
+                    self._contested[frame] = now
+                self._handed[frame] = now
+            theirs -= fresh
+
+    def is_fed_by(self, feeder: str, frame: int) -> bool:
+        """Return whether a feeder was the last who posed a frame."""
+        return frame in self._frames[feeder]
+
+    def contested(self) -> list[int]:
+        """Return the frames that both pose by turns."""
+        now = self._now()
+        return [frame for frame, seen in self._contested.items() if now - seen < _REMEMBERED]

@@ -1,0 +1,116 @@
+"""Results with names: arrays, records, parts of them."""
+
+from types import SimpleNamespace as Some
+
+import numpy as np
+import pytest
+from ros.demo import scenes
+
+from drake_geom_ros.client.results import Penetrations, PointDistances, SignedDistances
+
+TABLE = scenes.table(version=3)
+HEADER = Some(stamp=Some(sec=12, nanosec=500_000_000))
+COMMON = {'header': HEADER, 'scene_version': 3, 'oldest_pose_age': 0.25, 'method': [1, 2, 4]}
+DISTANCES = SignedDistances(
+    Some(
+        **COMMON,
+        max_distance=0.5,
+        id_a=[1, 1, 3],
+        id_b=[3, 5, 5],
+        distance=[0.3, 0.1, 0.2],
+        error_bound=[0.0, 0.0, 0.15],
+        p_aca=np.arange(9.0),
+        p_bcb=np.arange(9.0) + 10,
+        nhat_ba_w=[0.0, 0.0, 1.0] * 3,
+    ),
+    TABLE,
+)
+
+
+def test_a_record_has_names_sources_points_and_the_certified_bound():
+    pair = DISTANCES[2]
+    assert (pair.source_a, pair.name_a) == ('right', 'hand/ball')
+    assert (pair.source_b, pair.name_b) == ('room', 'world/table')
+    assert (pair.id_a, pair.id_b, pair.distance, pair.error_bound) == (3, 5, 0.2, 0.15)
+    assert pair.lower_bound == pytest.approx(0.05)
+    assert pair.p_ACa.tolist() == [6, 7, 8]
+    assert pair.p_BCb.tolist() == [16, 17, 18]
+    assert pair.nhat_BA_W.tolist() == [0, 0, 1]
+
+
+def test_what_holds_for_all_rows():
+    assert (DISTANCES.stamp, DISTANCES.oldest_pose_age, DISTANCES.scene_version) == (12.5, 0.25, 3)
+    assert DISTANCES.max_distance == 0.5
+    np.testing.assert_allclose(DISTANCES.lower_bound, [0.3, 0.1, 0.05])
+    assert len(DISTANCES) == 3
+    assert [pair.id_b for pair in DISTANCES] == [3, 5, 5]
+    assert DISTANCES[-1].id_a == DISTANCES[1:][1].id_a == 3
+    with pytest.raises(IndexError):
+        DISTANCES[3]
+
+
+def test_the_closest_is_that_of_the_least_lower_bound():
+    assert DISTANCES.closest().id_a == 3
+    assert DISTANCES.between('nobody').closest() is None
+
+
+@pytest.mark.parametrize(
+    ('names', 'rows'),
+    [
+        (('left', 'right'), [0]),
+        (('right', 'left'), [0]),
+        (('room',), [1, 2]),
+        (('hand', 'hand'), [0]),
+        (('left', 'left'), []),
+        (('room::table', '*::hand/*'), [1, 2]),
+    ],
+)
+def test_pairs_between_two_names(names, rows):
+    found = DISTANCES.between(*names)
+    assert found.distance.tolist() == DISTANCES.distance[rows].tolist()
+    assert found.method.tolist() == DISTANCES.method[rows].tolist()
+
+
+def test_penetrations():
+    found = Penetrations(
+        Some(
+            **COMMON,
+            id_a=[1, 1, 2],
+            id_b=[3, 5, 5],
+            depth=[0.1, 0.2, 0.3],
+            error_bound=[0.0, 0.1, 0.2],
+            p_wca=np.arange(9.0),
+            p_wcb=np.arange(9.0),
+            nhat_ba_w=np.arange(9.0),
+        ),
+        TABLE,
+    )
+    (pair,) = found.between('left::arm')
+    assert (pair.name_a, pair.source_b, pair.depth, pair.error_bound) == (
+        'arm/rod',
+        'room',
+        0.3,
+        0.2,
+    )
+    assert pair.p_WCa.tolist() == pair.p_WCb.tolist() == [6, 7, 8]
+
+
+def test_points():
+    found = PointDistances(
+        Some(
+            **COMMON,
+            query_stamp=Some(sec=7, nanosec=0),
+            point_index=[0, 0, 1],
+            id_g=[1, 5, 5],
+            distance=[0.1, 0.2, 0.3],
+            error_bound=[0.0, 0.0, 0.1],
+            p_gn=np.arange(9.0),
+            grad_w=np.arange(9.0),
+        ),
+        TABLE,
+    )
+    assert found.query_stamp == 7.0
+    point = found.to('room')[1]
+    assert (point.point_index, point.source, point.name) == (1, 'room', 'world/table')
+    assert point.lower_bound == pytest.approx(0.2)
+    assert point.p_GN.tolist() == point.grad_W.tolist() == [6, 7, 8]
