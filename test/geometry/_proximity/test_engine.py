@@ -40,15 +40,22 @@ def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
 
 
 def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(monkeypatch):
-    asked, compile_rows = [], engines.compile_rows
-    monkeypatch.setattr(
-        engines, 'compile_rows', lambda rows: asked.append(1) or compile_rows(rows)
-    )
+    asked = []
+    # Not yet, each time: so those that are compiled by now are asked for, too.
+    monkeypatch.setattr(engines, 'are_compiled', lambda types, pairs: bool(asked.append(1)))
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     engine, filters = Engine(), filters_of(world)
     for level, count in (('bound', 0), ('exact', 1), ('exact', 1), ('bound', 1), ('fast', 1)):
         engine.signed_distances(world, filters, level, math.inf)
         assert len(asked) == count
+
+
+def test_who_has_all_kernels_asks_for_none(monkeypatch):
+    world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
+    filters = filters_of(world)
+    Engine().signed_distances(world, filters, 'exact', math.inf)
+    monkeypatch.setattr(engines, 'compile_rows', lambda rows: pytest.fail('asked for kernels'))
+    assert len(Engine().signed_distances(world, filters, 'exact', math.inf).ids) == 15
 
 
 def test_a_pair_in_either_order_is_the_same_with_roles_exchanged():
