@@ -33,6 +33,7 @@ Indices = NDArray[np.int64]
 # this share [-] of the farthest coordinate, of which a centre's cell is known to 2^-14 of a cell.
 LOOSE = 1.0625
 FARTHEST_CELL = 2.0**-38
+WIDEST = 1e300  # [m] cells wider than this hold every coordinate that there is, and may overflow
 STEP = 4.0  # from grid to grid
 ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
@@ -144,8 +145,8 @@ def _choose_width(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[n
         for c in range(3):
             widest = max(widest, _half(p_WGs, half_extents, paddings, g, c))
             farthest = max(farthest, abs(p_WGs[g, c]))
-        boxes.widths[k] = 2.0 * widest
-        total += 2.0 * widest
+        boxes.widths[k] = min(2.0 * widest, WIDEST)
+        total += boxes.widths[k]
     for k in range(rows.size):
         if boxes.widths[k] * rows.size <= ORDINARY * total:
             base = max(base, boxes.widths[k])

@@ -99,6 +99,15 @@ def test_neighbours_along_every_direction_are_found(touching, place):
     assert bool(pairs) == touching
 
 
+@pytest.mark.parametrize('padding', [1e290, 1e300, 8.5e307])
+def test_padded_by_any_number_all_are_found(padding):
+    rng = np.random.default_rng(5)
+    p, half, paddings = rng.normal(size=(9, 3)), np.ones((9, 3)), np.full(9, padding)
+    some, others = filled(range(4), p, half, paddings), filled(range(4, 9), p, half, paddings)
+    assert len(within(some, 9)[0]) == 6
+    assert len(between(some, others, 9)[0]) == 20
+
+
 def test_who_is_skipped_is_not_found():
     rng = np.random.default_rng(2)
     p, half = rng.uniform(-1, 1, (40, 3)), np.full((40, 3), 0.3)

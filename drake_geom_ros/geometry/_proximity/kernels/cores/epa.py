@@ -349,9 +349,10 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
             break
         closed = not settled and width - lower <= enough
         if closed or (not settled and width < best - noise):
-            # Of hulls a minimum on the way ends nothing sooner: the last one has the digits.
+            # Of polytopes, which are asked without a tolerance, a minimum on the way ends nothing
+            # sooner: the last one has the digits.
             known = Known(False, width, m, s_A, s_B, 0.0)
-            if closed or not hulls:
+            if closed or not hulls or tolerance > 0.0:
                 known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
             exact, best, n, a, b, cap = known
             if exact and dot(sub(a, b), m) > offset + noise:
