@@ -37,9 +37,7 @@ WIDEST = 1e300  # [m] cells wider than this hold every coordinate that there is,
 STEP = 4.0  # from grid to grid
 ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
-GRID = (
-    3  # column of ``cells``: the grid's number, whose cells are STEP^number times those of grid 0
-)
+GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number those of grid 0
 BODIES, GRIDS, MASK = 0, 1, 2  # of ``counts``
 # Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
 FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
@@ -213,13 +211,21 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
 
 
 @inlined
+def _put_pair(A, a, B, b, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+    """Append the pair of two boxes if they overlap, are not of one body, and b is not skipped."""
+    if not _overlap(A.bounds, a, B.bounds, b):
+        return count
+    i, j = A.rows[a], B.rows[b]
+    if i == j or (skipped.size > 0 and skipped[j]):
+        return count
+    return put_code(codes, count, i, j, n)
+
+
+@inlined
 def _among(A, a, B, first, last, skipped, n, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B from the first up to the last, without it."""
     for b in range(first, last):
-        if _overlap(A.bounds, a, B.bounds, b):
-            i, j = A.rows[a], B.rows[b]
-            if i != j and not (skipped.size > 0 and skipped[j]):
-                count = put_code(codes, count, i, j, n)
+        count = _put_pair(A, a, B, b, skipped, n, codes, count)
     return count
 
 
@@ -256,10 +262,8 @@ def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untype
     mask, bodies = B.counts[MASK], B.counts[BODIES]
     if not (x_1 - x_0 + 1.0) * (y_1 - y_0 + 1.0) * (z_1 - z_0 + 1.0) <= bodies:
         for b in range(bodies):
-            if _overlap(A.bounds, a, B.bounds, b) and B.cells[b, GRID] == grid:
-                i, j = A.rows[a], B.rows[b]
-                if i != j and not (skipped.size > 0 and skipped[j]):
-                    count = put_code(codes, count, i, j, n)
+            if B.cells[b, GRID] == grid:
+                count = _put_pair(A, a, B, b, skipped, n, codes, count)
         return count
     for y in range(int(y_0), int(y_1) + 1):
         for z in range(int(z_0), int(z_1) + 1):
