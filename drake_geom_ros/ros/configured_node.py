@@ -342,7 +342,7 @@ class ConfiguredNode:
             self._node.get_logger().info('; '.join(told))
 
     def _publish_diagnostics(self) -> None:
-        with self.live.editing() as scene:
+        with self.live.reading() as scene:
             troubles = scene.troubles()
             if self._tf is not None:
                 troubles += self._tf.troubles(scene)

@@ -29,6 +29,7 @@ from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, loop_of, shared
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
@@ -120,7 +121,7 @@ class TfInput:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
                 return
 
-    def troubles(self, scene: EditableScene) -> list[str]:
+    def troubles(self, scene: HeldScene) -> list[str]:
         """Return what is wrong with the tree of TF now, in words."""
         return [
             *self._claims.told(self._clocks.steady()),
@@ -173,7 +174,7 @@ class TfInput:
             scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF)
         return len(to_pose)
 
-    def _names_of_frames(self, scene: EditableScene) -> list[tuple[FrameId, tuple[str, ...]]]:
+    def _names_of_frames(self, scene: HeldScene) -> list[tuple[FrameId, tuple[str, ...]]]:
         """Return the frames of the scene and the TF names that each answers to."""
         if self._named_version != scene.version:
             names = scene.names
