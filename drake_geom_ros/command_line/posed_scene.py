@@ -1,6 +1,6 @@
 """A scene file made ready for questions: registered, named, every frame at its first pose."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from drake_geom_ros.command_line.pose_file import FramePose
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
@@ -39,6 +39,10 @@ class PosedScene:
     def query(self) -> QueryObject:
         """The query object of the scene as it is posed."""
         return self.scene_graph.get_query_output_port().Eval(self._context)
+
+    def compile_kernels(self, tell: Callable[[str, int, int], None]) -> list[str]:
+        """Compile what queries of the scene run: see ``SceneGraphContext.compile_kernels``."""
+        return self._context.compile_kernels(tell)
 
     def check_whole(self) -> None:
         """Raise SceneFileError, naming the frames, while some have no pose."""

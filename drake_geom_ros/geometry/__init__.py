@@ -14,6 +14,7 @@ from drake_geom_ros.geometry.collision_filter_manager import (
     FilterGroup,
     FilterStatement,
 )
+from drake_geom_ros.geometry.compilation import compile_all_kernels, kernel_cache
 from drake_geom_ros.geometry.contact_material import AddContactMaterial
 from drake_geom_ros.geometry.context import SceneGraphContext
 from drake_geom_ros.geometry.errors import (
@@ -178,8 +179,11 @@ __all__ = [
     'SurfaceMesh_',
     'SurfaceVertex_',
     'TriangleSurfaceMesh_',
-    # Ours: contexts, result sequences, levels of accuracy, what there is to know of filters,
+    # Ours: contexts, compiling, result sequences, levels of accuracy, what there is to know of
+    # filters,
     'SceneGraphContext',
+    'compile_all_kernels',
+    'kernel_cache',
     'PenetrationResults',
     'SignedDistanceResults',
     'PointDistanceResults',

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._model import Model
+from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.pose_rounding import TURN, shift_of, taken_roundings
@@ -91,13 +92,15 @@ class SceneGraphContext:
         """
         self._engine.detailed = detailed
 
-    def compile_kernels(self) -> list[str]:
+    def compile_kernels(self, tell: Tell | None = None) -> list[str]:
         """Compile what queries of this scene run, or load it from the cache; return the kernels.
 
-        Queries compile what they miss; a node does it before its first cycle.
+        Queries compile what they miss; a node does it before its first cycle, and
+        ``python -m drake_geom_ros compile`` for all scenes. ``tell(name, number, last)`` is called
+        before each part that the cache does not have.
         """
-        rehearse()
-        return self._engine.prepare(self._up_to_date_world())
+        rehearse(tell)
+        return self._engine.prepare(self._up_to_date_world(), tell)
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:
         """Pose all frames of a source, or none.

@@ -99,6 +99,10 @@ class SceneGraphNode(LifecycleNode):
         for told in unknown_parameters(self, prefix):
             self.get_logger().warning(told)
 
+    def _tell_compiling(self, name: str, number: int, last: int) -> None:
+        told = f'compiling {name} ({number} of {last}), once for this version of the package'
+        self.get_logger().info(told)
+
     def _open(self, values: NodeParameters) -> ConfiguredNode:
         """Return what a configured node has."""
         start = time.perf_counter()
@@ -116,6 +120,7 @@ class SceneGraphNode(LifecycleNode):
                 frames, geometries = scene.add(described)
             hulls = hulls_in_words(described.geometries)
             self.get_logger().info(f'loaded {frames} frames and {geometries} geometries{hulls}')
+        live.tell_compiling = self._tell_compiling
         kernels = live.compile_kernels()
         opened = ConfiguredNode(
             self,

@@ -29,6 +29,14 @@ def test_it_runs_as_a_module():
     assert row.startswith('scene::world/post,scene::ball/ball,0.35,')
 
 
+def test_what_a_scene_needs_is_compiled_beforehand():
+    done = start('compile', 'scenes/minimal.yaml')
+    assert done.returncode == 0, done.stderr
+    assert 'kernels are ready, in ' in done.stdout.splitlines()[-1]
+    again = start('compile', 'scenes/minimal.yaml')
+    assert len(again.stdout.splitlines()) == 1
+
+
 def test_a_reader_that_leaves_early_is_no_error():
     script = f'{sys.executable} -m drake_geom_ros check {SCENE} | true; echo "${{PIPESTATUS[0]}}"'
     done = subprocess.run(

@@ -4,9 +4,11 @@ import contextlib
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
+import time
 
 import pytest
 from conventions.source_tree import ROOT
@@ -18,6 +20,7 @@ make_venv() { echo venv >>"$root/calls"; mkdir -p "$venv"; }
 install_packages() { echo packages >>"$root/calls"; }
 build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
 build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
+compile_kernels() { echo kernels >>"$root/beside"; }
 """
 
 
@@ -140,6 +143,50 @@ def test_steps_run_once_and_in_order(folder):
     for _ in range(2):
         code, _, errors = shell(folder, FAKE_STEPS + 'set_up')
         assert code == 0, errors
+    assert calls(folder) == ['venv', 'packages', 'messages']
+    assert (folder / 'beside').read_text() == 'kernels\n'
+
+
+BUSY = 'compile_kernels() { echo $BASHPID >"$root/busy"; sleep 60; }\n'
+
+
+def ended(folder):
+    """Tell whether the step that is busy beside the messages has ended, or does within seconds."""
+    for _ in range(50):
+        try:
+            os.kill(int((folder / 'busy').read_text()), 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def test_kernels_are_compiled_no_longer_where_the_messages_fail(folder):
+    broken = 'build_messages() { until [[ -s $root/busy ]]; do sleep 0.1; done; false; }\n'
+    code, _, errors = shell(folder, FAKE_STEPS + BUSY + broken + 'set_up')
+    assert code == 1
+    assert "step 'messages' failed" in errors
+    assert ended(folder)
+
+
+def test_an_interrupt_ends_both_steps(folder):
+    slow = 'build_messages() { sleep 60; }\n'
+    process = start(folder, FAKE_STEPS + BUSY + slow + 'set_up')
+    while not (folder / 'busy').exists() or not (folder / 'busy').read_text():
+        assert process.poll() is None
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert 'the next ./run goes on from here' in errors
+    assert ended(folder)
+
+
+def test_kernels_that_do_not_compile_are_told(folder):
+    broken = 'compile_kernels() { echo "Error: no compiler"; false; }\n'
+    code, _, errors = shell(folder, FAKE_STEPS + broken + 'set_up')
+    assert code == 1
+    assert "step 'kernels' failed" in errors
     assert calls(folder) == ['venv', 'packages', 'messages']
 
 

@@ -273,10 +273,14 @@ def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untype
 
 
 @compiled
-def pairs_within(boxes, n, codes, count):  # type: ignore[no-untyped-def]
-    """Append the pairs of boxes that overlap to the codes; return how many there are then."""
+def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def]
+    """Append the pairs of boxes that overlap to the codes; return how many there are then.
+
+    ``nobody`` is NOBODY: as a constant it would be of another type than ``skipped`` elsewhere, and
+    everything below would be compiled twice.
+    """
     boxes = Boxes(*boxes)
-    cells, mask, nobody = boxes.cells, boxes.counts[MASK], NOBODY
+    cells, mask = boxes.cells, boxes.counts[MASK]
     for a in range(boxes.counts[BODIES]):
         x, y, z, grid = cells[a, 0], cells[a, 1], cells[a, 2], cells[a, GRID]
         # Of its own cell those that stand behind it, and the next cell.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
 from drake_geom_ros.geometry._proximity.budget import Pace
+from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.effects import Effects, Moments
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernel_table import (
@@ -100,11 +101,11 @@ class Engine:
             seconds=at.seconds(self._filter_seconds, self._cache_seconds),
         )
 
-    def prepare(self, world: World) -> list[str]:
+    def prepare(self, world: World, tell: Tell | None = None) -> list[str]:
         """Compile the kernels of the shape pairs that the world can have; return their names."""
         types = world.geometries.types
         moving = np.unique(types[~world.anchored])
-        return compile_rows(table_rows(moving[:, None], np.unique(types)[None, :]))
+        return compile_rows(table_rows(moving[:, None], np.unique(types)[None, :]), tell)
 
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""

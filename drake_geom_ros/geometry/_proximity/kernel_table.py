@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import Tell, compilation, compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import address_at_one_metre
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     address_table,
@@ -27,17 +27,18 @@ def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArra
     return rows
 
 
-def compile_rows(rows: NDArray[np.int64]) -> list[str]:
+def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]:
     """Compile the kernels of table rows that are not compiled yet; return their names."""
-    missing = rows[(rows >= 0) & ~_COMPILED[rows]]
-    if len(missing) and not ADDRESSES[AT_ONE_METRE]:
+    missing = np.unique(rows[(rows >= 0) & ~_COMPILED[rows]]).tolist()
+    if missing and not ADDRESSES[AT_ONE_METRE]:
         ADDRESSES[AT_ONE_METRE] = address_at_one_metre()
-    names: dict[str, None] = {}
-    for number in np.unique(missing).tolist():
-        ADDRESSES[number] = compiled_address(ALL_ROWS[number].load_kernel())
+    names = list(dict.fromkeys(ALL_ROWS[number].kernel for number in missing))
+    for number in missing:
+        row = ALL_ROWS[number]
+        with compilation(tell, row.kernel, names.index(row.kernel) + 1, len(names)):
+            ADDRESSES[number] = compiled_address(row.load_kernel())
         _COMPILED[number] = True
-        names[ALL_ROWS[number].kernel] = None
-    return list(names)
+    return names
 
 
 def are_compiled(types: NDArray[np.int64], pairs: NDArray[np.int64]) -> bool:

@@ -137,7 +137,7 @@ class NearList:
             count = self._settle(world, distance)
         put_in(self._boxes, self._rows[:count], *posed, self._paddings)
         n = world.geometry_count
-        others = self._resting, self._resting_codes, self._active
+        others = self._resting, self._resting_codes, self._active, NOBODY
         planes = self._planes, self._is_plane, world.anchored
         return self._whole(lambda codes: _find(self._boxes, *others, *planes, n, codes))
 
@@ -176,7 +176,7 @@ class NearList:
                 NOBODY,
                 n,
                 codes,
-                pairs_within(self._boxes, n, codes, 0),
+                pairs_within(self._boxes, NOBODY, n, codes, 0),
             )
         ).copy()
         put_in(self._resting, np.flatnonzero(resting), *posed)
@@ -288,10 +288,10 @@ def _pad(  # type: ignore[no-untyped-def]
 
 @compiled
 def _find(  # type: ignore[no-untyped-def]
-    boxes, resting, resting_codes, active, planes, is_plane, anchored, n, codes
+    boxes, resting, resting_codes, active, nobody, planes, is_plane, anchored, n, codes
 ):
     """Fill in the codes of all near pairs; return how many there are, beyond the room too."""
-    count = pairs_within(boxes, n, codes, 0)
+    count = pairs_within(boxes, nobody, n, codes, 0)
     # Who woke up since the resting ones were put into their cells is in both.
     count = pairs_between(boxes, resting, active, n, codes, count)
     for k in range(resting_codes.size):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import Tell, compilation, compiled
 from drake_geom_ros.geometry._proximity.kernel_table import compile_rows, table_rows
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     address_table,
@@ -36,15 +36,17 @@ POINT_ADDRESSES = address_table(TYPE_COUNT)
 _COMPILED: set[int] = set()
 
 
-def compile_point_kernels(types: NDArray[np.int64]) -> list[str]:
+def compile_point_kernels(types: NDArray[np.int64], tell: Tell | None = None) -> list[str]:
     """Compile what points to these shape types need; return the names of new kernels."""
     names: dict[str, None] = {}
-    for kind in set(np.unique(types).tolist()) - _COMPILED:
+    missing = sorted(set(np.unique(types).tolist()) - _COMPILED)
+    for number, kind in enumerate(missing, 1):
         name = POINT_KERNELS[kind]
-        if name == BY_PAIR_KERNEL:
-            pair = np.array([SPHERE]), np.array([kind])
-            names.update(dict.fromkeys(compile_rows(table_rows(*pair))))
-        POINT_ADDRESSES[kind] = compiled_address(load_kernel(name), POINTS_SIGNATURE)
+        with compilation(tell, name, number, len(missing)):
+            if name == BY_PAIR_KERNEL:
+                pair = np.array([SPHERE]), np.array([kind])
+                names.update(dict.fromkeys(compile_rows(table_rows(*pair))))
+            POINT_ADDRESSES[kind] = compiled_address(load_kernel(name), POINTS_SIGNATURE)
         _COMPILED.add(kind)
         names[name] = None
     return list(names)

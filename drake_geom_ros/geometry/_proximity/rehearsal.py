@@ -2,7 +2,7 @@
 
 Numba compiles a function when it is first called, and some of ours are first called in a second
 cycle, or when a body has moved far. So all of it is called once on three balls, at the level that
-needs no kernel.
+needs no kernel. ``compile_everything`` adds the kernels of all shapes.
 """
 
 from __future__ import annotations
@@ -12,17 +12,35 @@ import math
 
 import numpy as np
 
+from drake_geom_ros.geometry._proximity.compiled import Tell, compilation
 from drake_geom_ros.geometry._proximity.engine import Engine
+from drake_geom_ros.geometry._proximity.filter_log import EXCLUDE_BETWEEN
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.kernel_table import compile_rows
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, bound_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
+from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, POINT_KERNELS
+from drake_geom_ros.geometry._proximity.point_phase import compile_point_kernels
 from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 
 
-@functools.cache
-def rehearse() -> None:
+def compile_everything(tell: Tell | None = None) -> list[str]:
+    """Compile all that any scene may need, or load it from the cache; return the kernels."""
+    rehearse(tell)
+    return compile_rows(np.arange(len(ALL_ROWS)), tell) + compile_point_kernels(
+        np.array(list(POINT_KERNELS)), tell
+    )
+
+
+def rehearse(tell: Tell | None = None) -> None:
     """Run some cycles on a small world, once a process."""
+    with compilation(tell, 'what every query runs', 1, 1):
+        _rehearse()
+
+
+@functools.cache
+def _rehearse() -> None:
     count = 3
     frames = FrameTable(np.arange(1, count + 1), np.zeros(count, dtype=np.int64))
     table = GeometryTable(
@@ -38,6 +56,13 @@ def rehearse() -> None:
     world, filters, engine = World(frames, table), FilterState(), Engine()
     for key in range(1, count + 1):
         filters.add(key, key, key == 1)
+    for number in range(2):  # with one in the history the other is taken back
+        filters.apply_transient([(EXCLUDE_BETWEEN, (1,), (2,))], number)
+    filters.remove_declaration(0)
+    filters.filtered_pairs()
+    filters.explain(1, 2)
+    filters.filtered(1, 2)
+    filters.remove_declaration(1)
     rows = np.arange(1, count)
     for step in (0.1, 0.2, 0.2, 50.0):
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
@@ -49,6 +74,7 @@ def rehearse() -> None:
             engine.signed_distances(world, filters, 'bound', reach)
         engine.has_overlap(world, filters, 'bound')
         engine.candidates(world, filters, 0.0)
+    engine.point_distances(world, np.zeros((1, 3)), 0.0)
     _leave_at_bounds(world, filters)
 
 

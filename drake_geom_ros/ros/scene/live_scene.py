@@ -45,6 +45,8 @@ class LiveScene:
         self.files = FileAccess([ALL_PACKAGES])
         self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
         self.most_megabytes = math.inf  # of an answer
+        # Called with name, number and last of what has to be compiled, while queries wait for it.
+        self.tell_compiling: Callable[[str, int, int], None] | None = None
         self.world_frame = world_frame
         self._lock = threading.RLock()
         self._closed = False
@@ -86,7 +88,7 @@ class LiveScene:
 
     def compile_kernels(self) -> list[str]:
         """Compile what queries of the scene run, beside the cycle; return the kernels."""
-        return self.view().context.compile_kernels()
+        return self.view().context.compile_kernels(self.tell_compiling)
 
     def make_ready(self, change: Callable[[SceneGraph, SceneGraphContext], object]) -> None:
         """Make a change on a copy of the scene, and what queries need of the changed scene.
@@ -98,4 +100,4 @@ class LiveScene:
         with self.reading() as scene:
             context = scene.copy()
         change(SceneGraph(), context)
-        context.compile_kernels()
+        context.compile_kernels(self.tell_compiling)

@@ -39,7 +39,7 @@ def found(search, n):
 
 
 def within(boxes, n):
-    return found(lambda codes: pairs_within(boxes, n, codes, 0), n)
+    return found(lambda codes: pairs_within(boxes, NOBODY, n, codes, 0), n)
 
 
 def between(some, others, n, skipped=NOBODY):
@@ -125,7 +125,7 @@ def test_a_body_that_is_in_both_is_no_pair():
 def test_beyond_the_room_pairs_are_counted_only():
     p, half = np.zeros((30, 3)), np.ones((30, 3))
     codes = np.full(10, -1)
-    assert pairs_within(filled(range(30), p, half), 30, codes, 0) == 435
+    assert pairs_within(filled(range(30), p, half), NOBODY, 30, codes, 0) == 435
     assert (codes >= 0).all()
 
 

@@ -102,3 +102,36 @@ def test_what_others_keep_in_the_folder_stays(tmp_path):
     mine = Path(run(NUMBA_CACHE_DIR=str(tmp_path))[0])
     assert mine.parent == tmp_path / 'drake_geom_ros'
     assert all(folder.is_dir() for folder in theirs)
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_a_constant_makes_no_version_of_its_own():
+    @compiled.compiled
+    def product(x, k):
+        return x * k
+
+    @compiled.compiled
+    def several(x):
+        return product(x, 1) + product(x, k=2) + product(x, len((x, x, x)))
+
+    assert several(1.0) == 6.0
+    assert len(product.signatures) == 1
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_what_has_to_be_compiled_is_told_once_and_what_is_there_is_not():
+    @compiled.compiled
+    def double(x):
+        return x + x
+
+    @compiled.compiled
+    def quadruple(x):
+        return double(double(x))
+
+    told = []
+    for _ in range(2):
+        with compiled.compilation(lambda *what: told.append(what), 'quadruple', 3, 4):
+            assert quadruple(1.0) == 4.0
+    assert told == [('quadruple', 3, 4)]
+    with compiled.compilation(None, 'nobody is told', 1, 1):
+        assert quadruple(1) == 4

@@ -1,0 +1,42 @@
+"""``compile``: what queries run, compiled before anybody waits for it."""
+
+import argparse
+import time
+from typing import Any
+
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.geometry import compile_all_kernels, kernel_cache
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'compile',
+        help='compile what queries run, before anybody waits for it',
+        description='Compiles the kernels of all shapes, or those of one scene, into the cache '
+        'on disk: programs and nodes of this user start without compiling from then on. '
+        'NUMBA_CACHE_DIR names another folder for the cache.',
+    )
+    parser.add_argument(
+        'scene', metavar='SCENE', nargs='?', default='', help='only what this scene file needs'
+    )
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compile, tell how far it is, and return the exit code."""
+    start = time.monotonic()
+
+    def tell(name: str, number: int, last: int) -> None:
+        seconds = time.monotonic() - start
+        print(f'{seconds:5.0f} s  compiling {name} ({number} of {last})', flush=True)
+
+    if options.scene:
+        kernels = PosedScene(options.scene, options.srdf).compile_kernels(tell)
+    else:
+        kernels = compile_all_kernels(tell)
+    seconds, folder = time.monotonic() - start, kernel_cache()
+    where = f'in {folder}' if folder else 'for this process only: no cache can be written'
+    print(f'{seconds:5.0f} s  {len(kernels)} kernels are ready, {where}')
+    return 0

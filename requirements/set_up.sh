@@ -1,0 +1,265 @@
+# Sets up what the commands of `run` need, which sources this file: a virtual environment (.venv),
+# pinned packages in it, the messages (install/), and the compiled kernels (in .venv). A step is
+# done again when the hash over its inputs differs from the stamp it left when it last succeeded,
+# and only then.
+
+# ---------------------------------------------------------------------------- what is there
+
+# The prefix of a sourced ROS distribution, empty where none is. This folder's own prefixes do
+# not count: somebody may have sourced install/setup.bash.
+find_underlay() {
+  local entry
+  local -a entries
+  IFS=: read -ra entries <<<"${AMENT_PREFIX_PATH:-}"
+  for entry in ${entries[@]+"${entries[@]}"}; do
+    [[ $entry == "$root"/* || ! -f $entry/share/rclpy/package.xml ]] || { echo "$entry"; return; }
+  done
+}
+
+# "3.11.2 /usr/bin/python3" of an interpreter; -S leaves out site hooks (faster).
+describe_python() {
+  "$1" -S -c 'import sys; print("%d.%d.%d" % sys.version_info[:3], sys.base_prefix)' 2>/dev/null
+}
+
+supported() { [[ $1 =~ ^3\.1[0-3]\. ]]; }
+
+# The interpreter to set up with: PYTHON, the one .venv was made with, or what PATH offers.
+# With a ROS distribution only python3 will do, for its rclpy is built for that one.
+find_python() {
+  local candidate version candidates=(python3 python3.13 python3.12 python3.11 python3.10)
+  if [[ -n $underlay ]]; then candidates=(python3); fi
+  if [[ -n ${PYTHON:-} ]]; then
+    candidates=("$PYTHON")
+  elif [[ -z $underlay && -x $venv/bin/python ]]; then
+    candidates=("$venv/bin/python" "${candidates[@]}")
+  fi
+  for candidate in "${candidates[@]}"; do
+    version=$(describe_python "$candidate") || continue
+    supported "$version" && { command -v "$candidate"; return; }
+  done
+  fail "no Python 3.10 to 3.13 among: ${candidates[*]}.
+     Install one (sudo apt-get install -y python3 python3-venv python3-dev) or name one
+     (PYTHON=/path/to/python ./run ...)."
+}
+
+# The keys of the steps: each is a hash over all that the step's result depends on.
+compute_keys() {
+  underlay=$(find_underlay)
+  python=$(find_python)
+  venv_key=$(printf '%s\n' "$root" "$(describe_python "$python")" "$underlay" | hash)
+  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt
+    { echo "$venv_key"; cat -- *.txt; } | hash)
+  messages_key=$({
+    echo "$venv_key" "${cmake_args[@]}"
+    cd "$root"
+    cat requirements/ros*.txt requirements/build.txt
+    contents msg_defs
+  } | hash)
+  tf2_msgs_key=$({ echo "$messages_key"; cd "$root"; contents test/msg_defs; } | hash)
+}
+
+contents() { find "$1" -type f | LC_ALL=C sort | xargs sha256sum; }
+stamped() { [[ -f $1 && $(<"$1") == "$2" ]]; }
+
+up_to_date() {
+  stamped "$venv/.stamp" "$venv_key" && stamped "$venv/.stamp-packages" "$packages_key" &&
+    stamped "$prefix/.stamp" "$messages_key" && stamped "$venv/.stamp-kernels" "$packages_key"
+}
+
+# ---------------------------------------------------------------------------- the steps
+
+set_up() {
+  compute_keys
+  up_to_date && return
+  trap 'say "interrupted; the next ./run goes on from here"; exit 130' INT
+  ( # One set-up at a time in this folder: the lock is this script itself.
+    flock -n 9 || { say 'another ./run is setting up this folder; waiting for it'; flock 9; }
+    compute_keys # it may have been done meanwhile
+    up_to_date && exit
+    say "setting up in $root (once; ./run clean undoes it)"
+    [[ -z $underlay ]] || say "on top of ROS in $underlay"
+    stamped "$prefix/.stamp" "$messages_key" || check_system
+    step venv "$venv/.stamp" "$venv_key" make_venv
+    step packages "$venv/.stamp-packages" "$packages_key" install_packages
+    # Beside the messages, in a process group of its own, which ends with this shell.
+    set -m
+    step kernels "$venv/.stamp-kernels" "$packages_key" compile_kernels 9<&- &
+    set +m
+    local kernels=$!
+    trap 'kill -- "-$kernels" 2>/dev/null || true' EXIT
+    step messages "$prefix/.stamp" "$messages_key" build_messages
+    wait "$kernels"
+  ) 9<"$root/run"
+  trap - INT
+}
+
+# step NAME STAMP KEY FUNCTION: runs FUNCTION unless STAMP says that it was done for KEY.
+step() {
+  stamped "$2" "$3" && return
+  rm -f "$2"
+  logged "$1" "$4"
+  mkdir -p "${2%/*}"
+  printf '%s\n' "$3" >"$2"
+}
+
+# logged NAME FUNCTION: runs FUNCTION into a log of that name, shows that it lives, and ends
+# everything with a reason where it fails.
+logged() {
+  local name=$1 log=$logs/$1.log start=$SECONDS status=0 self=$BASHPID beat
+  mkdir -p "$logs"
+  : >"$log"
+  heartbeat "$name" "$log" "$self" 9<&- &
+  beat=$!
+  set +e
+  (
+    set -eE
+    trap 'echo "run: this failed: $BASH_COMMAND"' ERR
+    "$2"
+  ) >"$log" 2>&1 </dev/null
+  status=$?
+  set -e
+  kill "$beat" 2>/dev/null || true
+  wait "$beat" 2>/dev/null || true
+  [[ ! -t 2 ]] || printf '\r\033[K' >&2
+  if ((status)); then
+    say "step '$name' failed (exit code $status) after $((SECONDS - start)) s:"
+    { grep -iE '^(error|E:|fatal|CMake Error|run: this failed)|: error:' "$log" ||
+        tail -n 8 "$log"; } | tail -n 12 | cut -c 1-200 | sed 's/^/     /' >&2
+    fail "whole log: $log. The next ./run goes on from here."
+  fi
+  say "$name: done in $((SECONDS - start)) s"
+}
+
+# Shows that a step lives: on a terminal every second, otherwise every 15 s; ends with its parent.
+heartbeat() {
+  local name=$1 log=$2 parent=$3 start=$SECONDS next=15 seconds last
+  say "$name: started, log in ${log#"$root"/}"
+  while sleep 1 && kill -0 "$parent" 2>/dev/null; do
+    seconds=$((SECONDS - start))
+    last=$(tail -c 2000 "$log" | grep -vE '^ *$|WARNING' | tail -n 1 | cut -c 1-60) || true
+    if [[ -t 2 ]]; then
+      printf '\r\033[Krun: %s: %d s  %s' "$name" "$seconds" "$last" >&2
+    elif ((seconds >= next)); then
+      say "$name: $seconds s  $last"
+      next=$((next + 15))
+    fi
+  done
+}
+
+# What no wheel brings: a C++ compiler, Python's headers, and ensurepip.
+check_system() {
+  local short missing=()
+  short=$("$python" -S -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
+  command -v c++ >/dev/null || missing+=(g++)
+  "$python" -c 'import os, sysconfig
+raise SystemExit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))' ||
+    missing+=("$short-dev")
+  "$python" -c 'import ensurepip' 2>/dev/null || missing+=("$short-venv")
+  ((${#missing[@]})) || return 0
+  if [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null; then
+    apt_packages=("${missing[@]}")
+    logged system install_system
+  else
+    fail "missing on this machine: ${missing[*]}. Install with
+     sudo apt-get update && sudo apt-get install -y ${missing[*]}
+     (or what your system calls them), then start ./run again."
+  fi
+}
+
+install_system() {
+  export DEBIAN_FRONTEND=noninteractive
+  local wait=(-o DPkg::Lock::Timeout=300) # for another apt, on a machine that has just started
+  apt-get "${wait[@]}" update
+  apt-get "${wait[@]}" install -y --no-install-recommends "${apt_packages[@]}"
+}
+
+make_venv() {
+  # Everything below was made by or for the environment that is replaced.
+  local base
+  base=$("$python" -S -c 'import sys; print("%s/bin/python%d.%d" % (
+    sys.base_prefix, *sys.version_info[:2]))')
+  rm -rf "$venv" "$root"/build/{drake_geom,tf2}_msgs "$prefix" "$tf2_msgs"
+  # A ROS distribution's Python modules are the system's; they must stay visible.
+  "$base" -m venv ${underlay:+--system-site-packages} "$venv"
+  if [[ -n $underlay ]]; then "$venv/bin/python" -c 'import rclpy'; fi
+}
+
+install_packages() {
+  local sets=(core demo test build) arguments=() name
+  if [[ -n $underlay ]]; then
+    # What the distribution has stays as it is, in any version; only the rest is installed.
+    # Its messages are compiled against its NumPy, so a newer one beside it would break them.
+    (cd "$root/requirements"
+      "$venv/bin/python" keep_present.py "$venv" "${sets[@]/%/.txt}" lock.txt)
+    arguments=(-r "$venv/missing.txt")
+  else
+    for name in "${sets[@]}" ros ros_build; do arguments+=(-r "$root/requirements/$name.txt"); done
+  fi
+  pip_add "${arguments[@]}"
+  [[ -n $underlay ]] || { "$venv/bin/python" -m pip check; relocate_exports; }
+  # Makes package://drake_geom_ros and share look-ups find this source tree.
+  mkdir -p "$venv"/share/{drake_geom_ros,ament_index/resource_index/packages}
+  touch "$venv/share/ament_index/resource_index/packages/drake_geom_ros"
+  for name in package.xml scenes launch config; do
+    ln -sfn "$root/$name" "$venv/share/drake_geom_ros/$name"
+  done
+}
+
+# pip_add ARGUMENTS: what is there keeps its version.
+pip_add() {
+  local kept=${underlay:+$venv/present.txt}
+  "$venv/bin/python" -m pip install --disable-pip-version-check --no-input --progress-bar off \
+    -c "${kept:-$root/requirements/lock.txt}" "$@"
+}
+
+# Each peer that has a wheel for this Python and machine.
+install_peers() {
+  local name missing=()
+  for name in drake coal mujoco; do
+    pip_add --only-binary :all: -c "$root/requirements/peers.txt" "$name" || missing+=("$name")
+  done
+  ((${#missing[@]} < 3)) # all of them: not a matter of wheels
+}
+
+install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
+
+# The wheels' CMake exports name folders of the machine that built them.
+relocate_exports() {
+  local include numpy
+  include=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("include"))')
+  numpy=$("$venv/bin/python" -c 'import numpy; print(numpy.get_include())')
+  find "$venv/share" -name '*Export.cmake' -print0 | xargs -0 sed -i -E \
+    -e "s#/opt/python/[^;\"]*/site-packages/numpy/(_core|core)/include#$numpy#g" \
+    -e "s#/opt/python/[^;\"]*/include/python3\.[0-9]+#$include#g"
+}
+
+# Once, and not again with each change of a kernel: whoever edits them compiles what is used.
+compile_kernels() {
+  prepare_environment
+  python -m drake_geom_ros compile
+}
+
+build_messages() {
+  local batch=ON
+  # Which generated files may share a compilation is known for the pinned generators only.
+  [[ -z $underlay ]] || batch=OFF
+  build_interfaces msg_defs "$prefix" -DBATCH_GENERATED_CPP=$batch
+}
+
+# The messages of TF, which every distribution brings and no wheel.
+build_tf2_msgs() {
+  prepare_environment
+  if ! python -c 'import tf2_msgs.msg'; then build_interfaces test/msg_defs "$tf2_msgs"; fi
+}
+
+# build_interfaces FOLDER PREFIX [CMAKE ARGUMENTS]: builds the package in FOLDER into PREFIX.
+build_interfaces() {
+  prepare_environment
+  cd "$root"
+  # colcon would hold jobs back by the load of the whole machine.
+  MAKEFLAGS=-j$(nproc) colcon build --base-paths "$1" --install-base "${2%/*}" \
+    --event-handlers console_direct+ --cmake-args "${cmake_args[@]}" \
+    -DPython3_EXECUTABLE="$venv/bin/python" "${@:3}"
+  enter "$2"
+  python -c "import ${2##*/}.msg"
+}

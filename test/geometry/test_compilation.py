@@ -1,0 +1,59 @@
+"""Once everything is compiled, no query of any scene compiles anything."""
+
+import subprocess
+import sys
+
+from conventions.source_tree import ROOT
+
+CODE = """
+import numpy as np
+from numba.core import event
+from drake_geom_ros import geometry as g
+from drake_geom_ros.math import RigidTransform
+
+told = []
+kernels = g.compile_all_kernels(lambda *what: told.append(what))
+graph = g.SceneGraph()
+source = graph.RegisterSource('s')
+corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+mesh = g.MeshData(corners, faces)
+solid = g.ProximityProperties()
+solid.AddProperty('mesh', 'solid', True)
+shapes = [
+    g.Sphere(1), g.Box(1, 1, 1), g.Capsule(1, 1), g.Cylinder(1, 1), g.Ellipsoid(1, 2, 3),
+    g.Convex.FromMeshData(mesh), g.Mesh.FromMeshData(mesh), g.HalfSpace(),
+]
+poses = g.FramePoseVector()
+with event.install_recorder('numba:compile') as recorder:
+    for k, shape in enumerate(2 * shapes):
+        frame = graph.RegisterFrame(source, g.GeometryFrame(f'f{k}'))
+        instance = g.GeometryInstance(RigidTransform(), shape, f'g{k}')
+        properties = solid if isinstance(shape, g.Mesh) else g.ProximityProperties()
+        instance.set_proximity_properties(properties)
+        graph.RegisterGeometry(source, frame, instance)
+        poses.set_value(frame, RigidTransform([0.4 * k, 0, 0]))
+    context = graph.CreateDefaultContext()
+    graph.get_source_pose_port(source).FixValue(context, poses)
+    query = graph.get_query_output_port().Eval(context)
+    some = g.GeometrySet(graph.model_inspector().GetAllGeometryIds()[:2])
+    declared = g.CollisionFilterDeclaration().ExcludeWithin(some)
+    manager = graph.collision_filter_manager(context)
+    filters = [manager.ApplyTransient(declared) for _ in range(2)]
+    for level in g.ACCURACY_LEVELS:
+        query.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
+        query.ComputePointPairPenetration(accuracy=level, time_budget=1e-9)
+        query.HasCollisions(accuracy=level)
+    query.FindCollisionCandidates()
+    query.ComputeSignedDistanceToPoint(np.zeros((3, 3)))
+    manager.RemoveDeclaration(filters[0])
+print(len(recorder.buffer), len(kernels), len(query.ComputeSignedDistanceToPoint([0, 0, 9])))
+"""
+
+
+def test_no_query_compiles_after_everything_is_compiled():
+    done = subprocess.run([sys.executable, '-c', CODE], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    compiled, kernels, geometries = map(int, done.stdout.split())
+    assert (compiled, geometries) == (0, 16)
+    assert kernels > 20
