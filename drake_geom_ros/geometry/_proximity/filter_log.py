@@ -147,7 +147,7 @@ class FilterLog:
                 self.relate(entry._replace(origin=(_PERSISTENT, self._declared)))
             self._declared += 1
 
-    def welcome(self, key: int) -> None:
+    def register(self, key: int) -> None:
         """Make sure that nothing that was said before means a newcomer of this key."""
         if key in self._forgotten:
             self._settle()

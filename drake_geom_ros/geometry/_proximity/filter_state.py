@@ -77,7 +77,7 @@ class FilterState:
         self._bodies[slot] = _ANCHORED if anchored else frame
         self._table = None
         self.version += 1
-        self._log.welcome(key)
+        self._log.register(key)
         for name in self.groups.ignoring(UNIVERSAL):
             entry = group_relation(name, self.groups.members(name), UNIVERSAL, (key,))
             self._write(entry, BASE)

@@ -156,7 +156,7 @@ def _pose_geometries(  # type: ignore[no-untyped-def]
     p_WFs,
     frame_roundings,
     movable,
-    on,
+    frames,
     R_FGs,
     p_FGs,
     kept,
@@ -173,9 +173,9 @@ def _pose_geometries(  # type: ignore[no-untyped-def]
     """Pose the geometry on moved frames, with its bounds and travels; return how many moved."""
     count = 0
     every = moved[0]
-    for k in range(on.size if every else movable.size):
+    for k in range(frames.size if every else movable.size):
         g = k if every else movable[k]
-        f = on[g]
+        f = frames[g]
         if moved[f]:
             count += 1
             if kept[g, AT_ORIGIN] > 0.0:
@@ -213,7 +213,7 @@ def update(  # type: ignore[no-untyped-def]
     p_WFs,
     frame_roundings,
     movable,
-    on,
+    frames,
     R_FGs,
     p_FGs,
     kept,
@@ -233,15 +233,15 @@ def update(  # type: ignore[no-untyped-def]
     microsecond more, a record two and a half, and to hand a record on within makes posing 1000
     balls take 12 microseconds longer, of 80.)
     """
-    frames = _pose_frames(moved, parents, R_PFs, p_PFs, R_WFs, p_WFs, frame_roundings)
-    bodies = _pose_geometries(
+    frame_count = _pose_frames(moved, parents, R_PFs, p_PFs, R_WFs, p_WFs, frame_roundings)
+    body_count = _pose_geometries(
         revision,
         moved,
         R_WFs,
         p_WFs,
         frame_roundings,
         movable,
-        on,
+        frames,
         R_FGs,
         p_FGs,
         kept,
@@ -256,4 +256,4 @@ def update(  # type: ignore[no-untyped-def]
         travels,
     )
     moved[:] = False
-    return frames, bodies
+    return frame_count, body_count

@@ -87,7 +87,7 @@ def test_what_leaves_is_struck_and_does_not_mean_a_newcomer():
     log.push(5, [(EXCLUDE_BETWEEN, (1,), (2,)), (ALLOW_BETWEEN, (1, 2), (3,))])
     log.relate(group_relation('ghosts', (2,), 'universal', None))
     log.forget(1)
-    log.welcome(1)
+    log.register(1)
     log.declare([(EXCLUDE_WITHIN, (1, 5), ())])
     assert log.reasons(1, 5) == ['persistent declaration 1']
     assert log.reasons(1, 2) == ['group ghosts']

@@ -39,8 +39,8 @@ from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_defect
 from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_of_point
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
-    hold,
     nearby_minimum,
+    set_shares,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -120,7 +120,7 @@ def by_newton(difference, n, noise, tolerance, cutoff):
     terms, _, last, r_A, r_B = difference
     lower = -width(terms, last, r_A + r_B, n)
     if lower > cutoff:
-        hold(terms, last, n)
+        set_shares(terms, last, n)
         a, b = witness_points(difference, n)
         return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b)
     kind, n, h, _ = nearby_minimum(difference, n, noise)

@@ -60,7 +60,7 @@ INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
 
 
 @compiled
-def hold(terms, last, n):
+def set_shares(terms, last, n):
     """Set the shares of the segments at n: their ends, 0 for those at right angles."""
     for k in range(SEGMENT, last):
         d = dot(vector_in(terms, k), n)
@@ -95,7 +95,7 @@ def held_line(terms, last):
 
 
 @compiled
-def release(terms, last, e, slope):
+def free_segments(terms, last, e, slope):
     """Let held segments go to the end that lowers h against a slope along e."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
@@ -223,7 +223,7 @@ def on_face(terms, last, radius, n, flat):
     released, or ``step`` leads away from the axis of a disk.
     """
     n = face_normal(terms, last, n)
-    hold(terms, last, n)
+    set_shares(terms, last, n)
     point = add(
         held_sum(terms, last),
         add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)),
@@ -244,7 +244,7 @@ def on_face(terms, last, radius, n, flat):
 
 
 @compiled
-def slope_and_bend(terms, last, radius, n, e, f):
+def slope_and_curvature(terms, last, radius, n, e, f):
     """Return h at n, its two slopes along e and f, and its three second derivatives."""
     base = held_sum(terms, last)
     y, x_A, z_A, m11, m12, m22 = curvature(terms, AXES_A, n, e, f)
@@ -263,7 +263,7 @@ def descend(difference, n, noise):
         return Minimum(NOTHING, n, math.inf, 0.0)
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
-    hold(terms, last, n)
+    set_shares(terms, last, n)
     length = math.inf
     for _ in range(STEPS):
         e, reach, flat = held_line(terms, last)
@@ -282,10 +282,10 @@ def descend(difference, n, noise):
         else:
             e = perpendicular(n)
             f = cross(n, e)
-        h, x, z, m11, m12, m22 = slope_and_bend(terms, last, radius, n, e, f)
+        h, x, z, m11, m12, m22 = slope_and_curvature(terms, last, radius, n, e, f)
         if reach > 0.0:
             if abs(x) > reach + noise:
-                release(terms, last, e, x)
+                free_segments(terms, last, e, x)
                 continue
             if m22 <= 0.0:
                 return Minimum(NOTHING, n, h, 0.0)
@@ -341,13 +341,13 @@ def settle(difference, n):
     terms, _, last, r_A, r_B = difference
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
-    hold(terms, last, n)
+    set_shares(terms, last, n)
     e, reach, flat = held_line(terms, last)
     if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
         on_face(terms, last, r_A + r_B, n, flat)
     elif reach > 0.0:
         f = unit(cross(n, e))
-        _, x, _, _, _, _ = slope_and_bend(terms, last, r_A + r_B, cross(e, f), e, f)
+        _, x, _, _, _, _ = slope_and_curvature(terms, last, r_A + r_B, cross(e, f), e, f)
         share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
 
 
@@ -362,7 +362,7 @@ def settle_by_turns(difference, n, noise):
     terms, _, last, _, _ = difference
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
-    hold(terms, last, n)
+    set_shares(terms, last, n)
     for k in range(SEGMENT, last):
         if abs(dot(vector_in(terms, k), n)) <= noise:
             terms[k, SHARE] = 0.0

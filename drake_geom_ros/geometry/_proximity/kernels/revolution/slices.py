@@ -85,7 +85,7 @@ class Direction(NamedTuple):
 
 
 @compiled
-def largest_bends(terms, u):
+def largest_curvatures(terms, u):
     """Return (M_0, M_1) [m] about the axis u, along which all segments and disks are."""
     x = perpendicular(u)
     y = cross(u, x)
@@ -115,13 +115,13 @@ def roundest_axis(difference):
     terms, _, last, _, _ = difference
     if last > SEGMENT:
         u = scale(1.0 / terms[SEGMENT, LENGTH], vector_in(terms, SEGMENT))
-        flat, steep = largest_bends(terms, u)
+        flat, steep = largest_curvatures(terms, u)
         return u, flat, steep
     best, flat, steep = (0.0, 0.0, 1.0), math.inf, math.inf
     for axes in (AXES_A, AXES_B):
         for k in range(3):
             u = unit(vector_in(terms, axes + k))
-            there = largest_bends(terms, u)
+            there = largest_curvatures(terms, u)
             if there[0] + there[1] < flat + steep:
                 best, flat, steep = u, there[0], there[1]
     return best, flat, steep

@@ -30,7 +30,7 @@ def _with_disk(terms, axes, radius, turn):
 def test_segments_at_right_angles_are_held_at_any_size(power):
     terms, last = _terms(power * 3 * X, power * Y, -power * 2 * Z)
     tilted = np.array([2e-16, 1e-14, 1.0])
-    normals.hold(terms, last, tuple(tilted / np.linalg.norm(tilted)))
+    normals.set_shares(terms, last, tuple(tilted / np.linalg.norm(tilted)))
     assert terms[1:4, sums.SHARE].tolist() == [0.0, 1.0, -1.0]
     assert normals.held_line(terms, last) == ((1.0, 0.0, 0.0), power * 3.0, False)
     assert tuple(normals.held_sum(terms, last)) == (0.0, power, power * 2.0)
@@ -48,20 +48,20 @@ def test_held_segments_are_one_line_or_a_face():
 @pytest.mark.parametrize(('slope', 'shares'), [(0.5, [-1.0, 1.0]), (-0.5, [1.0, -1.0])])
 def test_segments_are_released_downhill(slope, shares):
     terms, last = _terms(0.1 * X, -0.2 * X)
-    normals.release(terms, last, tuple(X), slope)
+    normals.free_segments(terms, last, tuple(X), slope)
     assert terms[1:3, sums.SHARE].tolist() == shares
 
 
 def test_a_step_ends_at_its_first_kink_and_holds_all_that_kink_there():
     terms, last = _terms(0.5 * X, 2.0 * (X - Y), -0.25 * X)
     n = np.array([0.6, 0.0, 0.8])
-    normals.hold(terms, last, tuple(n))
+    normals.set_shares(terms, last, tuple(n))
     assert normals.part_before_kink(terms, last, tuple(n), (-0.5, -0.2, 0.0)) == (1.0, False)
     # n + t (-2, 1, 0): x vanishes at t = 0.3, x - y at t = 0.2.
     part, crossed = normals.part_before_kink(terms, last, tuple(n), (-2.0, 1.0, 0.0))
     assert (part, crossed) == (pytest.approx(0.2, rel=1e-15), True)
     assert terms[1:4, sums.SHARE].tolist() == [1.0, 0.0, -1.0]
-    normals.hold(terms, last, tuple(n))
+    normals.set_shares(terms, last, tuple(n))
     part, crossed = normals.part_before_kink(terms, last, tuple(n), (-2.0, -2.0, 0.0))
     assert (part, crossed) == (pytest.approx(0.3, rel=1e-15), True)
     assert terms[1:4, sums.SHARE].tolist() == [0.0, 1.0, 0.0]

@@ -42,7 +42,7 @@ def test_the_roundest_axis_is_that_of_the_least_bends(long, which):
     difference = sums.difference_of(pair)
     u, flat, steep = slices.roundest_axis(difference)
     assert abs(np.dot(u, R[which][:, long])) == pytest.approx(1.0, abs=1e-14)
-    assert (flat, steep) == tuple(slices.largest_bends(difference[0], u))
+    assert (flat, steep) == tuple(slices.largest_curvatures(difference[0], u))
 
 
 def test_the_axis_of_a_segment_is_the_roundest():
@@ -61,7 +61,7 @@ def test_a_half_plane_holds_if_its_least_less_the_bend_is_not_below(along, uniqu
     pair = _pair(0.0, 0.1, along)
     difference = sums.difference_of(pair)
     e = np.array([math.cos(2.0), math.sin(2.0), 0.0])
-    flat, least_steep = slices.largest_bends(difference[0], Z)
+    flat, least_steep = slices.largest_curvatures(difference[0], Z)
     bends = flat, max(steep, least_steep)
     t = np.linspace(-math.pi / 2, math.pi / 2, 40001)
     ns = np.outer(np.cos(t), e) + np.outer(np.sin(t), Z)
@@ -89,7 +89,7 @@ def test_the_best_is_not_compared_with_itself_in_a_cell_within_the_border(width,
     """In a wider one there may be other directions: it fails at once, as long as best is alone."""
     pair, n = _pair(0.0, 0.1), (0.0, 1.0, 0.0)
     difference, span = sums.difference_of(pair), width * circles.BORDER
-    best, bends = (n, _h(pair, n)[0], unique), slices.largest_bends(difference[0], Z)
+    best, bends = (n, _h(pair, n)[0], unique), slices.largest_curvatures(difference[0], Z)
     arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
     held, _, m = slices.slice_holds(difference, Z, n, span, bends, best, 1e-5, arcs)
     assert held == (width < 1.0 or not unique)
@@ -120,7 +120,7 @@ def test_the_low_end_of_a_half_plane_is_looked_at_at_once(side):
     e = (0.0, side, 0.0)
     h = 0.3 + 0.2 - 0.1 * side - 0.2 * 0.2 / 0.5 + 1e-6
     arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
-    bends = slices.largest_bends(difference[0], Z)
+    bends = slices.largest_curvatures(difference[0], Z)
     held, _, m = slices.slice_holds(difference, Z, e, 1e-6, bends, (X, h, True), ENOUGH, arcs)
     assert not held
     assert m == e
