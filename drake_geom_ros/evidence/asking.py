@@ -53,7 +53,7 @@ class BodyScene:
         instance.set_proximity_properties(body.properties)
         self.ids.append(self.graph.RegisterGeometry(self.source, frame, instance))
 
-    def context(self) -> SceneGraphContext:
+    def new_context(self) -> SceneGraphContext:
         """Return a context that has no earlier answers, with the bodies at their poses."""
         context = self.graph.CreateDefaultContext()
         self.pose(context, [body.pose for body in self._bodies])
@@ -66,7 +66,7 @@ class BodyScene:
 
     def asked(self, context: SceneGraphContext | None = None) -> QueryObject:
         """Return the query object of a context, of a new one unless it is given."""
-        return self.graph.get_query_output_port().Eval(context or self.context())
+        return self.graph.get_query_output_port().Eval(context or self.new_context())
 
 
 class PairScene(BodyScene):
@@ -74,7 +74,7 @@ class PairScene(BodyScene):
 
     def __init__(self, a: Body, b: Body) -> None:
         super().__init__((a, b))
-        self._context = self.context()
+        self._context = self.new_context()
         self.query = self.asked(self._context)
 
     def place(self, a: Body, b: Body) -> None:

@@ -2,6 +2,7 @@
 
 from drake_geom_ros.geometry import (
     Box,
+    FramePoseVector,
     GeometryFrame,
     GeometryInstance,
     HalfSpace,
@@ -43,3 +44,12 @@ class SmallScene:
         floor = instance('floor', HalfSpace())
         self.floor = scene_graph.RegisterAnchoredGeometry(self.room, floor)
         self.geometries = [self.ball, self.knob, self.box, self.label, self.floor]
+
+    def fix(self, context, **translations):
+        """Pose the arm's frames by name."""
+        poses = {getattr(self, name): RigidTransform(p) for name, p in translations.items()}
+        port = self.scene_graph.get_source_pose_port(self.arm)
+        port.FixValue(context, FramePoseVector(poses))
+
+    def query_of(self, context):
+        return self.scene_graph.get_query_output_port().Eval(context)

@@ -17,6 +17,14 @@ def node(tmp_path_factory, request):
 
 
 @pytest.fixture
+def clock():
+    """Return a clock that the test sets."""
+    from ros.live_scenes import Clock
+
+    return Clock()
+
+
+@pytest.fixture
 def scene(live):
     """Return the scene of a test's ``live``, held by the test's thread as long as it runs."""
     with live.editing() as scene:

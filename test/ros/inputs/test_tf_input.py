@@ -5,7 +5,7 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import Clock, live_scene
 
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
@@ -27,17 +27,9 @@ frames:
 """
 
 
-class Clock:
-    def __init__(self):
-        self.now = 1000.0
-
-    def __call__(self):
-        return self.now
-
-
 @pytest.fixture
 def clock():
-    return Clock()
+    return Clock(1000.0)
 
 
 @pytest.fixture

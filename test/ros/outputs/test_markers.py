@@ -6,7 +6,7 @@ from types import SimpleNamespace as Plain
 import numpy as np
 import pytest
 from oracles.solids import surface_of
-from ros.live_scenes import live_scene
+from ros.live_scenes import Topic, live_scene
 
 from drake_geom_ros.geometry import (
     Box,
@@ -62,21 +62,17 @@ def new_marker(**fields):
 TYPES = Plain(Marker=new_marker, MarkerArray=Plain, Point=vector)
 
 
-class Publisher:
-    """A publisher with subscribers as the test likes; keeps what RViz would show."""
+class Publisher(Topic):
+    """Keeps what RViz would show."""
 
     def __init__(self):
-        self.listeners = 1
-        self.messages = []
+        super().__init__()
         self.shown = {}
-
-    def get_subscription_count(self):
-        return self.listeners
 
     def publish(self, message):
         keys = [(m.ns, m.id) for m in message.markers]
         assert len(set(keys)) == len(keys), 'RViz refuses an array with an id twice'
-        self.messages.append(message.markers)
+        super().publish(message.markers)
         for marker in message.markers:
             if marker.action == markers.DELETE_ALL:
                 self.shown.clear()
@@ -201,11 +197,11 @@ def test_a_moving_scene_is_sent_once_and_then_what_moved(scene, publisher, drawi
     red = [m for m in publisher.shown.values() if m.color.r == 1.0]
     assert [m.color.a for m in red] == [0.5]
     drawing.publish()
-    assert {m.ns for m in publisher.messages[-1]} == {'distances', 'contacts', 'normals'}
+    assert {m.ns for m in publisher.published[-1]} == {'distances', 'contacts', 'normals'}
     X_WB = RigidTransform(RollPitchYaw(0, 0, 1.0).ToRotationMatrix(), [0.15, 0, 0])
     move(scene, 'b', X_WB)
     drawing.publish()
-    geometry = [m for m in publisher.messages[-1] if m.ns in markers.NAMESPACES.values()]
+    geometry = [m for m in publisher.published[-1] if m.ns in markers.NAMESPACES.values()]
     assert len(geometry) == 3
     assert {m.pose.position.x for m in geometry} == {0.15}
     # The ball now overlaps the capsule: witness points, a normal, and no distance.
@@ -221,16 +217,16 @@ def move(scene, frame, X_PF):
 
 def test_who_comes_late_gets_everything(publisher, drawing):
     drawing.publish()
-    whole = len(publisher.messages[-1])
+    whole = len(publisher.published[-1])
     publisher.listeners = 2
     drawing.publish()
-    assert len(publisher.messages[-1]) == whole
+    assert len(publisher.published[-1]) == whole
 
 
 def test_nothing_is_drawn_for_nobody(publisher, drawing):
     publisher.listeners = 0
     drawing.publish()
-    assert publisher.messages == []
+    assert publisher.published == []
 
 
 def test_what_is_removed_vanishes_and_ids_stay(scene, publisher, drawing):

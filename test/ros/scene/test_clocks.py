@@ -3,28 +3,19 @@
 import math
 
 import pytest
+from ros.live_scenes import Clock
 
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
 
 
-class Time:
-    """A clock that the test sets."""
-
-    def __init__(self, now):
-        self.now = now
-
-    def __call__(self):
-        return self.now
-
-
 @pytest.fixture
 def node():
-    return Time(1000.0)
+    return Clock(1000.0)
 
 
 @pytest.fixture
 def steady():
-    return Time(5.0)
+    return Clock(5.0)
 
 
 @pytest.fixture
