@@ -51,14 +51,6 @@ def test_without_a_stamp_of_ours_it_counts_from_when_the_message_came(clocks, st
     assert clocks.age(since) == 1.5
 
 
-def test_which_stamps_are_of_another_clock(clocks, node):
-    arrival = clocks.arrival()
-    strange = [939.0, 12.5, 1003.0, 1.7e9]
-    assert [s for s in (0.0, 941.0, 1000.0, 1001.0, *strange) if arrival.is_strange(s)] == strange
-    node.now = 0.0  # no message of /clock yet
-    assert not clocks.arrival().is_strange(12.5)
-
-
 def test_silence_counts_while_the_nodes_time_rests_and_its_time_while_it_runs_fast(
     clocks, node, steady
 ):
