@@ -144,9 +144,9 @@ def measure(
 def _summary(subject: Subject, records: Sequence[Measured]) -> str:
     words = []
     for r in records:
-        if r.setting == Setting(OURS, 'exact') and r.errors:
+        if r.setting == Setting(OURS, 'exact') and r.answers:
             words.append(
-                f'{r.query.replace("_", " ")} worst {r.error(1.0):.1e} m of {len(r.errors)}, '
+                f'{r.query.replace("_", " ")} worst {r.error(1.0):.1e} m of {len(r.answers)}, '
                 f'{microseconds(r.whole)} us'
             )
     return f'{subject.name}: {"; ".join(words)}'

@@ -51,7 +51,7 @@ class Scene:
 
     def _sample(self, i: int, j: int) -> Case:
         a, b = self.bodies[i], self.bodies[j]
-        phi, _ = convex.signed_distance(a.form, a.X_WG, b.form, b.X_WG)
+        phi, _ = convex.signed_distance(a, b)
         pair = known(a, b, phi, self.name)
         self._numbers[id(pair)] = i, j
         return pair

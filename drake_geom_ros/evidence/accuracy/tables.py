@@ -61,7 +61,7 @@ def write_csv(records: Sequence[Measured], path: Path) -> None:
             writer.writerow(
                 [
                     *(r.case, r.family, r.query, r.setting.library, r.setting.label),
-                    *(len(r.errors), failures, *cells),
+                    *(len(r.answers), failures, *cells),
                 ]
             )
 
@@ -71,11 +71,7 @@ def merged(records: Sequence[Measured]) -> Measured:
     first = records[0]
     one = Measured(first.family, first.family, first.query, first.setting)
     for r in records:
-        one.errors += r.errors
-        one.bounds += r.bounds
-        one.sizes += r.sizes
-        one.configurations += r.configurations
-        one.wide += r.wide
+        one.answers += r.answers
         one.verdicts += r.verdicts
     for name in ('whole', 'inside'):
         times = [t for r in records if (t := getattr(r, name)) is not None]
@@ -180,7 +176,7 @@ def _certificates(records: Sequence[Measured]) -> str:
         ratios = [ratio for r in mine for ratio in r.ratios()]
         cells = (
             level,
-            sum(len(r.errors) for r in mine),
+            sum(len(r.answers) for r in mine),
             sum(len(r.lies()) for r in mine),
             len(ratios),
             f'{np.median(ratios):.2f}' if ratios else '',
@@ -216,7 +212,7 @@ def _each_case(records: Sequence[Measured]) -> str:
         if r.setting == Setting(OURS, 'exact'):
             errors = [length(r.error(q), r.rounding()) for q in (0.5, 1.0)]
             cells = [r.case, r.query.replace('_', ' '), *errors, length(r.worst_bound(), 0.0)]
-            cells += [f'{microseconds(r.whole)} ({microseconds(r.inside)})', str(len(r.errors))]
+            cells += [f'{microseconds(r.whole)} ({microseconds(r.inside)})', str(len(r.answers))]
             rows.append(cells)
     return '## Level exact, case by case\n\n' + table(headings, rows)
 
