@@ -13,6 +13,9 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.math import RigidTransform
 
+# A file of a tetrahedron, as OBJ.
+TETRAHEDRON = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
+
 
 def instance(name, shape=None, p=(0, 0, 0), proximity=True):
     """Return a geometry, with the proximity role unless it is not wanted."""

@@ -13,7 +13,7 @@ import numpy as np
 from drake_geom_ros.evidence.accuracy.cases import QUERIES
 from drake_geom_ros.evidence.accuracy.ours import LEVELS
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.pages import table
+from drake_geom_ros.evidence.pages import table, three
 
 COLUMNS = (
     'case', 'family', 'query', 'library', 'setting', 'answers', 'failures', 'error_median',
@@ -226,7 +226,4 @@ def length(value: float, rounding: float) -> str:
 
 def microseconds(seconds: float | None) -> str:
     """Return a time in microseconds."""
-    if seconds is None:
-        return ''
-    value = 1e6 * seconds
-    return f'{value:.3g}' if value < 1000 else f'{value:.0f}'
+    return '' if seconds is None else three(1e6 * seconds)
