@@ -48,12 +48,9 @@ def node(tmp_path_factory):
     process.end()
 
 
-@pytest.fixture
-def client(node):
-    client = Client('/cell/geometry')
-    yield client
-    client.close()
-    assert node.popen.poll() is None, f'the node died:\n{node.output()}'
+@pytest.fixture(scope='module')
+def server():
+    return '/cell/geometry'
 
 
 def set_parameter(client, name, **value):

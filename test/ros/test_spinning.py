@@ -10,7 +10,7 @@ import pytest
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
-from ros.harness import environment
+from ros.harness import environment, run_python
 
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
@@ -172,14 +172,7 @@ def test_a_second_signal_ends_what_takes_too_long(second):
     ],
 )
 def test_arguments_that_are_none_are_refused_in_a_line(arguments, words):
-    done = subprocess.run(
-        [sys.executable, '-m', 'drake_geom_ros.ros.scene_graph_node', *arguments],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    done = run_python('-m', 'drake_geom_ros.ros.scene_graph_node', *arguments)
     assert done.returncode == 2
     assert 'scene_graph_node: ' in done.stderr
     assert words in done.stderr
