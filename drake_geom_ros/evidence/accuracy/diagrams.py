@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib
 from matplotlib import pyplot
 
-from drake_geom_ros.evidence.accuracy.cases import QUERIES
+from drake_geom_ros.evidence.accuracy.ours import QUERIES
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured
 from drake_geom_ros.evidence.accuracy.tables import QUERY_TITLES, by_family
 

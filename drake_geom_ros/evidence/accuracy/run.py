@@ -12,16 +12,15 @@ import numpy as np
 from drake_geom_ros.evidence.accuracy import diagrams
 from drake_geom_ros.evidence.accuracy.cases import (
     QUICK_RESOLUTIONS,
-    ShapePair,
     all_cases,
     chosen,
     in_turns,
 )
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
-from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, MeshPair, mesh_cases
+from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.evidence.accuracy.scenes import SCENES
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject, Subject
+from drake_geom_ros.evidence.accuracy.subjects import PairSubject, Subject
 from drake_geom_ros.evidence.accuracy.tables import Circumstances, microseconds, readme, write_csv
 from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.pages import description, versions
@@ -62,7 +61,7 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         say(f'kernels ready after {compiling:.0f} s, which no figure contains')
         measurement.calibrate()
         subjects: list[Subject] = [make() for make in SCENES.values() if not request.patterns]
-        subjects += [CaseSubject(case) for case in in_turns(chosen_cases)]
+        subjects += in_turns(chosen_cases)
         left_out = measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
     except KeyboardInterrupt:
         say('interrupted: what was measured until now is written')
@@ -92,14 +91,14 @@ def _command(request: Request) -> str:
     return ' '.join(words)
 
 
-def cases_of(request: Request) -> list[ShapePair | MeshPair]:
+def cases_of(request: Request) -> list[PairSubject]:
     """Return all cases that the request may choose from."""
     if request.quick:
         return [*all_cases(QUICK_RESOLUTIONS), *QUICK_CASES]
     return [*all_cases(), *mesh_cases()]
 
 
-def compile_kernels(cases: Sequence[ShapePair | MeshPair]) -> float:
+def compile_kernels(cases: Sequence[PairSubject]) -> float:
     """Compile or load all kernels that the cases need; return the seconds that this took."""
     start = time.perf_counter()
     rng = np.random.default_rng(0)

@@ -9,8 +9,14 @@ from itertools import combinations
 import numpy as np
 
 from drake_geom_ros.evidence import arms
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, SIGNED_DISTANCE
-from drake_geom_ros.evidence.accuracy.ours import LEVELS, Answer, asked_for, rows
+from drake_geom_ros.evidence.accuracy.ours import (
+    LEVELS,
+    PENETRATION,
+    SIGNED_DISTANCE,
+    Answer,
+    asked_for,
+    rows,
+)
 from drake_geom_ros.evidence.accuracy.samples import known
 from drake_geom_ros.evidence.accuracy.timed import TimedScene
 from drake_geom_ros.evidence.asking import BodyScene

@@ -9,7 +9,6 @@ import pytest
 from drake_geom_ros.evidence.accuracy import ours, run, subjects
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.run import LYING, Request
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject
 from drake_geom_ros.geometry import SignedDistanceResults
 
 
@@ -81,6 +80,6 @@ def test_what_there_is_no_time_for_is_named(said):
     measurement = Measurement(Plan(least_batches=1, turns=1), ())
     names = ('Sphere-HalfSpace', 'Sphere-Box', 'Box-Box')
     cases = [run.chosen(run.all_cases(), [name])[0] for name in names]
-    run.measure(measurement, [CaseSubject(case) for case in cases], -math.inf, said.append)
+    run.measure(measurement, cases, -math.inf, said.append)
     assert {record.case for record in measurement.records} == {'Sphere-HalfSpace'}
     assert said[-1] == 'no time was left for Sphere-Box, Box-Box: give more with --minutes'
