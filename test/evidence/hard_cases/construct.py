@@ -5,6 +5,8 @@ place B so that they are a gap g >= 0 apart along n: two parallel planes keep th
 and two of their points are no farther. So the distance is g, for any shapes and any n.
 """
 
+import itertools
+
 import numpy as np
 
 from drake_geom_ros.evidence.bodies import COUNTS, Body
@@ -13,6 +15,8 @@ from drake_geom_ros.evidence.random_bodies import box_corners, random_directions
 from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.evidence.truth import bodies as truth
 
+SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
+PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
 UNIQUE = 1e-3  # of the extent: gaps from here on have a normal worth storing
 
 
