@@ -100,7 +100,7 @@ def chosen(cases: Sequence[_S], patterns: Sequence[str]) -> list[_S]:
     return [case for case in cases if not patterns or any(fnmatch(case.name, p) for p in patterns)]
 
 
-def in_turns(cases: Sequence[_S]) -> list[_S]:
+def round_robin(cases: Sequence[_S]) -> list[_S]:
     """Return the cases so that the families take turns: a run cut short has seen all of them."""
     ranks: Counter[str] = Counter()
     ranked = []

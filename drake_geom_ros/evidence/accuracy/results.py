@@ -104,8 +104,8 @@ class Measured:
             if each.bound is not None and each.error > ROUNDING * each.size
         ]
 
-    def lies(self) -> list[str]:
-        """Return what is not as certified or promised, one sentence an answer."""
+    def violations(self) -> list[str]:
+        """Return what breaks a certificate or the promise, one sentence an answer."""
         found = []
         for error, size, configuration, bound, is_wide in self.answers:
             where = f'{self.case}, {self.query}, {self.setting.label}, {configuration}'

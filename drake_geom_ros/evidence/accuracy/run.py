@@ -14,7 +14,7 @@ from drake_geom_ros.evidence.accuracy.cases import (
     QUICK_RESOLUTIONS,
     all_cases,
     chosen,
-    in_turns,
+    round_robin,
 )
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
@@ -28,7 +28,7 @@ from drake_geom_ros.evidence.pages import description, versions
 MINUTES, QUICK_MINUTES = 9.0, 0.8  # to measure in: the rest of 10 and of 1 is to begin and to end
 # Of the share of a subject, for batches: turns, and what takes them to be made, come on top.
 BATCHES_PART = 0.35
-LYING = 1  # the exit code
+VIOLATED = 1  # the exit code
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         say(f'kernels ready after {compiling:.0f} s, which no figure contains')
         measurement.calibrate()
         subjects: list[Subject] = [make() for make in SCENES.values() if not request.patterns]
-        subjects += in_turns(chosen_cases)
+        subjects += round_robin(chosen_cases)
         left_out = measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
     except KeyboardInterrupt:
         say('interrupted: what was measured until now is written')
@@ -164,10 +164,10 @@ def write(
 
 def verdict(records: Sequence[Measured], say: Callable[[str], None]) -> int:
     """Say where certificates were wrong or wider than promised; return the exit code."""
-    lies = [lie for r in records for lie in r.lies()]
-    for lie in lies:
-        say(f'WRONG: {lie}')
-    if not lies:
+    found = [each for r in records for each in r.violations()]
+    for each in found:
+        say(f'WRONG: {each}')
+    if not found:
         count = sum(len(r.bounds) for r in records)
         say(f'all {count} certificates contain the truth and are as narrow as promised')
-    return LYING if lies else 0
+    return VIOLATED if found else 0

@@ -176,7 +176,7 @@ def _certificates(records: Sequence[Measured]) -> str:
         cells = (
             level,
             sum(len(r.answers) for r in mine),
-            sum(len(r.lies()) for r in mine),
+            sum(len(r.violations()) for r in mine),
             len(ratios),
             f'{np.median(ratios):.2f}' if ratios else '',
             f'{max(ratios):.3g}' if ratios else '',

@@ -16,7 +16,7 @@ from drake_geom_ros.evidence.truth.supports import CONVEX, HALF_SPACE, offset_be
 WITH_CLOSED_FORM = {(2, 2), (2, 3), (3, 3)}  # beside spheres and half spaces
 
 
-def support(body: Body, n: Any) -> Floats:
+def support_point(body: Body, n: Any) -> Floats:
     """Return the point of a body that is extreme along n; of a half space, along its normal."""
     if body.kind == 'HalfSpace':
         return body.p

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drake_geom_ros.evidence.accuracy.cases import all_cases, chosen, in_turns
+from drake_geom_ros.evidence.accuracy.cases import all_cases, chosen, round_robin
 from drake_geom_ros.evidence.accuracy.ours import POINTS
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
@@ -35,7 +35,7 @@ def test_an_unknown_name_is_refused_with_the_names_that_are_there():
 
 def test_families_take_turns():
     cases = all_cases()
-    ordered = in_turns(cases)
+    ordered = round_robin(cases)
     families = list(dict.fromkeys(case.family for case in cases))
     assert [case.family for case in ordered[: len(families)]] == families
     assert sorted(map(str, ordered)) == sorted(map(str, cases))

@@ -27,7 +27,7 @@ def body(kind, size, R=None, p=(0.0, 0.0, 0.0)):
 
 def apart(a, b, n, gap):
     """Return B so placed that it is `gap` from A along n."""
-    return b.at(truth.support(a, n) + gap * n - (truth.support(b, -n) - b.p))
+    return b.at(truth.support_point(a, n) + gap * n - (truth.support_point(b, -n) - b.p))
 
 
 def placing(a, b, n):
@@ -51,7 +51,7 @@ def gap_case(about, a, b, n, gap):
     known = gap > UNIQUE * (a.radius + b.radius)
     witnesses = None
     if known and (single(a, n) or single(b, -n)):
-        p_WCa = truth.support(a, n) if single(a, n) else truth.support(b, -n) - gap * n
+        p_WCa = truth.support_point(a, n) if single(a, n) else truth.support_point(b, -n) - gap * n
         witnesses = np.array([p_WCa, p_WCa + gap * n])
     normals = -np.array([n], dtype=float) if known else None
     return Case(a, b, distance, tolerance, normals, witnesses, about=about)
