@@ -85,15 +85,13 @@ class PairScene(BodyScene):
         """Return the pair's signed distance, asked for by name."""
         return self.query.signed_distance_of_pair(*self.ids, accuracy=accuracy)
 
-    def pairwise(self, max_distance: float, accuracy: str = 'exact') -> SignedDistanceResults:
+    def pairwise(self, max_distance: float) -> SignedDistanceResults:
         """Return the pairs no farther apart than a distance: this one, or none."""
-        return self.query.ComputeSignedDistancePairwiseClosestPoints(
-            max_distance, accuracy=accuracy
-        )
+        return self.query.ComputeSignedDistancePairwiseClosestPoints(max_distance)
 
-    def penetration(self, accuracy: str = 'exact') -> PenetrationResults:
+    def penetration(self) -> PenetrationResults:
         """Return the pair if it overlaps."""
-        return self.query.ComputePointPairPenetration(accuracy=accuracy)
+        return self.query.ComputePointPairPenetration()
 
     def collides(self) -> bool:
         """Return whether the pair overlaps."""

@@ -77,11 +77,11 @@ def single(one, n):
     return bool(one.kind == 'Box' and d.min() > 0.1)
 
 
-def sizes(kind, rng, scale=1.0, spread=0.5):
-    """Return sizes of a shape of about `scale`, lengths differing by up to 10^spread."""
+def sizes(kind, rng, scale=1.0):
+    """Return sizes of a shape of about `scale`, lengths differing by up to 10^0.5."""
     if kind == 'Convex':
         return hull_vertices(rng, scale)
-    return tuple((scale * 10.0 ** rng.uniform(-spread, 0.0, COUNTS[kind])).tolist())
+    return tuple((scale * 10.0 ** rng.uniform(-0.5, 0.0, COUNTS[kind])).tolist())
 
 
 def hull_vertices(rng, scale=1.0, count=10):
