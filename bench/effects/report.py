@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from bench.effects.rungs import RATE, Rung
-from drake_geom_ros.evidence.pages import table
+from drake_geom_ros.evidence.pages import table, three
 
 Result = dict[str, Any]
 STEPS = ('core', 'numba', 'scene files', 'scene', 'compile', 'first query')
@@ -77,11 +77,6 @@ def median(results: list[Result], *path: str) -> float:
         return result
 
     return statistics.median(map(value, results))
-
-
-def three(value: float) -> str:
-    """Return a number with three digits."""
-    return f'{value:.0f}' if value >= 100 else f'{value:.3g}'
 
 
 def imported(

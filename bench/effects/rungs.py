@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench.ros.scenes import two_arms
+from bench.ros.scenes import scene_text, two_arms
 from drake_geom_ros.evidence.bodies import Floats
 from drake_geom_ros.evidence.random_bodies import random_directions
 
@@ -68,12 +68,8 @@ def _grid(count: int, spacing: float) -> Floats:
 def _bodies(folder: Path, shapes: list[str], spacing: float, extra: str = '') -> None:
     """Write moving bodies of the shapes, beside what ``extra`` registers."""
     names = [f'b{k}' for k in range(len(shapes))]
-    lines = ['sources: [s]', 'frames:', *(f'- {{name: {n}, source: s}}' for n in names)]
-    lines.append('geometries:')
-    for name, shape in zip(names, shapes, strict=True):
-        lines.append(f'- {{name: g, source: s, frame: {name}, shape: {shape}}}')
     places = _grid(len(shapes), spacing)
-    _put(folder, '\n'.join(lines) + '\n' + extra, names, _swaying(places))
+    _put(folder, scene_text(names, shapes) + extra, names, _swaying(places))
 
 
 _SPHERE = '{type: sphere, radius: 0.1}'

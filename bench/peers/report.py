@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from bench.peers.scenes import SPREAD, TENTH
 from bench.peers.timing import Taken
+from drake_geom_ros.evidence.pages import three
 
 LIBRARIES = ('ours', 'pydrake', 'MuJoCo', 'python-fcl', 'Coal')
 HEADINGS = (
@@ -110,11 +111,7 @@ def _micro(seconds: float | None) -> float | None:
 
 def number(value: float | None, unit: str = '') -> str:
     """Return a number with three digits, '-' for none."""
-    if value is None:
-        return '-'
-    if value >= 100:
-        return f'{value:.0f}{unit}'
-    return f'{value:.3g}{unit}'
+    return '-' if value is None else three(value) + unit
 
 
 def text_line(row: list[str] | tuple[str, ...]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,17 +48,21 @@ def two_arms() -> Played:
     return Played(scene_file, names, poses)
 
 
+def scene_text(names: Sequence[str], shapes: Sequence[str]) -> str:
+    """Return the text of a scene file with a body on each of the frames named."""
+    lines = ['sources: [s]', 'frames:', *(f'- {{name: {name}, source: s}}' for name in names)]
+    lines.append('geometries:')
+    for name, shape in zip(names, shapes, strict=True):
+        lines.append(f'- {{name: g, source: s, frame: {name}, shape: {shape}}}')
+    return '\n'.join(lines) + '\n'
+
+
 def bodies(count: int, folder: Path) -> Played:
     """Return ``count`` bodies of five shapes in a grid, each swaying about its place."""
     random = np.random.default_rng(count)
     names = [f'b{k}' for k in range(count)]
-    lines = ['sources: [bodies]', 'frames:', *(f'- {{name: {n}, source: bodies}}' for n in names)]
-    lines.append('geometries:')
-    for k, name in enumerate(names):
-        shape = _SHAPES[k % len(_SHAPES)]
-        lines.append(f'- {{name: g, source: bodies, frame: {name}, shape: {shape}}}')
     scene_file = folder / f'{count}_bodies.yaml'
-    scene_file.write_text('\n'.join(lines) + '\n')
+    scene_file.write_text(scene_text(names, [_SHAPES[k % len(_SHAPES)] for k in range(count)]))
     side = int(np.ceil(count ** (1 / 3)))
     rest = np.empty((count, 7))
     rest[:, :3] = _SPACING * np.stack(np.unravel_index(np.arange(count), (side,) * 3), axis=1)

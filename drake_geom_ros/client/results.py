@@ -26,12 +26,8 @@ Pairs = TypeVar('Pairs', bound='_PairResults[Any]')
 
 
 @dataclass(frozen=True)
-class SignedDistance:
-    """The signed distance [m] of two geometries; ``|distance - truth| <= error_bound``.
-
-    Names are ``frame/geometry``. ``p_ACa`` and ``p_BCb`` (3,) [m] are the witnesses, each in its
-    geometry's frame, ``nhat_BA_W`` (3,) the unit normal out of B into A, in the world.
-    """
+class _Pair:
+    """Two geometries; names are ``frame/geometry``."""
 
     id_a: int
     source_a: str
@@ -39,6 +35,16 @@ class SignedDistance:
     id_b: int
     source_b: str
     name_b: str
+
+
+@dataclass(frozen=True)
+class SignedDistance(_Pair):
+    """The signed distance [m] of two geometries; ``|distance - truth| <= error_bound``.
+
+    Names are ``frame/geometry``. ``p_ACa`` and ``p_BCb`` (3,) [m] are the witnesses, each in its
+    geometry's frame, ``nhat_BA_W`` (3,) the unit normal out of B into A, in the world.
+    """
+
     distance: float
     error_bound: float
     p_ACa: Floats
@@ -52,18 +58,12 @@ class SignedDistance:
 
 
 @dataclass(frozen=True)
-class Penetration:
+class Penetration(_Pair):
     """How deep [m] two geometries overlap; ``|depth - truth| <= error_bound``.
 
     ``p_WCa`` and ``p_WCb`` (3,) [m] are the deepest points, in the world.
     """
 
-    id_a: int
-    source_a: str
-    name_a: str
-    id_b: int
-    source_b: str
-    name_b: str
     depth: float
     error_bound: float
     p_WCa: Floats
@@ -177,9 +177,8 @@ class SignedDistances(_PairResults[SignedDistance]):
         return self[int(np.argmin(self.lower_bound))] if len(self) else None
 
     def _record(self, k: int) -> SignedDistance:
-        numbers = float(self.distance[k]), float(self.error_bound[k])
-        points = self.p_ACa[k], self.p_BCb[k], self.nhat_BA_W[k]
-        return SignedDistance(*self._pair(k), *numbers, *points)
+        columns = self.distance, self.error_bound, self.p_ACa, self.p_BCb, self.nhat_BA_W
+        return SignedDistance(*self._pair(k), *_row(k, *columns))
 
 
 class Penetrations(_PairResults[Penetration]):
@@ -192,9 +191,8 @@ class Penetrations(_PairResults[Penetration]):
         self.p_WCb = self._column('p_wcb', 3)  # (n, 3) [m]
 
     def _record(self, k: int) -> Penetration:
-        numbers = float(self.depth[k]), float(self.error_bound[k])
-        points = self.p_WCa[k], self.p_WCb[k], self.nhat_BA_W[k]
-        return Penetration(*self._pair(k), *numbers, *points)
+        columns = self.depth, self.error_bound, self.p_WCa, self.p_WCb, self.nhat_BA_W
+        return Penetration(*self._pair(k), *_row(k, *columns))
 
 
 class PointDistances(Results[PointDistance]):
@@ -215,14 +213,12 @@ class PointDistances(Results[PointDistance]):
         return self._subset(np.isin(self.id, self.table.ids(name)))
 
     def _record(self, k: int) -> PointDistance:
-        geometry = self.table[self.id[k]]
-        return PointDistance(
-            int(self.point_index[k]),
-            geometry.id,
-            geometry.source,
-            geometry.short_name,
-            float(self.distance[k]),
-            float(self.error_bound[k]),
-            self.p_GN[k],
-            self.grad_W[k],
-        )
+        g = self.table[self.id[k]]
+        columns = self.distance, self.error_bound, self.p_GN, self.grad_W
+        index = int(self.point_index[k])
+        return PointDistance(index, g.id, g.source, g.short_name, *_row(k, *columns))
+
+
+def _row(k: int, *columns: NDArray[Any]) -> list[Any]:
+    """Return row ``k`` of columns, numbers as those of Python."""
+    return [column[k] if column.ndim > 1 else column[k].item() for column in columns]

@@ -11,7 +11,7 @@ from collections.abc import Callable
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
-def ends_with_parent(number: int = signal.SIGTERM) -> Callable[[], None] | None:
+def ends_with_parent() -> Callable[[], None] | None:
     """Return a ``preexec_fn`` of Popen: the child gets a signal when its parent dies, however.
 
     The kernel sends it, so that a parent killed by SIGKILL counts too, and it outlasts ``exec``.
@@ -25,9 +25,9 @@ def ends_with_parent(number: int = signal.SIGTERM) -> Callable[[], None] | None:
     parent = os.getpid()
 
     def bind() -> None:
-        if prctl(_PR_SET_PDEATHSIG, int(number), 0, 0, 0):
+        if prctl(_PR_SET_PDEATHSIG, int(signal.SIGTERM), 0, 0, 0):
             raise OSError(ctypes.get_errno(), 'prctl')
         if os.getppid() != parent:  # it died before it was asked for
-            os.kill(os.getpid(), number)
+            os.kill(os.getpid(), signal.SIGTERM)
 
     return bind

@@ -53,7 +53,7 @@ class BodyScene:
         instance.set_proximity_properties(body.properties)
         self.ids.append(self.graph.RegisterGeometry(self.source, frame, instance))
 
-    def context(self) -> SceneGraphContext:
+    def new_context(self) -> SceneGraphContext:
         """Return a context that has no earlier answers, with the bodies at their poses."""
         context = self.graph.CreateDefaultContext()
         self.pose(context, [body.pose for body in self._bodies])
@@ -66,7 +66,7 @@ class BodyScene:
 
     def asked(self, context: SceneGraphContext | None = None) -> QueryObject:
         """Return the query object of a context, of a new one unless it is given."""
-        return self.graph.get_query_output_port().Eval(context or self.context())
+        return self.graph.get_query_output_port().Eval(context or self.new_context())
 
 
 class PairScene(BodyScene):
@@ -74,7 +74,7 @@ class PairScene(BodyScene):
 
     def __init__(self, a: Body, b: Body) -> None:
         super().__init__((a, b))
-        self._context = self.context()
+        self._context = self.new_context()
         self.query = self.asked(self._context)
 
     def place(self, a: Body, b: Body) -> None:
@@ -85,15 +85,13 @@ class PairScene(BodyScene):
         """Return the pair's signed distance, asked for by name."""
         return self.query.signed_distance_of_pair(*self.ids, accuracy=accuracy)
 
-    def pairwise(self, max_distance: float, accuracy: str = 'exact') -> SignedDistanceResults:
+    def pairwise(self, max_distance: float) -> SignedDistanceResults:
         """Return the pairs no farther apart than a distance: this one, or none."""
-        return self.query.ComputeSignedDistancePairwiseClosestPoints(
-            max_distance, accuracy=accuracy
-        )
+        return self.query.ComputeSignedDistancePairwiseClosestPoints(max_distance)
 
-    def penetration(self, accuracy: str = 'exact') -> PenetrationResults:
+    def penetration(self) -> PenetrationResults:
         """Return the pair if it overlaps."""
-        return self.query.ComputePointPairPenetration(accuracy=accuracy)
+        return self.query.ComputePointPairPenetration()
 
     def collides(self) -> bool:
         """Return whether the pair overlaps."""

@@ -23,6 +23,11 @@ def table(
     return ''.join(f'| {" | ".join(map(str, line))} |\n' for line in lines)
 
 
+def three(value: float) -> str:
+    """Return a number in three digits, of a large one all before the point."""
+    return f'{value:.0f}' if value >= 100 else f'{value:.3g}'
+
+
 def description() -> str:
     """Return the processor's model, the number of cores and the system, in one line."""
     return f'{processor()}, {os.cpu_count()} cores, {platform.system()} {platform.machine()}'

@@ -1,4 +1,4 @@
-"""Random directions, rotations, shapes and poses: ordinary ones, and such as solvers fail on."""
+"""Directions, rotations, shapes and poses: even, random, and such as solvers fail on."""
 
 from __future__ import annotations
 
@@ -12,6 +12,14 @@ def random_directions(rng: np.random.Generator, count: int) -> Floats:
     """Return unit vectors (count, 3): of a ball the vertices of a hull of as many."""
     directions = rng.normal(size=(count, 3))
     return directions / np.linalg.norm(directions, axis=1)[:, None]
+
+
+def even_directions(count: int) -> Floats:
+    """Return unit vectors (count, 3) that lie evenly: a Fibonacci spiral."""
+    k = np.arange(count) + 0.5
+    z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + 5.0**0.5) * k
+    rho = np.sqrt(1.0 - z * z)
+    return np.column_stack([rho * np.cos(turn), rho * np.sin(turn), z])
 
 
 def random_rotations(rng: np.random.Generator, count: int) -> Floats:

@@ -18,7 +18,7 @@ from drake_geom_ros.evidence.truth.meshes import point_distance
 from drake_geom_ros.evidence.truth.supports import CONVEX
 
 
-def reach_of(form: Form, d: Floats) -> float:
+def support_value_of(form: Form, d: Floats) -> float:
     """Return the support value [m] of a shape along a unit vector d in its frame."""
     kind, s = form
     if kind == SPHERE:
@@ -36,9 +36,9 @@ def reach_of(form: Form, d: Floats) -> float:
     return 0.0 if np.linalg.norm(d - [0.0, 0.0, 1.0]) <= ALIGNED else math.inf
 
 
-def reach(body: Body, n: Floats) -> float:
+def support_value(body: Body, n: Floats) -> float:
     """Return the support value [m] of a body along a unit vector, from its origin."""
-    return reach_of(body.form, body.R.T @ n)
+    return support_value_of(body.form, body.R.T @ n)
 
 
 def width(a: Body, b: Body, nhat_BA_W: Floats) -> float:
@@ -46,7 +46,9 @@ def width(a: Body, b: Body, nhat_BA_W: Floats) -> float:
 
     Of a Solid they are those of its hull.
     """
-    return float((a.p - b.p) @ nhat_BA_W) - reach(a, -nhat_BA_W) - reach(b, nhat_BA_W)
+    return (
+        float((a.p - b.p) @ nhat_BA_W) - support_value(a, -nhat_BA_W) - support_value(b, nhat_BA_W)
+    )
 
 
 def height_of(form: Form, q: Floats) -> float:

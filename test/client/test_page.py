@@ -1,11 +1,9 @@
 """docs/client.md: its script prints what it says, and its names are there."""
 
 import re
-import subprocess
-import sys
 
 from conventions.source_tree import ROOT
-from ros.harness import environment, start_node
+from ros.harness import run_python, start_node
 
 from drake_geom_ros import client
 
@@ -16,14 +14,7 @@ def test_the_script_prints_what_is_shown(tmp_path):
     script, shown = re.search(r'```python\n(.*?)```\n\n```\n(.*?)```', TEXT, re.S).groups()
     node = start_node(tmp_path / 'log', scene_file='scenes/minimal.yaml')
     try:
-        done = subprocess.run(
-            [sys.executable, '-c', script],
-            env=environment(),
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
+        done = run_python('-c', script)
     finally:
         node.end()
     assert done.returncode == 0, done.stderr

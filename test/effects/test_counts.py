@@ -4,51 +4,39 @@ import dataclasses
 
 import numpy as np
 import pytest
+from oracles.shape_scene import ShapeScene
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (
     Box,
     CollisionFilterDeclaration,
     Ellipsoid,
     FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
     GeometrySet,
     IllustrationProperties,
     PerceptionProperties,
     ProximityProperties,
-    SceneGraph,
     Sphere,
 )
 from drake_geom_ros.geometry._proximity import kernel_table
-from drake_geom_ros.math import RigidTransform
 
 BODIES = 12
 
 
-class Scene:
+class Scene(ShapeScene):
     """Bodies of three shapes on a line, each on a frame of its own, and what is put beside."""
 
     def __init__(self, extra=()):
-        self.graph = SceneGraph()
-        self.source = self.graph.RegisterSource('s')
-        shapes = (Sphere(0.2), Box(0.3, 0.3, 0.3), Ellipsoid(0.1, 0.2, 0.3))
-        self.frames, self.geometries = [], []
-        for k in range(BODIES):
-            frame = self.graph.RegisterFrame(self.source, GeometryFrame(f'f{k}'))
-            body = self.add(frame, shapes[k % 3], 'body', ProximityProperties())
-            self.frames.append(frame)
-            self.geometries.append(body)
+        shapes = Sphere(0.2), Box(0.3, 0.3, 0.3), Ellipsoid(0.1, 0.2, 0.3)
+        super().__init__(*shapes * (BODIES // 3))
+        for frame in self.frames:
             for number, properties in enumerate(extra):
-                self.add(frame, Box(9, 9, 9), f'extra_{number}', properties)
+                body = instance(f'extra_{number}', Box(9, 9, 9), proximity=False)
+                body = self.graph.RegisterGeometry(self.source, frame, body)
+                if properties is not None:
+                    self.graph.AssignRole(self.source, body, properties)
         self.context = self.graph.CreateDefaultContext()
-        self.query = self.graph.get_query_output_port().Eval(self.context)
-
-    def add(self, frame, shape, name, properties):
-        instance = GeometryInstance(RigidTransform(), shape, name)
-        geometry = self.graph.RegisterGeometry(self.source, frame, instance)
-        if properties is not None:
-            self.graph.AssignRole(self.source, geometry, properties)
-        return geometry
+        self.query = self.asked(self.context)
 
     def cycle(self, offsets, query):
         """Pose the bodies in a row, each off its place by an offset [m], and ask."""
@@ -122,7 +110,7 @@ def test_pairs_that_rest_are_not_computed_again(query):
 def test_a_filtered_pair_reaches_no_kernel_and_compiles_none(monkeypatch):
     """Boxes against ellipsoids are filtered: their kernel is not even loaded."""
     scene = Scene()
-    boxes, ellipsoids = scene.geometries[1::3], scene.geometries[2::3]
+    boxes, ellipsoids = scene.ids[1::3], scene.ids[2::3]
     apart = CollisionFilterDeclaration()
     apart.ExcludeBetween(GeometrySet(boxes), GeometrySet(ellipsoids))
     apart.ExcludeWithin(GeometrySet(ellipsoids))

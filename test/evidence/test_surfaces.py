@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from evidence.hard_cases.construct import turned, unit
 
-from drake_geom_ros.evidence.surfaces import height, reach, width
+from drake_geom_ros.evidence.surfaces import height, support_value, width
 from drake_geom_ros.evidence.truth import bodies as truth
 from drake_geom_ros.evidence.truth import closed_forms
 
@@ -16,8 +16,8 @@ def test_reach_and_height_of_the_extreme_point(kind):
     rng = np.random.default_rng(1)
     for _ in range(20):
         one, n = turned(rng, kind), unit(rng.normal(size=3))
-        p = truth.support(one, n)
-        assert reach(one, n) == pytest.approx((p - one.p) @ n, abs=1e-14)
+        p = truth.support_point(one, n)
+        assert support_value(one, n) == pytest.approx((p - one.p) @ n, abs=1e-14)
         assert height(one, p) == pytest.approx(0.0, abs=1e-14)
         # Before a corner of a hull, or a strong curve, the height is that over one plane.
         assert 1e-4 < height(one, p + 1e-3 * n) < 1.2e-3
@@ -31,8 +31,8 @@ def test_reach_and_height_of_the_extreme_point(kind):
 
 def test_a_half_space_reaches_along_its_normal_only():
     plane = turned(np.random.default_rng(2), 'HalfSpace')
-    assert reach(plane, plane.R[:, 2]) == 0.0
-    assert reach(plane, plane.R[:, 0]) == np.inf
+    assert support_value(plane, plane.R[:, 2]) == 0.0
+    assert support_value(plane, plane.R[:, 0]) == np.inf
     assert height(plane, plane.p - 2.0 * plane.R[:, 2]) == pytest.approx(-2.0)
 
 
@@ -41,5 +41,5 @@ def test_the_width_of_a_pair():
     for _ in range(20):
         a, b = turned(rng, 'Box'), turned(rng, 'Ellipsoid')
         n = unit(rng.normal(size=3))
-        apart = truth.support(a, -n) - truth.support(b, n)
+        apart = truth.support_point(a, -n) - truth.support_point(b, n)
         assert width(a, b, n) == pytest.approx(apart @ n, abs=1e-14)

@@ -1,16 +1,15 @@
 from types import SimpleNamespace
 
 import pytest
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry.collision_filter_declaration import CollisionFilterDeclaration
 from drake_geom_ros.geometry.collision_filter_manager import FilterGroup, FilterStatement
 from drake_geom_ros.geometry.geometry_set import GeometrySet
 from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId
-from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.instances import GeometryFrame
 from drake_geom_ros.geometry.properties import ProximityProperties, Role
 from drake_geom_ros.geometry.scene_graph import SceneGraph
-from drake_geom_ros.geometry.shapes import Sphere
-from drake_geom_ros.math import RigidTransform
 
 Declare = CollisionFilterDeclaration
 
@@ -22,10 +21,7 @@ def make_scene():
     world = scene_graph.world_frame_id()
 
     def register(frame, name, proximity=True):
-        instance = GeometryInstance(RigidTransform(), Sphere(1.0), name)
-        if proximity:
-            instance.set_proximity_properties(ProximityProperties())
-        return scene_graph.RegisterGeometry(source, frame, instance)
+        return scene_graph.RegisterGeometry(source, frame, instance(name, proximity=proximity))
 
     frames = [scene_graph.RegisterFrame(source, GeometryFrame(f'link{k}')) for k in range(2)]
     return SimpleNamespace(

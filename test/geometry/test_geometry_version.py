@@ -3,6 +3,7 @@
 import copy
 
 import pytest
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -34,9 +35,7 @@ class Scene:
         self.graph.AssignRole(self.source, self.ball, IllustrationProperties())
 
     def register(self, name, proximity=True):
-        ball = GeometryInstance(RigidTransform(), Sphere(1), name)
-        if proximity:
-            ball.set_proximity_properties(ProximityProperties())
+        ball = instance(name, proximity=proximity)
         return self.graph.RegisterGeometry(self.source, self.frame, ball)
 
     def version(self):

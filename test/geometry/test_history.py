@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import config
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
@@ -15,11 +16,7 @@ from drake_geom_ros.geometry import (
     Cylinder,
     Ellipsoid,
     FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
     HalfSpace,
-    ProximityProperties,
-    SceneGraph,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
@@ -32,31 +29,14 @@ CUTOFFS = (-math.inf, -0.2, -0.05, -1e-3, 0.0, 0.02, 0.3, math.inf)
 EXAMPLES = 15 if config.DISABLE_JIT else 150
 
 
-def scene():
-    """Return the scene graph, and its frames: some shapes, of which the first is a floor."""
-    graph = SceneGraph()
-    source = graph.RegisterSource('s')
-    frames = []
-    for k, shape in enumerate((HalfSpace(), *SHAPES)):
-        frame = graph.world_frame_id()
-        if k:
-            frame = graph.RegisterFrame(source, GeometryFrame(f'f{k}'))
-            frames.append(frame)
-        X_FG = RigidTransform() if k else RigidTransform([0.0, 0.0, -0.2])
-        instance = GeometryInstance(X_FG, shape, 'g')
-        instance.set_proximity_properties(ProximityProperties())
-        graph.RegisterGeometry(source, frame, instance)
-    return graph, frames
-
-
-GRAPH, FRAMES = scene()
+SCENE = ShapeScene(*SHAPES, anchored=[(HalfSpace(), RigidTransform([0.0, 0.0, -0.2]))])
 
 
 def query_of(X_PFs):
     """Return a context with these poses, and its query object."""
-    context = GRAPH.CreateDefaultContext()
-    context.UpdateFramePoses(FramePoseVector(dict(zip(FRAMES, X_PFs, strict=True))))
-    return context, GRAPH.get_query_output_port().Eval(context)
+    context = SCENE.graph.CreateDefaultContext()
+    SCENE.pose(context, X_PFs)
+    return context, SCENE.asked(context)
 
 
 def random_poses(seed):
@@ -64,7 +44,7 @@ def random_poses(seed):
     rng = np.random.default_rng(seed)
     return [
         RigidTransform(RollPitchYaw(*rng.uniform(-3, 3, 3)), rng.uniform(-0.2, 0.2, 3))
-        for _ in FRAMES
+        for _ in SCENE.frames
     ]
 
 
@@ -75,7 +55,7 @@ questions = st.tuples(
 )
 # A pose counts from the first ones: to rest, to move a little, and to come back, happens too.
 moves = st.tuples(
-    st.just('move'), st.integers(0, len(FRAMES) - 1), st.sampled_from((0.0, 1e-4, 0.02, 0.4))
+    st.just('move'), st.integers(0, len(SCENE.frames) - 1), st.sampled_from((0.0, 1e-4, 0.02, 0.4))
 )
 lives = st.tuples(st.integers(0, 50), st.lists(st.one_of(questions, moves), max_size=12))
 
@@ -139,7 +119,7 @@ def test_a_fresh_context_answers_the_same(life, last):
         if event[0] == 'move':
             _, k, step = event
             X_PFs[k] = starts[k] @ RigidTransform(RollPitchYaw(step, 0, 0), [step, 0, -step])
-            context.UpdateFramePoses(FramePoseVector({FRAMES[k]: X_PFs[k]}))
+            context.UpdateFramePoses(FramePoseVector({SCENE.frames[k]: X_PFs[k]}))
         else:
             ask(event, query, query_of(X_PFs)[1])
 
@@ -160,7 +140,7 @@ def test_a_cutoff_below_zero_gives_the_pairs_that_deep_and_no_others(cutoff, bef
 
 
 def test_two_spheres_deep_in_each_other_are_found_first_thing():
-    X_PFs = [RigidTransform([5.0 * k, 0.0, 5.0]) for k in range(len(FRAMES))]
+    X_PFs = [RigidTransform([5.0 * k, 0.0, 5.0]) for k in range(len(SCENE.frames))]
     X_PFs[1] = RigidTransform([0.1, 0.0, 5.0])
     found = query_of(X_PFs)[1].ComputeSignedDistancePairwiseClosestPoints(-0.05)
     assert found.distance.tolist() == [pytest.approx(-0.1)]

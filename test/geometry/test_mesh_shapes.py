@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.small_scene import TETRAHEDRON
 
 from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry import (
@@ -19,14 +20,13 @@ from drake_geom_ros.geometry import (
 
 CUBE = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 CORNER = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
-OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
-IN_MEMORY = InMemoryMesh(mesh_file=MemoryFile(OBJ, '.obj', 'corner'))
+IN_MEMORY = InMemoryMesh(mesh_file=MemoryFile(TETRAHEDRON, '.obj', 'corner'))
 
 
 @pytest.mark.parametrize('kind', [Convex, Mesh])
 def test_a_mesh_in_memory_is_the_mesh_in_a_file(kind, tmp_path):
     path = tmp_path / 'corner.obj'
-    path.write_text(OBJ)
+    path.write_text(TETRAHEDRON)
     on_disk = kind(path, scale=2)
     for shape in (
         kind(mesh_data=IN_MEMORY, scale=2),
@@ -135,7 +135,7 @@ def test_hulls_that_there_are_none():
 
 
 def test_a_mesh_in_memory():
-    other = InMemoryMesh(mesh_file=MemoryFile(OBJ, '.obj', 'corner'), supporting_files={})
+    other = InMemoryMesh(mesh_file=MemoryFile(TETRAHEDRON, '.obj', 'corner'), supporting_files={})
     assert other == IN_MEMORY
     assert hash(other) == hash(IN_MEMORY)
     assert InMemoryMesh().mesh_file == MemoryFile()

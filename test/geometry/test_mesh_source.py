@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     Box,
     Convex,
-    FramePoseVector,
     GeometryError,
-    GeometryFrame,
     GeometryInstance,
     HalfSpace,
     Mesh,
@@ -82,21 +81,6 @@ def test_a_file_that_is_no_body_is_refused_and_changes_nothing(tmp_path, text, w
     assert scene_graph.CreateDefaultContext() is not None
 
 
-def query(shapes, poses):
-    """Return a query object of shapes, each on a frame of its own."""
-    scene_graph = SceneGraph()
-    source = scene_graph.RegisterSource('s')
-    frames = []
-    for k, shape in enumerate(shapes):
-        frames.append(scene_graph.RegisterFrame(source, GeometryFrame(f'f{k}')))
-        instance = GeometryInstance(RigidTransform(), shape, 'g')
-        geometry = scene_graph.RegisterGeometry(source, frames[-1], instance)
-        scene_graph.AssignRole(source, geometry, ProximityProperties())
-    context = scene_graph.CreateDefaultContext()
-    context.UpdateFramePoses(FramePoseVector(dict(zip(frames, poses, strict=True))))
-    return scene_graph.get_query_output_port().Eval(context)
-
-
 def test_many_meshes_are_read_once_each(tmp_path, monkeypatch):
     """More than any cache of meshes holds; then the scene changes again and again."""
     read = []
@@ -130,14 +114,14 @@ def test_many_meshes_are_read_once_each(tmp_path, monkeypatch):
 def test_a_cube_from_a_file_answers_as_a_box(cube, kind, other, height):
     tilted = RigidTransform(RollPitchYaw(0.3, 0.5, 0.7), [0.1, -0.2, height])
     poses = [RigidTransform(), tilted]
-    (mesh,) = query([other, kind(cube)], poses).ComputeSignedDistancePairwiseClosestPoints()
-    (box,) = query([other, Box(2, 2, 2)], poses).ComputeSignedDistancePairwiseClosestPoints()
+    mesh = ShapeScene(other, kind(cube)).pair(*poses)
+    box = ShapeScene(other, Box(2, 2, 2)).pair(*poses)
     assert mesh.distance == pytest.approx(box.distance, abs=1e-13)
     np.testing.assert_allclose(mesh.nhat_BA_W, box.nhat_BA_W, atol=1e-9)
 
 
 def test_a_sphere_in_the_middle_of_a_cube_mesh_is_inside(cube):
-    pair = query([Mesh(cube, 0.5), Sphere(0.1)], [RigidTransform()] * 2)
+    pair = ShapeScene(Mesh(cube, 0.5), Sphere(0.1)).posed([0, 0, 0], [0, 0, 0]).query
     (contact,) = pair.ComputePointPairPenetration()
     assert contact.depth == pytest.approx(0.6, abs=1e-13)
     points = pair.ComputeSignedDistanceToPoint([0.0, 0.0, 0.45])
@@ -153,9 +137,8 @@ def test_a_mesh_of_numbers_answers_as_its_file(cube, kind):
     assert 'FromMeshData' in repr(numbers)
     with pytest.raises(GeometryError, match='mesh_data'):
         numbers.filename()
-    poses = [RigidTransform(), RigidTransform([0.3, 0.1, 2.0])]
     distances = [
-        query([shape, Sphere(0.3)], poses).ComputeSignedDistancePairwiseClosestPoints()[0].distance
+        ShapeScene(shape, Sphere(0.3)).pair([0, 0, 0], [0.3, 0.1, 2.0]).distance
         for shape in (numbers, kind(cube, 0.5))
     ]
     assert distances[0] == pytest.approx(distances[1], abs=1e-14)

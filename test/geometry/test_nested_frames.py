@@ -28,7 +28,7 @@ LEVELS = ('bound', 'fast', 'exact')
 class Chain:
     """A ball at the end of a chain of frames, and another shape that is anchored at ``p_WB``."""
 
-    def __init__(self, poses, shape, p_WB, X_FG=None, other=PROBE):
+    def __init__(self, poses, shape, p_WB, X_FG=None):
         self.scene = scene = SceneGraph()
         source, frames = scene.RegisterSource('chain'), []
         for k in range(len(poses)):
@@ -37,7 +37,7 @@ class Chain:
         self.body = instance('body', shape)
         self.body.set_pose(RigidTransform() if X_FG is None else RigidTransform.FromArray(X_FG))
         self.body = scene.RegisterGeometry(source, frames[-1], self.body)
-        scene.RegisterAnchoredGeometry(source, instance('other', other, p_WB))
+        scene.RegisterAnchoredGeometry(source, instance('other', PROBE, p_WB))
         self.context = scene.CreateDefaultContext()
         self.context.UpdateFramePoses(FramePoseVector.FromArrays(frames, np.array(poses)))
         self.query = scene.get_query_output_port().Eval(self.context)
@@ -81,30 +81,24 @@ CHAINS = {
 }
 
 
+# A shape, and the distance of the point ``p_WB`` from it.
+SHAPES = {
+    'ball': (Sphere(0.5), lambda chain: length(chain.p_WG - chain.p_WB) - 0.5),
+    # Of a box the rotation counts too.
+    'box': (Box(*(2 * HALF)), lambda chain: box_distance(HALF, chain.position(chain.p_WB))),
+}
+
+
+@pytest.mark.parametrize('shape', SHAPES)
 @pytest.mark.parametrize('name', CHAINS)
-def test_distances_of_a_ball_hold(name):
+def test_distances_hold(name, shape):
+    shape, distance_of = SHAPES[shape]
     for seed in range(3 if 'thousand' in name else 12):
         rng = np.random.default_rng(seed)
         poses = CHAINS[name](rng)
         near = np.array([float(x) for x in composed(poses)[1]]) + rng.normal(size=3)
-        chain = Chain(poses, Sphere(0.5), near)
-        truth = length(chain.p_WG - chain.p_WB) - RADIUS - 0.5
-        for level in LEVELS:
-            answer = chain.pair(level)
-            assert abs(answer.distance - truth) <= answer.error_bound
-        answer = chain.to_point(near)
-        assert abs(answer.distance - truth - RADIUS) <= answer.error_bound
-
-
-@pytest.mark.parametrize('name', CHAINS)
-def test_distances_of_a_box_hold(name):
-    # Of a box the rotation counts too.
-    for seed in range(2 if 'thousand' in name else 12):
-        rng = np.random.default_rng(seed)
-        poses = CHAINS[name](rng)
-        near = np.array([float(x) for x in composed(poses)[1]]) + rng.normal(size=3)
-        chain = Chain(poses, Box(*(2 * HALF)), near)
-        truth = box_distance(HALF, chain.position(chain.p_WB))
+        chain = Chain(poses, shape, near)
+        truth = distance_of(chain)
         for level in LEVELS:
             answer = chain.pair(level)
             assert abs(answer.distance - truth + RADIUS) <= answer.error_bound

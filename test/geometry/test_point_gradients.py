@@ -4,15 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     Box,
     Cylinder,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
-    ProximityProperties,
-    SceneGraph,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
@@ -28,16 +24,7 @@ BEYOND = 1e-9  # [m] more than rounding, within 1 m
 
 def asked(shape, X_WG, p_GQs):
     """Return distances (n,), gradients (n, 3) in G, and which are unique (n,), at points of G."""
-    scene = SceneGraph()
-    source = scene.RegisterSource('s')
-    frame = scene.RegisterFrame(source, GeometryFrame('f'))
-    instance = GeometryInstance(RigidTransform(), shape, 'g')
-    instance.set_proximity_properties(ProximityProperties())
-    scene.RegisterGeometry(source, frame, instance)
-    context = scene.CreateDefaultContext()
-    poses = FramePoseVector({frame: X_WG})
-    scene.get_source_pose_port(source).FixValue(context, poses)
-    query = scene.get_query_output_port().Eval(context)
+    query = ShapeScene(shape).posed(X_WG).query
     p_WQs = X_WG.multiply(np.asarray(p_GQs, dtype=float).T).T
     found = query.ComputeSignedDistanceToPoint(p_WQs)
     assert found.point_index.tolist() == list(range(len(p_WQs)))

@@ -1,7 +1,6 @@
 """Ports: poses go in as a whole or not at all, query objects come out."""
 
 import pytest
-from oracles.small_scene import SmallScene
 
 from drake_geom_ros.geometry import (
     FrameId,
@@ -15,27 +14,10 @@ from drake_geom_ros.math import RigidTransform
 WORLD = SceneGraph.world_frame_id()
 
 
-@pytest.fixture
-def scene():
-    return SmallScene()
-
-
-def query_of(scene, context):
-    return scene.scene_graph.get_query_output_port().Eval(context)
-
-
-def fix(scene, context, **translations):
-    """Pose the arm's frames by name."""
-    poses = FramePoseVector(
-        {getattr(scene, name): RigidTransform(p) for name, p in translations.items()}
-    )
-    scene.scene_graph.get_source_pose_port(scene.arm).FixValue(context, poses)
-
-
 def test_poses_nest(scene):
     context = scene.scene_graph.CreateDefaultContext()
-    fix(scene, context, upper=(0, 0, 1), lower=(3, 0, 0))
-    query = query_of(scene, context)
+    scene.fix(context, upper=(0, 0, 1), lower=(3, 0, 0))
+    query = scene.query_of(context)
     assert query.GetPoseInWorld(scene.lower) == RigidTransform([3, 0, 1])
     assert query.GetPoseInParent(scene.lower) == RigidTransform([3, 0, 0])
     assert query.GetPoseInWorld(scene.knob) == RigidTransform([0, 0, 2.5])
@@ -46,7 +28,7 @@ def test_poses_are_refused_as_a_whole(scene, kind):
     scene_graph = scene.scene_graph
     foreign = scene_graph.RegisterFrame(scene.room, GeometryFrame('lift'))
     context = scene_graph.CreateDefaultContext()
-    fix(scene, context, upper=(0, 0, 1), lower=(3, 0, 0))
+    scene.fix(context, upper=(0, 0, 1), lower=(3, 0, 0))
     values = {scene.upper: RigidTransform([9, 9, 9]), scene.lower: RigidTransform([9, 9, 9])}
     if kind == 'missing':
         del values[scene.lower]
@@ -59,7 +41,7 @@ def test_poses_are_refused_as_a_whole(scene, kind):
         scene_graph.get_source_pose_port(scene.arm).FixValue(context, FramePoseVector(values))
     lift = FramePoseVector({foreign: RigidTransform()})
     scene_graph.get_source_pose_port(scene.room).FixValue(context, lift)
-    query = query_of(scene, context)
+    query = scene.query_of(context)
     assert query.GetPoseInWorld(scene.upper) == RigidTransform([0, 0, 1])
     assert query.GetPoseInWorld(scene.lower) == RigidTransform([3, 0, 1])
 

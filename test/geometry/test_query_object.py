@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
@@ -26,7 +27,6 @@ from drake_geom_ros.geometry import (
     GeometrySet,
     HalfSpace,
     IllustrationProperties,
-    ProximityProperties,
     QueryObject,
     RoleError,
     SceneGraph,
@@ -36,44 +36,14 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
 
-class Scene:
-    """Shapes, each on a frame of its own but the anchored ones, and a context of them."""
-
-    def __init__(self, *shapes, anchored=()):
-        self.graph = SceneGraph()
-        self.source = self.graph.RegisterSource('s')
-        self.frames, self.geometries = [], []
-        for k, shape in enumerate(shapes):
-            frame = self.graph.RegisterFrame(self.source, GeometryFrame(f'f{k}'))
-            self.frames.append(frame)
-            self.geometries.append(self._register(frame, shape, f'g{k}'))
-        for k, (shape, X_WG) in enumerate(anchored):
-            frame = self.graph.world_frame_id()
-            self.geometries.append(self._register(frame, shape, f'a{k}', X_WG))
-        self.context = self.graph.CreateDefaultContext()
-        self.query = self.graph.get_query_output_port().Eval(self.context)
-
-    def _register(self, frame, shape, name, X_FG=None):
-        instance = GeometryInstance(X_FG or RigidTransform(), shape, name)
-        instance.set_proximity_properties(ProximityProperties())
-        return self.graph.RegisterGeometry(self.source, frame, instance)
-
-    def pose(self, *poses):
-        """Pose the frames: positions or RigidTransforms."""
-        poses = [p if isinstance(p, RigidTransform) else RigidTransform(p) for p in poses]
-        vector = FramePoseVector(dict(zip(self.frames, poses, strict=True)))
-        self.graph.get_source_pose_port(self.source).FixValue(self.context, vector)
-        return self
-
-
 def two_spheres(x):
-    return Scene(Sphere(0.1), Sphere(0.2)).pose([0, 0, 0], [x, 0, 0])
+    return ShapeScene(Sphere(0.1), Sphere(0.2)).posed([0, 0, 0], [x, 0, 0])
 
 
 def test_a_gap_and_an_overlap():
     scene = two_spheres(0.5)
     (pair,) = scene.query.ComputeSignedDistancePairwiseClosestPoints()
-    assert (pair.id_A, pair.id_B) == tuple(scene.geometries)
+    assert (pair.id_A, pair.id_B) == tuple(scene.ids)
     assert pair.distance == pytest.approx(0.2, abs=1e-15)
     assert pair.nhat_BA_W.tolist() == [-1, 0, 0]
     np.testing.assert_allclose(pair.p_ACa, [0.1, 0, 0], atol=1e-16)
@@ -81,7 +51,7 @@ def test_a_gap_and_an_overlap():
     assert pair.is_nhat_BA_W_unique
     assert len(scene.query.ComputePointPairPenetration()) == 0
     assert not scene.query.HasCollisions()
-    scene.pose([0, 0, 0], [0.25, 0, 0])
+    scene.posed([0, 0, 0], [0.25, 0, 0])
     (contact,) = scene.query.ComputePointPairPenetration()
     assert contact.depth == pytest.approx(0.05, abs=1e-15)
     np.testing.assert_allclose(contact.p_WCa, [0.1, 0, 0], atol=1e-15)
@@ -118,7 +88,7 @@ def test_distances_may_be_whole_numbers():
 def test_results_are_sorted_and_a_is_the_lower_id():
     # Shapes in descending order of type number: the kernels take each pair the other way round.
     shapes = [Ellipsoid(1, 1, 1), Cylinder(1, 1), Capsule(1, 1), Box(1, 1, 1), Sphere(1)]
-    scene = Scene(*shapes).pose(*[[3.0 * k, 0, 0] for k in range(5)])
+    scene = ShapeScene(*shapes).posed(*[[3.0 * k, 0, 0] for k in range(5)])
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     pairs = list(zip(results.id_A.tolist(), results.id_B.tolist(), strict=True))
     assert pairs == sorted(pairs)
@@ -139,7 +109,7 @@ places = st.lists(st.floats(-1, 1), min_size=3, max_size=3)
 @given(st.lists(st.tuples(angles, places), min_size=6, max_size=6))
 def test_depth_is_minus_the_signed_distance_of_the_same_pairs(poses):
     poses = [RigidTransform(RollPitchYaw(*rpy), p) for rpy, p in poses]
-    scene = Scene(*SHAPES).pose(*poses)
+    scene = ShapeScene(*SHAPES).posed(*poses)
     distances = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     contacts = scene.query.ComputePointPairPenetration()
     overlapping = {(p.id_A, p.id_B): p for p in distances if p.distance < -1e-12}
@@ -162,14 +132,14 @@ def test_the_gradient_is_what_moving_shows(poses, velocity, turn):
     shapes = [Box(0.4, 0.5, 0.6), Ellipsoid(0.2, 0.3, 0.4)]
     X_WA, X_WB = (RigidTransform(RollPitchYaw(*rpy), p) for rpy, p in poses)
     X_WB = RigidTransform(X_WB.rotation(), np.add(X_WB.translation(), [1.5, 0, 0]))
-    scene = Scene(*shapes).pose(X_WA, X_WB)
+    scene = ShapeScene(*shapes).posed(X_WA, X_WB)
 
     def distance(X_WB):
-        scene.pose(X_WA, X_WB)
-        return scene.query.ComputeSignedDistancePairClosestPoints(*scene.geometries).distance
+        scene.posed(X_WA, X_WB)
+        return scene.query.ComputeSignedDistancePairClosestPoints(*scene.ids).distance
 
-    scene.pose(X_WA, X_WB)
-    pair = scene.query.ComputeSignedDistancePairClosestPoints(*scene.geometries)
+    scene.posed(X_WA, X_WB)
+    pair = scene.query.ComputeSignedDistancePairClosestPoints(*scene.ids)
     of_A, of_B = pair.gradient()
     h = 1e-5
     steps = []
@@ -187,11 +157,11 @@ def test_a_live_query_object_sees_later_poses_and_a_copy_does_not():
     scene = two_spheres(0.5)
     for bake in (copy.copy, copy.deepcopy):
         baked = bake(scene.query)
-        scene.pose([0, 0, 0], [0.6, 0, 0])
-        pair = scene.geometries
+        scene.posed([0, 0, 0], [0.6, 0, 0])
+        pair = scene.ids
         assert scene.query.ComputeSignedDistancePairClosestPoints(*pair).distance > 0.29
         assert baked.ComputeSignedDistancePairClosestPoints(*pair).distance < 0.21
-        scene.pose([0, 0, 0], [0.5, 0, 0])
+        scene.posed([0, 0, 0], [0.5, 0, 0])
         # The copy is of filters and model too.
         manager = scene.graph.collision_filter_manager(scene.context)
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(pair)))
@@ -204,38 +174,38 @@ def test_results_keep_their_values_when_the_scene_moves_on():
     scene = two_spheres(0.5)
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     before = results.distance.copy(), results.p_WCb.copy(), results.p_BCb.copy()
-    scene.pose([0, 0, 0], [0.9, 0, 0])
+    scene.posed([0, 0, 0], [0.9, 0, 0])
     scene.query.ComputeSignedDistancePairwiseClosestPoints()
     for old, new in zip(before, (results.distance, results.p_WCb, results.p_BCb), strict=True):
         np.testing.assert_array_equal(old, new)
 
 
 def test_candidates_are_what_bounds_cannot_tell_apart():
-    scene = Scene(Sphere(0.5), Sphere(0.5), Sphere(0.5)).pose([0, 0, 0], [0.8, 0.8, 0], [5, 0, 0])
+    scene = ShapeScene(*[Sphere(0.5)] * 3).posed([0, 0, 0], [0.8, 0.8, 0], [5, 0, 0])
     # The boxes of the first two overlap though the spheres do not.
-    a, b, _ = scene.geometries
+    a, b, _ = scene.ids
     assert scene.query.FindCollisionCandidates() == [(a, b)]
     assert not scene.query.HasCollisions()
 
 
 def test_anchored_geometry_meets_what_moves_but_not_itself():
-    floor = (HalfSpace(), RigidTransform())
-    scene = Scene(Sphere(0.5), anchored=[floor, (Box(1, 1, 1), RigidTransform())]).pose([0, 0, 2])
+    standing = [(shape, RigidTransform()) for shape in (HalfSpace(), Box(1, 1, 1))]
+    scene = ShapeScene(Sphere(0.5), anchored=standing).posed([0, 0, 2])
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert results.distance.tolist() == pytest.approx([1.5, 1.0])
 
 
 def test_two_half_spaces_have_no_distance():
-    scene = Scene(HalfSpace(), HalfSpace()).pose([0, 0, 0], [0, 0, -1])
+    scene = ShapeScene(HalfSpace(), HalfSpace()).posed([0, 0, 0], [0, 0, -1])
     assert len(scene.query.ComputeSignedDistancePairwiseClosestPoints()) == 0
     assert len(scene.query.ComputePointPairPenetration()) == 0
     with pytest.raises(GeometryError, match='two half spaces'):
-        scene.query.ComputeSignedDistancePairClosestPoints(*scene.geometries)
+        scene.query.ComputeSignedDistancePairClosestPoints(*scene.ids)
 
 
 def test_asking_for_a_pair_that_cannot_be():
     scene = two_spheres(0.5)
-    a, b = scene.geometries
+    a, b = scene.ids
     stranger = GeometryId(10**9)
     with pytest.raises(UnknownIdError, match='1000000000'):
         scene.query.ComputeSignedDistancePairClosestPoints(a, stranger)
@@ -260,15 +230,15 @@ def test_asking_for_a_pair_that_cannot_be():
 
 
 def test_points_against_every_shape():
-    scene = Scene(*SHAPES).pose(*[[10.0 * k, 0, 0] for k in range(5)], [0, 0, -5])
+    scene = ShapeScene(*SHAPES).posed(*[[10.0 * k, 0, 0] for k in range(5)], [0, 0, -5])
     outside = [[10.0 * k, 0, 0.65] for k in range(5)]
     results = scene.query.ComputeSignedDistanceToPoint(outside, 0.5)
     assert results.point_index.tolist() == [0, 1, 2, 3, 4]
-    assert results.id_G.tolist() == [g.get_value() for g in scene.geometries[:5]]
+    assert results.id_G.tolist() == [g.get_value() for g in scene.ids[:5]]
     # Heights of the shapes: 0.3, 0.3, 0.25 + 0.2, 0.2, 0.4; the floor is 5 m below.
     assert results.distance.tolist() == pytest.approx([0.35, 0.35, 0.2, 0.45, 0.25])
     (floor,) = scene.query.ComputeSignedDistanceToPoint([-1e3, 0, -5.5], 1.0)
-    assert floor.id_G == scene.geometries[5]
+    assert floor.id_G == scene.ids[5]
     assert floor.distance == pytest.approx(-0.5)
 
 
@@ -276,7 +246,7 @@ def test_one_point():
     scene = two_spheres(0.5)
     results = scene.query.ComputeSignedDistanceToPoint([0, 0.15, 0])
     first = results[0]
-    assert first.id_G == scene.geometries[0]
+    assert first.id_G == scene.ids[0]
     assert first.distance == pytest.approx(0.05)
     np.testing.assert_allclose(first.p_GN, [0, 0.1, 0], atol=1e-16)
     np.testing.assert_allclose(first.grad_W, [0, 1, 0], atol=1e-16)
@@ -295,7 +265,8 @@ def test_one_point():
 
 @pytest.mark.parametrize('level', ACCURACY_LEVELS)
 def test_levels(level):
-    scene = Scene(Ellipsoid(0.2, 0.3, 0.4), Cylinder(0.2, 0.3)).pose([0, 0, 0], [0.5, 0.4, 0.6])
+    shapes = Ellipsoid(0.2, 0.3, 0.4), Cylinder(0.2, 0.3)
+    scene = ShapeScene(*shapes).posed([0, 0, 0], [0.5, 0.4, 0.6])
     exact = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     answer = scene.query.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
     assert abs(answer.distance - exact.distance) <= answer.error_bound + exact.error_bound
@@ -307,7 +278,7 @@ def test_levels(level):
 
 
 def test_poses_of_nested_frames():
-    scene = Scene(Sphere(1))
+    scene = ShapeScene(Sphere(1))
     child = scene.graph.RegisterFrame(
         scene.context, scene.source, scene.frames[0], GeometryFrame('child')
     )
@@ -317,7 +288,7 @@ def test_poses_of_nested_frames():
     assert scene.query.GetPoseInParent(child).IsNearlyEqualTo(X, 1e-15)
     assert scene.query.X_WF(child).IsNearlyEqualTo(X @ X, 1e-14)
     assert scene.query.GetPoseInWorld(child).IsNearlyEqualTo(X @ X, 1e-14)
-    assert scene.query.GetPoseInWorld(scene.geometries[0]).IsNearlyEqualTo(X, 1e-15)
+    assert scene.query.GetPoseInWorld(scene.ids[0]).IsNearlyEqualTo(X, 1e-15)
     with pytest.raises(UnknownIdError):
         scene.query.X_WF(FrameId(10**9))
 
@@ -331,7 +302,7 @@ def test_effects_tell_what_ran():
     assert effects.frames_moved == 0
     assert effects.geometries_updated == 0
     assert (effects.cached_pairs, effects.narrowphase_pairs) == (1, 0)
-    scene.pose([0, 0, 0], [0.6, 0, 0])
+    scene.posed([0, 0, 0], [0.6, 0, 0])
     scene.query.ComputeSignedDistancePairwiseClosestPoints()
     effects = scene.query.effects()
     assert effects.pairs_by_method == {'closed_form': 1}
@@ -339,7 +310,7 @@ def test_effects_tell_what_ran():
         *('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')
     ]
     manager = scene.graph.collision_filter_manager(scene.context)
-    manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(scene.geometries)))
+    manager.Apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(scene.ids)))
     scene.query.ComputeSignedDistancePairwiseClosestPoints()
     effects = scene.query.effects()
     assert (effects.filtered_pairs, effects.narrowphase_pairs) == (1, 0)
@@ -347,7 +318,7 @@ def test_effects_tell_what_ran():
 
 def test_changes_of_shape_and_removals_are_seen():
     scene = two_spheres(0.5)
-    a, b = scene.geometries
+    a, b = scene.ids
     scene.graph.ChangeShape(scene.context, scene.source, b, Sphere(0.1))
     pair = scene.query.ComputeSignedDistancePairClosestPoints(a, b)
     assert pair.distance == pytest.approx(0.3, abs=1e-15)

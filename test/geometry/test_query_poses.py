@@ -14,7 +14,7 @@ def test_they_are_those_of_each_by_itself():
     bodies = [Body('Sphere', [0.1], p=np.array([k, 0.0, 0.0]), R=turned) for k in (1.0, 2.0)]
     anchored = [Body('Box', [1.0, 1.0, 1.0], p=np.array([0.0, 3.0, 0.0]), R=turned)]
     scene = BodyScene(bodies, anchored)
-    context = scene.context()
+    context = scene.new_context()
     query = scene.asked(context)
     for moved in (0.0, 1.0):
         scene.pose(context, [RigidTransform([moved, k, 0.0]) for k in (4.0, 5.0)])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from geometry.test_query_object import Scene
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     PenetrationAsPointPair,
@@ -14,8 +14,7 @@ from drake_geom_ros.geometry import (
 
 @pytest.fixture
 def scene():
-    scene = Scene(Sphere(0.5), Sphere(0.5), Sphere(0.5))
-    return scene.pose([0, 0, 0], [0.9, 0, 0], [0, 0.8, 0])
+    return ShapeScene(*[Sphere(0.5)] * 3).posed([0, 0, 0], [0.9, 0, 0], [0, 0.8, 0])
 
 
 def test_a_sequence_of_records(scene):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     Box,
@@ -11,15 +12,9 @@ from drake_geom_ros.geometry import (
     Convex,
     Cylinder,
     Ellipsoid,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
     MeshData,
-    ProximityProperties,
-    SceneGraph,
     Sphere,
 )
-from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.tolerances import FARTHEST
 
 TOO_LARGE = math.nextafter(FARTHEST, math.inf)
@@ -27,18 +22,8 @@ TOO_LARGE = math.nextafter(FARTHEST, math.inf)
 
 def query(*bodies):
     """Return the query object of bodies (shape, height), each on a frame of its own."""
-    scene_graph = SceneGraph()
-    source = scene_graph.RegisterSource('s')
-    poses = FramePoseVector()
-    for number, (shape, height) in enumerate(bodies):
-        frame = scene_graph.RegisterFrame(source, GeometryFrame(f'f{number}'))
-        body = GeometryInstance(RigidTransform(), shape, f'g{number}')
-        body.set_proximity_properties(ProximityProperties())
-        scene_graph.RegisterGeometry(source, frame, body)
-        poses.set_value(frame, RigidTransform([0.0, 0.0, height]))
-    context = scene_graph.CreateDefaultContext()
-    scene_graph.get_source_pose_port(source).FixValue(context, poses)
-    return scene_graph.get_query_output_port().Eval(context)
+    shapes, heights = zip(*bodies, strict=True)
+    return ShapeScene(*shapes).posed(*([0.0, 0.0, height] for height in heights)).query
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import inspect
 
 import pytest
-from oracles.small_scene import SmallScene, instance
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (
     Box,
@@ -21,15 +21,6 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 
 WORLD = SceneGraph.world_frame_id()
-
-
-@pytest.fixture
-def scene():
-    return SmallScene()
-
-
-def query_of(scene, context):
-    return scene.scene_graph.get_query_output_port().Eval(context)
 
 
 def test_sources_without_a_name_get_one():
@@ -140,7 +131,7 @@ def test_what_was_on_a_geometry_and_is_gone_stays_gone(scene):
     # The context has its own knob, still on its own ball.
     X_FG = RigidTransform([0, 2, 0])
     scene_graph.ChangeShape(context, scene.arm, scene.ball, Sphere(1), X_FG)
-    inspector = query_of(scene, context).inspector()
+    inspector = scene.query_of(context).inspector()
     assert inspector.GetPoseInFrame(scene.knob) == RigidTransform([0, 2, 0.5])
 
 

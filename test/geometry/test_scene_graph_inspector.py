@@ -1,7 +1,7 @@
 """SceneGraphInspector: every method of the API page, in stable order, with errors that tell."""
 
 import pytest
-from oracles.small_scene import SmallScene, instance
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (
     Box,
@@ -20,11 +20,6 @@ from drake_geom_ros.math import RigidTransform
 
 WORLD = SceneGraph.world_frame_id()
 NO_SOURCE, NO_FRAME, NO_GEOMETRY = SourceId(10**6), FrameId(10**6), GeometryId(10**9)
-
-
-@pytest.fixture
-def scene():
-    return SmallScene()
 
 
 @pytest.fixture

@@ -4,10 +4,9 @@ import copy
 
 import numpy as np
 import pytest
-from oracles.small_scene import SmallScene, instance
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (
-    FramePoseVector,
     GeometryFrame,
     GeometrySet,
     IllustrationProperties,
@@ -19,23 +18,6 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 
 WORLD = SceneGraph.world_frame_id()
-
-
-@pytest.fixture
-def scene():
-    return SmallScene()
-
-
-def query_of(scene, context):
-    return scene.scene_graph.get_query_output_port().Eval(context)
-
-
-def fix(scene, context, **translations):
-    """Pose the arm's frames by name."""
-    poses = FramePoseVector(
-        {getattr(scene, name): RigidTransform(p) for name, p in translations.items()}
-    )
-    scene.scene_graph.get_source_pose_port(scene.arm).FixValue(context, poses)
 
 
 def test_every_change_can_be_made_on_a_context_and_the_model_never_notices(scene):
@@ -66,7 +48,7 @@ def test_every_change_can_be_made_on_a_context_and_the_model_never_notices(scene
         scene_graph.ExcludeCollisionsBetween(
             *lead, setA=GeometrySet(ball), setB=GeometrySet(scene.box), **given
         )
-        inspector = query_of(scene, context).inspector()
+        inspector = scene.query_of(context).inspector()
         assert inspector.GetName(ball) == 'z'
         assert inspector.GetName(frame) == 'g'
         assert inspector.GetShape(ball) == Sphere(9)
@@ -100,7 +82,7 @@ def snapshot(inspector):
 def test_changes_of_the_model_do_not_reach_contexts(scene):
     scene_graph = scene.scene_graph
     context = scene_graph.CreateDefaultContext()
-    inspector = query_of(scene, context).inspector()
+    inspector = scene.query_of(context).inspector()
     before = snapshot(inspector)
     scene_graph.RenameFrame(scene.upper, 'elbow')
     scene_graph.RenameGeometry(scene.ball, 'globe')
@@ -117,7 +99,7 @@ def test_changes_of_the_model_do_not_reach_contexts(scene):
 
 def test_a_shared_context_sees_changes_of_the_model(scene):
     context = scene.scene_graph.CreateSharedContext()
-    query = query_of(scene, context)
+    query = scene.query_of(context)
     scene.scene_graph.RenameFrame(scene.upper, 'elbow')
     scene.scene_graph.RemoveGeometry(scene.room, scene.floor)
     assert query.inspector().GetName(scene.upper) == 'elbow'
@@ -127,15 +109,15 @@ def test_a_shared_context_sees_changes_of_the_model(scene):
 def test_a_query_object_is_live_and_its_copy_is_baked(scene):
     scene_graph = scene.scene_graph
     context = scene_graph.CreateDefaultContext()
-    fix(scene, context, upper=(0, 0, 1), lower=(3, 0, 0))
-    live = query_of(scene, context)
+    scene.fix(context, upper=(0, 0, 1), lower=(3, 0, 0))
+    live = scene.query_of(context)
     baked = copy.copy(live)
     before = (
         baked.GetPoseInWorld(scene.knob).translation().tolist(),
         baked.ComputeSignedDistancePairClosestPoints(scene.ball, scene.box).distance,
     )
     assert before[0] == [0, 0, 2.5]
-    fix(scene, context, upper=(0, 0, 5), lower=(4, 0, 0))
+    scene.fix(context, upper=(0, 0, 5), lower=(4, 0, 0))
     scene_graph.ChangeShape(context, scene.arm, scene.box, Sphere(0.1))
     scene_graph.RenameFrame(context, scene.upper, 'elbow')
     after = live.ComputeSignedDistancePairClosestPoints(scene.ball, scene.box).distance
@@ -163,7 +145,7 @@ def test_a_filter_manager_acts_on_what_it_is_asked_for(scene):
     scene_graph, pair = scene.scene_graph, (scene.ball, scene.box)
     context = scene_graph.CreateDefaultContext()
     scene_graph.collision_filter_manager(context).Deactivate(GeometrySet(scene.ball))
-    assert query_of(scene, context).inspector().CollisionFiltered(*pair)
+    assert scene.query_of(context).inspector().CollisionFiltered(*pair)
     assert not scene_graph.model_inspector().CollisionFiltered(*pair)
     scene_graph.collision_filter_manager().Deactivate(GeometrySet(scene.ball))
     assert scene_graph.model_inspector().CollisionFiltered(*pair)

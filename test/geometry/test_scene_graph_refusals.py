@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.small_scene import SmallScene, instance
+from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (
     DuplicateError,
@@ -23,11 +23,6 @@ from drake_geom_ros.geometry import (
 )
 
 WORLD = SceneGraph.world_frame_id()
-
-
-@pytest.fixture
-def scene():
-    return SmallScene()
 
 
 REFUSED = {

@@ -3,18 +3,17 @@
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.shape_scene import ShapeScene
 from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (
     Box,
     Convex,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
     HalfSpace,
     Mesh,
     MeshData,
@@ -31,42 +30,7 @@ L, RING = Mesh.FromMeshData(surface_of('L')), Mesh.FromMeshData(surface_of('ring
 CORNERS = np.array(list(np.ndindex(2, 2, 2)), dtype=float) - 0.5
 QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 CUBE = [t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))]
-
-
-def as_solid(solid=True):
-    properties = ProximityProperties()
-    properties.AddProperty('mesh', 'solid', solid)
-    return properties
-
-
-class Scene:
-    """Shapes on a frame each, meshes as solids."""
-
-    def __init__(self, *shapes):
-        self.graph = SceneGraph()
-        self.source = self.graph.RegisterSource('s')
-        self.frames, self.geometries = [], []
-        for k, shape in enumerate(shapes):
-            self.frames.append(self.graph.RegisterFrame(self.source, GeometryFrame(f'f{k}')))
-            instance = GeometryInstance(RigidTransform(), shape, 'g')
-            instance.set_proximity_properties(as_solid())
-            self.geometries.append(
-                self.graph.RegisterGeometry(self.source, self.frames[-1], instance)
-            )
-        self.context = self.graph.CreateDefaultContext()
-
-    def at(self, *poses):
-        poses = FramePoseVector(dict(zip(self.frames, poses, strict=True)))
-        self.context.UpdateFramePoses(poses)
-        return self.graph.get_query_output_port().Eval(self.context)
-
-    def pair(self, *poses, accuracy='exact'):
-        query = self.at(*poses)
-        return query.ComputeSignedDistancePairClosestPoints(*self.geometries, accuracy=accuracy)
-
-
-def at(*p):
-    return RigidTransform(np.array(p, dtype=float))
+Scene = partial(ShapeScene, solid=True)
 
 
 @pytest.mark.parametrize('far', [1e50, 1e60])
@@ -74,23 +38,23 @@ def test_a_solid_far_beyond_the_range_of_products_is_taken_as_it_is(far):
     """Its counts and areas are no lengths that could be brought to a metre."""
     cube = Mesh.FromMeshData(MeshData(CORNERS, CUBE))
     for shapes, poses in (((cube, Sphere(0.1)), (0, far)), ((Sphere(0.1), cube), (far, 0))):
-        pair = Scene(*shapes).pair(*(at(x, 0, 0) for x in poses))
+        pair = Scene(*shapes).pair(*([x, 0, 0] for x in poses))
         assert pair.distance == pytest.approx(far, rel=1e-14)
         assert pair.error_bound <= 1e-13 * far
 
 
 def test_a_sphere_within_a_cube_mesh_is_as_deep_as_it_is():
     cube = Mesh.FromMeshData(MeshData(CORNERS, CUBE))
-    pair = Scene(cube, Sphere(0.1)).pair(at(0, 0, 0), at(0, 0, 0))
+    pair = Scene(cube, Sphere(0.1)).pair([0, 0, 0], [0, 0, 0])
     assert pair.distance == pytest.approx(-0.6, abs=1e-13)
     # The same of a cube with a cavity in a corner far from the ball: no hull tells.
     hollow = np.vstack((CORNERS, 0.05 * CORNERS + 0.4))
     cavity = [[c + 8, b + 8, a + 8] for a, b, c in CUBE]
     cube = Mesh.FromMeshData(MeshData(hollow, CUBE + cavity))
-    pair = Scene(cube, Sphere(0.1)).pair(at(0, 0, 0), at(0, 0, 0))
+    pair = Scene(cube, Sphere(0.1)).pair([0, 0, 0], [0, 0, 0])
     assert pair.distance == pytest.approx(-0.6, abs=1e-13)
     assert pair.error_bound <= 1e-12
-    inside = Scene(cube, Sphere(0.01)).pair(at(0, 0, 0), at(0.4, 0.4, 0.4))
+    inside = Scene(cube, Sphere(0.01)).pair([0, 0, 0], [0.4, 0.4, 0.4])
     assert inside.distance == pytest.approx(0.015, abs=1e-13)
 
 
@@ -99,7 +63,7 @@ def test_a_sphere_within_a_cube_mesh_is_as_deep_as_it_is():
 @pytest.mark.parametrize('p', [(1.5, 1.5, 0.5), (0.5, 0.5, 1.05), (0.4, 0.4, 0.4), (3, 3, 3)])
 def test_all_queries_agree(other, p):
     scene = Scene(L, other)
-    query = scene.at(at(0, 0, 0), at(*p))
+    query = scene.posed([0, 0, 0], p).query
     (pair,) = query.ComputeSignedDistancePairwiseClosestPoints()
     contacts = query.ComputePointPairPenetration()
     assert query.HasCollisions() == (pair.distance < 0.0) == bool(len(contacts))
@@ -111,15 +75,15 @@ def test_all_queries_agree(other, p):
 
 
 def test_overlapping_solids_promise_only_that_their_interval_holds():
-    query = Scene(L, RING).at(at(0, 0, 0), at(0.8, 0.9, 0.1))
+    scene = Scene(L, RING)
+    query = scene.posed([0, 0, 0], [0.8, 0.9, 0.1]).query
     inside = query.ComputeSignedDistancePairwiseClosestPoints()
     assert inside.distance[0] < 0.0
     assert inside.error_bound[0] > 1e-3
     assert inside.promised_error_bound[0] == np.inf
     assert not inside.breaks_promise().any()
-    apart = (
-        Scene(L, RING).at(at(0, 0, 0), at(9, 0, 0)).ComputeSignedDistancePairwiseClosestPoints()
-    )
+    query = scene.posed([0, 0, 0], [9, 0, 0]).query
+    apart = query.ComputeSignedDistancePairwiseClosestPoints()
     assert apart.error_bound[0] <= apart.promised_error_bound[0] < 1e-8
 
 
@@ -129,9 +93,9 @@ def test_levels_contain_the_answer():
         scene = Scene(L, other)
         for _ in range(6):
             pose = RigidTransform(RollPitchYaw(*rng.normal(size=3)), rng.uniform(-1, 4, 3))
-            exact = scene.pair(at(0, 0, 0), pose)
+            exact = scene.pair([0, 0, 0], pose)
             for level in ('bound', 'fast', 'balanced'):
-                rough = scene.pair(at(0, 0, 0), pose, accuracy=level)
+                rough = scene.pair([0, 0, 0], pose, accuracy=level)
                 off = abs(rough.distance - exact.distance)
                 assert off <= rough.error_bound + exact.error_bound
 
@@ -141,8 +105,8 @@ def test_a_hull_far_from_its_origin_is_bounded_rightly():
     far = Convex.FromMeshData(MeshData(np.add(CORNERS, [5, 0, 0]), CUBE))
     scene = Scene(far, Sphere(0.1))
     for x in (0.0, 1.0, -3.0):
-        rough = scene.pair(at(0, 0, 0), at(x, 0, 0), accuracy='bound')
-        exact = scene.pair(at(0, 0, 0), at(x, 0, 0))
+        rough = scene.pair([0, 0, 0], [x, 0, 0], accuracy='bound')
+        exact = scene.pair([0, 0, 0], [x, 0, 0])
         assert abs(rough.distance - exact.distance) <= rough.error_bound + exact.error_bound
 
 
@@ -150,21 +114,21 @@ def test_a_walk_in_small_steps_answers_as_a_fresh_scene():
     scene = Scene(L, Box(0.2, 0.3, 0.4))
     for k in range(40):
         pose = RigidTransform(RollPitchYaw(0.1 * k, 0.2, 0.3), [2.5 - 0.05 * k, 1.4, 0.5])
-        query = scene.at(at(0, 0, 0), pose)
+        query = scene.posed([0, 0, 0], pose).query
         walked = query.ComputeSignedDistancePairwiseClosestPoints(0.5)
-        fresh = Scene(L, Box(0.2, 0.3, 0.4)).at(at(0, 0, 0), pose)
+        fresh = Scene(L, Box(0.2, 0.3, 0.4)).posed([0, 0, 0], pose).query
         fresh = fresh.ComputeSignedDistancePairwiseClosestPoints(0.5)
         assert len(walked) == len(fresh)
         for one, other in zip(walked, fresh, strict=True):
             slack = 2.0 * max(one.error_bound, other.error_bound)
             assert abs(one.distance - other.distance) <= slack
-    again = scene.at(at(0, 0, 0), pose)
+    again = scene.posed([0, 0, 0], pose).query
     again.ComputeSignedDistancePairwiseClosestPoints(0.5)
     assert again.effects().narrowphase_pairs == 0
 
 
 def test_points_know_inside_from_outside():
-    query = Scene(RING).at(at(1, 0, 0))
+    query = Scene(RING).posed([1, 0, 0]).query
     points = np.array([[2.5, 1.5, 0.5], [1.5, 1.5, 0.5], [1.2, 1.5, 0.5], [2.5, 1.5, 4.0]])
     found = query.ComputeSignedDistanceToPoint(points)
     assert found.distance == pytest.approx([0.5, -0.5, -0.2, np.hypot(0.5, 3.0)], abs=1e-13)
@@ -175,17 +139,18 @@ def test_points_know_inside_from_outside():
 
 def test_a_half_space_sees_the_hull_and_is_exact():
     scene = Scene(L, HalfSpace())
-    pair = scene.pair(at(0, 0, -0.25), at(0, 0, 0))
+    pair = scene.pair([0, 0, -0.25], [0, 0, 0])
     assert pair.distance == pytest.approx(-0.25, abs=1e-14)
 
 
 def test_the_property_can_be_changed():
     scene = Scene(L, Sphere(0.1))
-    graph, mesh = scene.graph, scene.geometries[0]
-    poses = at(0, 0, 0), at(1.2, 1.2, 0.5)
+    graph, mesh = scene.graph, scene.ids[0]
+    poses = [0, 0, 0], [1.2, 1.2, 0.5]
     assert scene.pair(*poses).distance == pytest.approx(0.1)
-    graph.AssignRole(scene.source, mesh, as_solid(False), RoleAssign.kReplace)
-    scene.context = graph.CreateDefaultContext()
+    as_hull = ProximityProperties()
+    as_hull.AddProperty('mesh', 'solid', False)
+    graph.AssignRole(scene.context, scene.source, mesh, as_hull, RoleAssign.kReplace)
     assert scene.pair(*poses).distance < 0.0  # the hull closes the notch
     assert graph.model_inspector().GetShape(mesh) == L
 

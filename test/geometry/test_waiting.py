@@ -4,18 +4,16 @@ import copy
 
 import numpy as np
 import pytest
-from oracles.small_scene import SmallScene
+from oracles.small_scene import SmallScene, instance
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FrameId,
     FramePoseVector,
     GeometryFrame,
-    GeometryInstance,
     GeometrySet,
     HalfSpace,
     PoseError,
-    ProximityProperties,
     SceneGraph,
     Sphere,
 )
@@ -50,9 +48,8 @@ class Chain:
         return self.graph.RegisterFrame(self.source, parent, GeometryFrame(name))
 
     def geometry(self, frame, shape):
-        instance = GeometryInstance(RigidTransform(), shape, type(shape).__name__)
-        instance.set_proximity_properties(ProximityProperties())
-        return self.graph.RegisterGeometry(self.source, frame, instance)
+        body = instance(type(shape).__name__, shape)
+        return self.graph.RegisterGeometry(self.source, frame, body)
 
     def pose(self, *frames, z=1.0):
         poses = {frame: RigidTransform([0, 0, z]) for frame in frames}

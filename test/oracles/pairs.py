@@ -7,7 +7,7 @@ import numpy as np
 from drake_geom_ros.evidence import laws
 from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.evidence.surfaces import height_of, reach_of
+from drake_geom_ros.evidence.surfaces import height_of, support_value_of
 from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
@@ -99,7 +99,7 @@ def evaluate(kernel, pair):
 
 def support(kind, size, R, n):
     """Support value of a shape along the unit n."""
-    return reach_of((kind, size), R.T @ n)
+    return support_value_of((kind, size), R.T @ n)
 
 
 def width_along_normal(pair, nhat):

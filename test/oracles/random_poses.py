@@ -4,10 +4,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 
-def random_poses(count, seed=0, scale=1.0):
+def random_poses(count, seed=0):
     """Return poses (count, 7), x y z qx qy qz qw: every third a quarter turn or next to one."""
     rng = np.random.default_rng(seed)
-    poses = np.hstack((scale * rng.normal(size=(count, 3)), rng.normal(size=(count, 4))))
+    poses = np.hstack((rng.normal(size=(count, 3)), rng.normal(size=(count, 4))))
     for k in range(0, count, 3):
         axis = rng.permutation(np.eye(3))[0]
         angle = rng.integers(-4, 5) * np.pi / 2 + rng.choice([0.0, 1e-9, 1e-16, 1e-4])

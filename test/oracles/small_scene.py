@@ -2,6 +2,7 @@
 
 from drake_geom_ros.geometry import (
     Box,
+    FramePoseVector,
     GeometryFrame,
     GeometryInstance,
     HalfSpace,
@@ -11,6 +12,9 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform
+
+# A file of a tetrahedron, as OBJ.
+TETRAHEDRON = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
 
 
 def instance(name, shape=None, p=(0, 0, 0), proximity=True):
@@ -43,3 +47,12 @@ class SmallScene:
         floor = instance('floor', HalfSpace())
         self.floor = scene_graph.RegisterAnchoredGeometry(self.room, floor)
         self.geometries = [self.ball, self.knob, self.box, self.label, self.floor]
+
+    def fix(self, context, **translations):
+        """Pose the arm's frames by name."""
+        poses = {getattr(self, name): RigidTransform(p) for name, p in translations.items()}
+        port = self.scene_graph.get_source_pose_port(self.arm)
+        port.FixValue(context, FramePoseVector(poses))
+
+    def query_of(self, context):
+        return self.scene_graph.get_query_output_port().Eval(context)

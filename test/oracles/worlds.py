@@ -1,14 +1,12 @@
 """Small random worlds for the tests of the engine, built from plain arrays."""
 
 import numpy as np
+from oracles.pairs import PARAMETERS
 
-from drake_geom_ros.evidence.bodies import COUNTS
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
-
-PARAMETER_COUNTS = dict(enumerate(COUNTS.values(), 1))
 
 
 def random_parameters(rng, kind):
@@ -16,7 +14,7 @@ def random_parameters(rng, kind):
     if kind == CONVEX:
         vertices = random_directions(rng, 20) * rng.uniform(0.05, 0.2, 3)
         return np.concatenate(([len(vertices)], vertices.ravel()))
-    return rng.uniform(0.05, 0.2, PARAMETER_COUNTS[kind])
+    return rng.uniform(0.05, 0.2, PARAMETERS[kind])
 
 
 def scaled_parameters(kind, parameters, scale):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from geometry.test_query_object import Scene
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     AddContactMaterial,
@@ -18,7 +18,8 @@ from drake_geom_ros.geometry import (
 
 @pytest.fixture
 def scene():
-    return Scene(Sphere(0.5), Box(1, 2, 3), HalfSpace()).pose([0, 0, 0], [5, 0, 0], [0, 0, -9])
+    shapes = Sphere(0.5), Box(1, 2, 3), HalfSpace()
+    return ShapeScene(*shapes).posed([0, 0, 0], [5, 0, 0], [0, 0, -9])
 
 
 def test_an_id_has_a_keyword_for_its_kind(scene):
@@ -79,7 +80,7 @@ def test_oriented_boxes(scene):
 def test_a_clone_of_a_context_stays_where_it_is(scene):
     ball = scene.query.inspector().GetAllGeometryIds()[0]
     clone = scene.context.Clone()
-    scene.pose([1, 1, 1], [5, 0, 0], [0, 0, -9])
+    scene.posed([1, 1, 1], [5, 0, 0], [0, 0, -9])
     query = type(scene.query)(clone)
     assert query.GetPoseInWorld(ball).translation().tolist() == [0, 0, 0]
     assert scene.query.GetPoseInWorld(ball).translation().tolist() == [1, 1, 1]

@@ -17,20 +17,41 @@ def node(tmp_path_factory, request):
 
 
 @pytest.fixture
+def clock():
+    """Return a clock that the test sets."""
+    from ros.live_scenes import Clock
+
+    return Clock()
+
+
+@pytest.fixture
 def scene(live):
     """Return the scene of a test's ``live``, held by the test's thread as long as it runs."""
     with live.editing() as scene:
         yield scene
 
 
-@pytest.fixture
-def client(node):
-    """Return a client of the node, and show the node's log when it died."""
+@pytest.fixture(scope='module')
+def server():
+    """Return the full name of the node that the tests of a file ask."""
+    return '/scene_graph'
+
+
+@pytest.fixture(scope='module')
+def module_client(server):
+    """Return a client for all tests of a file: to find a node may take longer than a test."""
     from ros.harness import Client
 
-    client = Client()
+    client = Client(server)
     yield client
     client.close()
+
+
+@pytest.fixture
+def client(node, module_client):
+    """Return a client of the node, and show the node's log when it died."""
+    yield module_client
+    module_client.forget_topics()
     assert node.popen.poll() is None, f'the node died:\n{node.output()}'
 
 

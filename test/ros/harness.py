@@ -40,6 +40,19 @@ def without_shared_memory(monkeypatch):
     monkeypatch.setenv('RMW_FASTRTPS_USE_QOS_FROM_XML', '1')
 
 
+def run_python(*arguments, timeout=120):
+    """Return what became of Python with arguments, in the environment of the tests."""
+    return subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        env=environment(),
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+
+
 class Process:
     """A Python module run as a process, with its output in a file; ended by its own pid."""
 
@@ -97,11 +110,19 @@ class Client:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._clients = {}
+        self._own = [*self.node.publishers, *self.node.subscriptions]
 
     def close(self) -> None:
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
+
+    def forget_topics(self) -> None:
+        """Close what a test listened to and published on; the services that it found stay."""
+        for subscription in set(self.node.subscriptions).difference(self._own):
+            self.node.destroy_subscription(subscription)
+        for publisher in set(self.node.publishers).difference(self._own):
+            self.node.destroy_publisher(publisher)
 
     def wait_for(self, fact, what: str, patience: float = PATIENCE):
         """Spin until ``fact()`` is truthy and return it; fail with ``what`` otherwise."""

@@ -1,4 +1,4 @@
-"""Live scenes for tests without ROS."""
+"""Live scenes for tests without ROS, and the clocks and topics that stand for those of a node."""
 
 import time
 
@@ -16,6 +16,30 @@ geometries:
 - {name: ball, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
 - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
 """
+
+
+class Clock:
+    """A clock [s] that the test sets."""
+
+    def __init__(self, now=100.0):
+        self.now = now
+
+    def __call__(self):
+        return self.now
+
+
+class Topic:
+    """A publisher with so many subscribers that keeps what it was given."""
+
+    def __init__(self, listeners=1):
+        self.listeners = listeners
+        self.published = []
+
+    def get_subscription_count(self):
+        return self.listeners
+
+    def publish(self, message):
+        self.published.append(message)
 
 
 def live_scene(text, now=time.monotonic, world_frame='world'):

@@ -11,6 +11,8 @@ from drake_geom_msgs import msg, srv
 from ros.harness import environment, start_node
 from ros.scene_calls import accepted, add_sphere, exclude
 
+from bench.ros.scenes import scene_text
+
 COUNT = 1000
 FRAMES = [f's::f{k}' for k in range(COUNT)]
 SHAPES = ('{type: sphere, radius: 0.1}', '{type: box, size: [0.2, 0.2, 0.2]}')
@@ -68,12 +70,8 @@ def positions(step):
 @pytest.fixture(scope='module')
 def node(tmp_path_factory):
     folder = tmp_path_factory.mktemp('thousand')
-    lines = ['sources: [s]', 'frames:', *(f'  - {{name: f{k}, source: s}}' for k in range(COUNT))]
-    lines += ['geometries:']
-    for k in range(COUNT):
-        lines.append(f'  - {{name: g, source: s, frame: f{k}, shape: {SHAPES[k % len(SHAPES)]}}}')
     scene = folder / 'scene.yaml'
-    scene.write_text('\n'.join(lines))
+    scene.write_text(scene_text([f'f{k}' for k in range(COUNT)], SHAPES * (COUNT // 2)))
     process = start_node(folder / 'log', scene_file=scene, max_distance=0.1, **DEEP)
     yield process
     process.end()

@@ -2,13 +2,11 @@
 
 import itertools
 import math
-import subprocess
-import sys
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg, srv
-from ros.harness import LATCHED, environment, start_node
+from ros.harness import LATCHED, run_python, start_node
 from ros.scene_calls import accepted, add_pair, exclude, poses
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
@@ -26,14 +24,7 @@ def test_tf_without_its_messages_is_refused_at_the_start(tmp_path):
         'from drake_geom_ros.ros.scene_graph_node import main; '
         "sys.exit(main(['--ros-args', '-p', 'use_tf:=true']))"
     )
-    done = subprocess.run(
-        [sys.executable, '-c', code],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    done = run_python('-c', code)
     assert done.returncode == 2
     assert 'tf2_msgs' in done.stderr
 

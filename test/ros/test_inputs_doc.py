@@ -1,13 +1,11 @@
 """docs/inputs.md against a real node: its script, its message, its tables."""
 
 import re
-import subprocess
-import sys
 
 import pytest
 import yaml
 from drake_geom_msgs import msg, srv
-from ros.harness import ROOT, environment, start_node
+from ros.harness import ROOT, run_python, start_node
 from ros.scene_calls import accepted
 from ros.test_readme import filled
 
@@ -26,14 +24,7 @@ def node(tmp_path_factory):
 
 def test_the_script_prints_what_is_shown(node):
     """First: the ball still stands where the scene file puts it."""
-    done = subprocess.run(
-        [sys.executable, 'examples/feed_the_node.py'],
-        env=environment(),
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    done = run_python('examples/feed_the_node.py')
     assert done.returncode == 0, done.stderr + node.output()
     assert f'```\n{done.stdout}```' in TEXT
 

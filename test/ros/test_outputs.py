@@ -48,12 +48,9 @@ def node(tmp_path_factory):
     process.end()
 
 
-@pytest.fixture
-def client(node):
-    client = Client('/cell/geometry')
-    yield client
-    client.close()
-    assert node.popen.poll() is None, f'the node died:\n{node.output()}'
+@pytest.fixture(scope='module')
+def server():
+    return '/cell/geometry'
 
 
 def set_parameter(client, name, **value):
@@ -63,9 +60,9 @@ def set_parameter(client, name, **value):
     return answer.results[0]
 
 
-def move_ball(client, x, stamp=1):
+def move_ball(client, x):
     publisher = client.publisher(msg.FramePoses, 'frame_poses', QoSProfile(depth=10))
-    message = poses(['ball'], [(x, 0, 1)], stamp=stamp)
+    message = poses(['ball'], [(x, 0, 1)], stamp=1)
     message.header.frame_id = 'map'
 
     def there():

@@ -1,13 +1,11 @@
 """The README against a real node: its client, its requests and its topics."""
 
 import re
-import subprocess
-import sys
 from importlib import import_module
 
 import pytest
 import yaml
-from ros.harness import ROOT, environment, start_node
+from ros.harness import ROOT, run_python, start_node
 from ros.scene_calls import accepted
 
 from drake_geom_ros.ros.services.table import SERVICES
@@ -18,14 +16,7 @@ README = (ROOT / 'README.md').read_text()
 def test_the_client_prints_what_the_readme_says(tmp_path):
     node = start_node(tmp_path / 'log', scene_file='scenes/minimal.yaml', max_distance=1.0)
     try:
-        done = subprocess.run(
-            [sys.executable, 'examples/ask_the_node.py'],
-            env=environment(),
-            cwd=ROOT,
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
+        done = run_python('examples/ask_the_node.py')
     finally:
         node.end()
     assert done.returncode == 0, done.stderr + node.output()

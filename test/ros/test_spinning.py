@@ -10,7 +10,7 @@ import pytest
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import SingleThreadedExecutor
-from ros.harness import environment
+from ros.harness import environment, run_python
 
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
@@ -162,25 +162,24 @@ def test_a_second_signal_ends_what_takes_too_long(second):
     assert process.communicate() == ('', '')
 
 
-@pytest.mark.parametrize(
-    ('arguments', 'words'),
-    [
-        (['--help'], "given '--help'; arguments of ROS are all that is taken"),
-        (['-p', 'rate:=1'], '--ros-args -p'),
-        (['--ros-args', '-p', 'rate'], "'-p rate'"),
-        (['--ros-args', '--log-level', 'loud'], '--log-level loud'),
-    ],
-)
-def test_arguments_that_are_none_are_refused_in_a_line(arguments, words):
-    done = subprocess.run(
-        [sys.executable, '-m', 'drake_geom_ros.ros.scene_graph_node', *arguments],
-        env=environment(),
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+def test_arguments_that_are_none_are_refused_in_a_line():
+    done = run_python('-m', 'drake_geom_ros.ros.scene_graph_node', '--help')
     assert done.returncode == 2
-    assert 'scene_graph_node: ' in done.stderr
-    assert words in done.stderr
+    assert "scene_graph_node: given '--help'; arguments of ROS are all" in done.stderr
+    refused = {
+        '--ros-args -p': ['-p', 'rate:=1'],
+        "'-p rate'": ['--ros-args', '-p', 'rate'],
+        '--log-level loud': ['--ros-args', '--log-level', 'loud'],
+    }
+    code = (
+        'import sys\n'
+        'from drake_geom_ros.ros.scene_graph_node import main\n'
+        f'for given in {list(refused.values())}:\n'
+        "    sys.argv = ['scene_graph_node', *given]\n"
+        '    print(main())\n'
+    )
+    done = run_python('-c', code)
+    assert done.stdout == '2\n' * len(refused), done.stderr
+    lines = [line for line in done.stderr.splitlines() if line.startswith('scene_graph_node: ')]
+    assert all(words in line for words, line in zip(refused, lines, strict=True))
     assert 'Traceback' not in done.stderr

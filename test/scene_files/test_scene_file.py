@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import pytest
+from oracles.small_scene import TETRAHEDRON
 
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import scene_file
@@ -23,8 +24,7 @@ def folder(tmp_path):
     (tmp_path / 'arm.urdf').write_text(URDF)
     (tmp_path / 'arm.srdf').write_text(SRDF)
     (tmp_path / 'parts').mkdir()
-    tetrahedron = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n'
-    (tmp_path / 'parts' / 'm.obj').write_text(tetrahedron)
+    (tmp_path / 'parts' / 'm.obj').write_text(TETRAHEDRON)
     return tmp_path
 
 

@@ -40,10 +40,10 @@ frames:
 """
 
 
-def _load(tmp_path, text, name='motion.yaml', scene=SCENE):
+def _load(tmp_path, text, name='motion.yaml'):
     path = tmp_path / name
     path.write_text(text)
-    return load_motion(path, scene)
+    return load_motion(path, SCENE)
 
 
 def test_a_file_with_all_parts(tmp_path):

@@ -11,46 +11,31 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatch
 from itertools import combinations_with_replacement
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from drake_geom_ros.evidence.accuracy.samples import convex_sample
+from drake_geom_ros.evidence.accuracy.subjects import PairSubject
 from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_body
 from drake_geom_ros.geometry import ArgumentError
-
-SIGNED_DISTANCE, PENETRATION, POINTS = QUERIES = ('signed_distance', 'penetration', 'points')
 
 PRIMITIVES = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace')
 RESOLUTIONS = (8, 64, 500)  # vertices of a hull
 QUICK_RESOLUTIONS = (64,)
 
 
-class Named(Protocol):
-    """What is chosen by its name, and takes turns by its family."""
-
-    @property
-    def name(self) -> str:
-        """How it is called."""
-
-    @property
-    def family(self) -> str:
-        """The panel that it is drawn in."""
-
-
-_C = TypeVar('_C', bound=Named)
+_S = TypeVar('_S', bound=PairSubject)
 
 
 @dataclass(frozen=True)
-class ShapePair:
+class ShapePair(PairSubject):
     """A pair of shapes by their public names; ``corners`` are those of each hull among them."""
 
-    a: str
-    b: str
     corners: int = 0
-    timed_pairs = 120  # in one scene: what a query costs once is shared by so many
+    timed_pairs = 120  # what a query costs once is shared by so many
 
     @property
     def name(self) -> str:
@@ -79,10 +64,6 @@ class ShapePair:
                 return words
         return 'boxes and capsules'
 
-    def queries(self) -> tuple[str, ...]:
-        """Return the queries that the case is asked."""
-        return (POINTS,) if self.a == 'Point' else (SIGNED_DISTANCE, PENETRATION)
-
     def bodies(self, rng: np.random.Generator) -> tuple[Body, Body]:
         """Return both bodies, with random sizes."""
         return random_body(rng, self.a, self.corners), random_body(rng, self.b, self.corners)
@@ -107,7 +88,7 @@ def all_cases(resolutions: Sequence[int] = RESOLUTIONS) -> list[ShapePair]:
     return cases
 
 
-def chosen(cases: Sequence[_C], patterns: Sequence[str]) -> list[_C]:
+def chosen(cases: Sequence[_S], patterns: Sequence[str]) -> list[_S]:
     """Return the cases whose names match one of the patterns (``Box-*``), all without any.
 
     Raises ArgumentError for a pattern that matches none.
@@ -119,7 +100,7 @@ def chosen(cases: Sequence[_C], patterns: Sequence[str]) -> list[_C]:
     return [case for case in cases if not patterns or any(fnmatch(case.name, p) for p in patterns)]
 
 
-def in_turns(cases: Sequence[_C]) -> list[_C]:
+def round_robin(cases: Sequence[_S]) -> list[_S]:
     """Return the cases so that the families take turns: a run cut short has seen all of them."""
     ranks: Counter[str] = Counter()
     ranked = []

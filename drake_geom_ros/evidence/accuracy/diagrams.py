@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib
 from matplotlib import pyplot
 
-from drake_geom_ros.evidence.accuracy.cases import QUERIES
+from drake_geom_ros.evidence.accuracy.ours import QUERIES
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured
 from drake_geom_ros.evidence.accuracy.tables import QUERY_TITLES, by_family
 
@@ -81,11 +81,11 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
 
 
 def _panel(panel: Any, family: str, settings: Sequence[Measured]) -> None:
-    mine = [r for r in settings if r.setting.library == OURS and r.errors and r.whole]
+    mine = [r for r in settings if r.setting.library == OURS and r.answers and r.whole]
     _levels(panel, mine)
     seen: dict[str, int] = {}
     for r in settings:
-        if r.setting.library == OURS or not r.errors or not r.whole:
+        if r.setting.library == OURS or not r.answers or not r.whole:
             continue
         number = seen[r.setting.library] = seen.get(r.setting.library, -1) + 1
         colour = COLOURS.get(r.setting.library, SPARE)

@@ -12,10 +12,11 @@ import numpy as np
 
 from drake_geom_ros.evidence import peers
 from drake_geom_ros.evidence.accuracy import ours
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS, SIGNED_DISTANCE, ShapePair
+from drake_geom_ros.evidence.accuracy.cases import ShapePair
+from drake_geom_ros.evidence.accuracy.ours import PENETRATION, POINTS, SIGNED_DISTANCE
 from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, Answer, PeerProcess
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject, Subject
+from drake_geom_ros.evidence.accuracy.subjects import Subject
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_rotations
 from drake_geom_ros.evidence.tolerances import EASY, PEER_TOLERANCES, TOUCHING
@@ -93,7 +94,7 @@ class Measurement:
         """Measure what a call of each peer costs at least: two spheres, a few ns of arithmetic."""
         if not self._rivals:
             return
-        spheres = CaseSubject(ShapePair('Sphere', 'Sphere'))
+        spheres = ShapePair('Sphere', 'Sphere')
         for query in self._asked(spheres, float('-inf')):
             for rival, seconds in zip(
                 self._rivals, self._turns(query, _nothing, easy=True), strict=True

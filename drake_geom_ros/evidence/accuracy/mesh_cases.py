@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS, SIGNED_DISTANCE
 from drake_geom_ros.evidence.accuracy.mesh_bodies import CUTS, mesh_body
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS, farthest_point, known
+from drake_geom_ros.evidence.accuracy.subjects import PairSubject
 from drake_geom_ros.evidence.bodies import Body, Floats
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_body, random_rotation
@@ -27,13 +27,11 @@ PARTNERS = {'L': ('Point', 'Sphere', 'Box', 'L'), 'Ball': ('Point', 'Sphere')}
 
 
 @dataclass(frozen=True)
-class MeshPair:
+class MeshPair(PairSubject):
     """A shape, by its public name or that of a mesh body, and a mesh as a solid."""
 
-    a: str
-    b: str
     resolution: int
-    timed_pairs = 12  # in one scene, to which each brings all its triangles
+    timed_pairs = 12  # each brings all its triangles
 
     @property
     def name(self) -> str:
@@ -46,10 +44,6 @@ class MeshPair:
         """The panel that the case is drawn in."""
         who = 'points to solid meshes' if self.a == 'Point' else 'solid meshes'
         return f'{who}, {self.resolution} triangles'
-
-    def queries(self) -> tuple[str, ...]:
-        """Return the queries that the case is asked."""
-        return (POINTS,) if self.a == 'Point' else (SIGNED_DISTANCE, PENETRATION)
 
     def bodies(self, rng: np.random.Generator) -> tuple[Body, Body]:
         """Return both bodies, the first with random sizes."""

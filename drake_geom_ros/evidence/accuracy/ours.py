@@ -8,11 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.evidence import laws
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS
 from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.bodies import Pair
+from drake_geom_ros.evidence.peers import PENETRATION, SIGNED_DISTANCE
 from drake_geom_ros.geometry import ACCURACY_LEVELS as LEVELS
 from drake_geom_ros.geometry import QueryObject
+
+POINTS = 'points'
+QUERIES = (SIGNED_DISTANCE, PENETRATION, POINTS)
 
 
 class Answer(NamedTuple):

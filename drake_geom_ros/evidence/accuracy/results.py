@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,12 +25,20 @@ class Setting:
     label: str
 
 
+class Answered(NamedTuple):
+    """What one answer was off by, and what about; the bound is ours only."""
+
+    error: float  # [m]
+    size: float  # [m] of the pair
+    configuration: str
+    bound: float | None  # [m]
+    is_wide: bool  # whether that is wider than promised
+
+
 @dataclass
 class Measured:
     """Errors and times of one setting on one case.
 
-    ``errors``, ``bounds`` [m] (ours only) and ``sizes`` [m] go together, one entry an answer, and
-    so does ``promised``: whether the bound must be as narrow as the level says;
     ``verdicts`` counts all outcomes. ``whole`` and ``inside`` are seconds a pair: with all that a
     call costs, and of the computation alone as far as that can be told.
     """
@@ -37,11 +47,7 @@ class Measured:
     family: str
     query: str
     setting: Setting
-    errors: list[float] = field(default_factory=list)
-    bounds: list[float] = field(default_factory=list)
-    sizes: list[float] = field(default_factory=list)
-    configurations: list[str] = field(default_factory=list)
-    wide: list[bool] = field(default_factory=list)
+    answers: list[Answered] = field(default_factory=list)
     verdicts: Counter[str] = field(default_factory=Counter)
     whole: float | None = None
     inside: float | None = None
@@ -55,12 +61,18 @@ class Measured:
     ) -> None:
         """Take an answer in."""
         self.verdicts[ANSWERED] += 1
-        self.errors.append(abs(distance - sample.distance))
-        self.sizes.append(sample.extent)
-        self.configurations.append(sample.about)
-        if error_bound is not None:
-            self.bounds.append(error_bound)
-            self.wide.append(is_wide)
+        error = abs(distance - sample.distance)
+        self.answers.append(Answered(error, sample.extent, sample.about, error_bound, is_wide))
+
+    @property
+    def errors(self) -> list[float]:
+        """All errors [m]."""
+        return [answer.error for answer in self.answers]
+
+    @property
+    def bounds(self) -> list[float]:
+        """All error bounds [m]."""
+        return [answer.bound for answer in self.answers if answer.bound is not None]
 
     @property
     def failures(self) -> dict[str, int]:
@@ -69,35 +81,35 @@ class Measured:
 
     def error(self, quantile: float) -> float:
         """Return a quantile of the errors [m]; NaN without any."""
-        return float(np.quantile(self.errors, quantile)) if self.errors else float('nan')
+        return float(np.quantile(self.errors, quantile)) if self.answers else math.nan
 
     def worst_bound(self) -> float:
         """Return the largest error bound [m]; NaN without any."""
-        return max(self.bounds, default=float('nan'))
+        return max(self.bounds, default=math.nan)
 
     def worst_configuration(self) -> str:
         """Return the configuration of the worst error."""
-        return self.configurations[int(np.argmax(self.errors))] if self.errors else ''
+        worst = max(self.answers, key=lambda answer: answer.error, default=None)
+        return worst.configuration if worst else ''
 
     def rounding(self) -> float:
         """Return the spacing of floats at the largest pair [m], below which no error is drawn."""
-        return EPS * max(self.sizes, default=1.0)
+        return EPS * max((answer.size for answer in self.answers), default=1.0)
 
     def ratios(self) -> list[float]:
         """Return bound over error of the answers whose error is more than rounding."""
         return [
-            bound / error
-            for bound, error, size in zip(self.bounds, self.errors, self.sizes, strict=False)
-            if error > ROUNDING * size
+            each.bound / each.error
+            for each in self.answers
+            if each.bound is not None and each.error > ROUNDING * each.size
         ]
 
-    def lies(self) -> list[str]:
-        """Return what is not as certified or promised, one sentence an answer."""
+    def violations(self) -> list[str]:
+        """Return what breaks a certificate or the promise, one sentence an answer."""
         found = []
-        columns = self.errors, self.bounds, self.sizes, self.configurations, self.wide
-        for error, bound, size, configuration, is_wide in zip(*columns, strict=False):
+        for error, size, configuration, bound, is_wide in self.answers:
             where = f'{self.case}, {self.query}, {self.setting.label}, {configuration}'
-            if error > bound + TRUTH_ROUNDING * size:
+            if bound is not None and error > bound + TRUTH_ROUNDING * size:
                 found.append(f'{where}: error {error:.3g} m, error_bound {bound:.3g} m')
             if is_wide:
                 found.append(f'{where}: error_bound {bound:.3g} m, {WIDE}')

@@ -12,16 +12,15 @@ import numpy as np
 from drake_geom_ros.evidence.accuracy import diagrams
 from drake_geom_ros.evidence.accuracy.cases import (
     QUICK_RESOLUTIONS,
-    ShapePair,
     all_cases,
     chosen,
-    in_turns,
+    round_robin,
 )
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
-from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, MeshPair, mesh_cases
+from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.evidence.accuracy.scenes import SCENES
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject, Subject
+from drake_geom_ros.evidence.accuracy.subjects import PairSubject, Subject
 from drake_geom_ros.evidence.accuracy.tables import Circumstances, microseconds, readme, write_csv
 from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.pages import description, versions
@@ -29,7 +28,7 @@ from drake_geom_ros.evidence.pages import description, versions
 MINUTES, QUICK_MINUTES = 9.0, 0.8  # to measure in: the rest of 10 and of 1 is to begin and to end
 # Of the share of a subject, for batches: turns, and what takes them to be made, come on top.
 BATCHES_PART = 0.35
-LYING = 1  # the exit code
+VIOLATED = 1  # the exit code
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def run(request: Request, say: Callable[[str], None]) -> int:
         say(f'kernels ready after {compiling:.0f} s, which no figure contains')
         measurement.calibrate()
         subjects: list[Subject] = [make() for make in SCENES.values() if not request.patterns]
-        subjects += [CaseSubject(case) for case in in_turns(chosen_cases)]
+        subjects += round_robin(chosen_cases)
         left_out = measure(measurement, subjects, begun + compiling + 60.0 * minutes, say)
     except KeyboardInterrupt:
         say('interrupted: what was measured until now is written')
@@ -92,14 +91,14 @@ def _command(request: Request) -> str:
     return ' '.join(words)
 
 
-def cases_of(request: Request) -> list[ShapePair | MeshPair]:
+def cases_of(request: Request) -> list[PairSubject]:
     """Return all cases that the request may choose from."""
     if request.quick:
         return [*all_cases(QUICK_RESOLUTIONS), *QUICK_CASES]
     return [*all_cases(), *mesh_cases()]
 
 
-def compile_kernels(cases: Sequence[ShapePair | MeshPair]) -> float:
+def compile_kernels(cases: Sequence[PairSubject]) -> float:
     """Compile or load all kernels that the cases need; return the seconds that this took."""
     start = time.perf_counter()
     rng = np.random.default_rng(0)
@@ -144,9 +143,9 @@ def measure(
 def _summary(subject: Subject, records: Sequence[Measured]) -> str:
     words = []
     for r in records:
-        if r.setting == Setting(OURS, 'exact') and r.errors:
+        if r.setting == Setting(OURS, 'exact') and r.answers:
             words.append(
-                f'{r.query.replace("_", " ")} worst {r.error(1.0):.1e} m of {len(r.errors)}, '
+                f'{r.query.replace("_", " ")} worst {r.error(1.0):.1e} m of {len(r.answers)}, '
                 f'{microseconds(r.whole)} us'
             )
     return f'{subject.name}: {"; ".join(words)}'
@@ -165,10 +164,10 @@ def write(
 
 def verdict(records: Sequence[Measured], say: Callable[[str], None]) -> int:
     """Say where certificates were wrong or wider than promised; return the exit code."""
-    lies = [lie for r in records for lie in r.lies()]
-    for lie in lies:
-        say(f'WRONG: {lie}')
-    if not lies:
+    found = [each for r in records for each in r.violations()]
+    for each in found:
+        say(f'WRONG: {each}')
+    if not found:
         count = sum(len(r.bounds) for r in records)
         say(f'all {count} certificates contain the truth and are as narrow as promised')
-    return LYING if lies else 0
+    return VIOLATED if found else 0

@@ -59,9 +59,8 @@ def convex_sample(a: Body, b: Body, configuration: str, rng: np.random.Generator
     else:
         p_WB = farthest_point(rng, a, n) + gap * n - farthest_point(rng, b, -n)
     b = b.at(p_WB)
-    pair = a.form, a.X_WG, b.form, b.X_WG
     is_made = gap is not None and gap >= 0.0
-    phi, _ = convex.near_direction(*pair, n) if is_made else convex.signed_distance(*pair)
+    phi, _ = convex.signed_distance(a, b, near=n if is_made else None)
     return known(a, b, phi, configuration)
 
 

@@ -9,8 +9,14 @@ from itertools import combinations
 import numpy as np
 
 from drake_geom_ros.evidence import arms
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, SIGNED_DISTANCE
-from drake_geom_ros.evidence.accuracy.ours import LEVELS, Answer, asked_for, rows
+from drake_geom_ros.evidence.accuracy.ours import (
+    LEVELS,
+    PENETRATION,
+    SIGNED_DISTANCE,
+    Answer,
+    asked_for,
+    rows,
+)
 from drake_geom_ros.evidence.accuracy.samples import known
 from drake_geom_ros.evidence.accuracy.timed import TimedScene
 from drake_geom_ros.evidence.asking import BodyScene
@@ -51,7 +57,7 @@ class Scene:
 
     def _sample(self, i: int, j: int) -> Case:
         a, b = self.bodies[i], self.bodies[j]
-        phi, _ = convex.signed_distance(a.form, a.X_WG, b.form, b.X_WG)
+        phi, _ = convex.signed_distance(a, b)
         pair = known(a, b, phi, self.name)
         self._numbers[id(pair)] = i, j
         return pair

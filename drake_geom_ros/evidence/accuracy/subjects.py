@@ -1,4 +1,4 @@
-"""What can be measured: cases, and whole scenes (``scenes``), seen alike.
+"""What can be measured: pairs (``cases``, ``mesh_cases``), and whole scenes (``scenes``), alike.
 
 A subject yields its samples batch by batch, tells our answers to one, and makes the scene that
 is timed.
@@ -6,14 +6,18 @@ is timed.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from typing import Protocol
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
 
 from drake_geom_ros.evidence.accuracy import ours
-from drake_geom_ros.evidence.accuracy.cases import ShapePair
-from drake_geom_ros.evidence.accuracy.mesh_cases import MeshPair
+from drake_geom_ros.evidence.accuracy.ours import PENETRATION, POINTS, SIGNED_DISTANCE
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS, stream
 from drake_geom_ros.evidence.accuracy.timed import TimedScene, side_by_side
+from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 
 
@@ -21,7 +25,7 @@ class Subject(Protocol):
     """What ``Measurement`` needs to know."""
 
     name: str
-    family: str
+    family: str  # the panel that it is drawn in
     queries: tuple[str, ...]
 
     def batches(self, seed: int) -> Iterator[list[Case]]:
@@ -34,18 +38,32 @@ class Subject(Protocol):
         """Return a scene to be timed, and how many pairs its query answers."""
 
 
-class CaseSubject:
-    """A pair of shapes; a batch has one sample of each configuration."""
+@dataclass(frozen=True)
+class PairSubject:
+    """A pair of shapes by name; a batch has one sample of each configuration."""
 
-    def __init__(self, case: ShapePair | MeshPair) -> None:
-        self.name, self.family, self.queries = case.name, case.family, case.queries()
-        self._case = case
+    a: str
+    b: str
+    timed_pairs: ClassVar[int]  # in one scene
+
+    @property
+    def queries(self) -> tuple[str, ...]:
+        """The queries that the pair is asked."""
+        return (POINTS,) if self.a == 'Point' else (SIGNED_DISTANCE, PENETRATION)
+
+    @abstractmethod
+    def bodies(self, rng: np.random.Generator) -> tuple[Body, Body]:
+        """Return both bodies, with random sizes."""
+
+    @abstractmethod
+    def sample(self, configuration: str, rng: np.random.Generator) -> Case:
+        """Return both bodies at random poses in a configuration, with their truth."""
 
     def batches(self, seed: int) -> Iterator[list[Case]]:
         """Yield one pair of each configuration a time."""
         rng = stream(self.name, seed)
         while True:
-            yield [self._case.sample(configuration, rng) for configuration in CONFIGURATIONS]
+            yield [self.sample(configuration, rng) for configuration in CONFIGURATIONS]
 
     def answers(self, sample: Case, query: str) -> list[ours.Answer | None]:
         """Return our answers to the pair alone."""
@@ -53,5 +71,5 @@ class CaseSubject:
 
     def timed(self, query: str, known: Sequence[Case]) -> tuple[TimedScene, int]:
         """Return the samples side by side, each as often as it takes to be enough of them."""
-        pairs = self._case.timed_pairs
-        return side_by_side([known[k % len(known)] for k in range(pairs)]), pairs
+        samples = [known[k % len(known)] for k in range(self.timed_pairs)]
+        return side_by_side(samples), self.timed_pairs

@@ -10,10 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drake_geom_ros.evidence.accuracy.cases import QUERIES
-from drake_geom_ros.evidence.accuracy.ours import LEVELS
+from drake_geom_ros.evidence.accuracy.ours import LEVELS, QUERIES
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.pages import table
+from drake_geom_ros.evidence.pages import table, three
 
 COLUMNS = (
     'case', 'family', 'query', 'library', 'setting', 'answers', 'failures', 'error_median',
@@ -61,7 +60,7 @@ def write_csv(records: Sequence[Measured], path: Path) -> None:
             writer.writerow(
                 [
                     *(r.case, r.family, r.query, r.setting.library, r.setting.label),
-                    *(len(r.errors), failures, *cells),
+                    *(len(r.answers), failures, *cells),
                 ]
             )
 
@@ -71,11 +70,7 @@ def merged(records: Sequence[Measured]) -> Measured:
     first = records[0]
     one = Measured(first.family, first.family, first.query, first.setting)
     for r in records:
-        one.errors += r.errors
-        one.bounds += r.bounds
-        one.sizes += r.sizes
-        one.configurations += r.configurations
-        one.wide += r.wide
+        one.answers += r.answers
         one.verdicts += r.verdicts
     for name in ('whole', 'inside'):
         times = [t for r in records if (t := getattr(r, name)) is not None]
@@ -180,8 +175,8 @@ def _certificates(records: Sequence[Measured]) -> str:
         ratios = [ratio for r in mine for ratio in r.ratios()]
         cells = (
             level,
-            sum(len(r.errors) for r in mine),
-            sum(len(r.lies()) for r in mine),
+            sum(len(r.answers) for r in mine),
+            sum(len(r.violations()) for r in mine),
             len(ratios),
             f'{np.median(ratios):.2f}' if ratios else '',
             f'{max(ratios):.3g}' if ratios else '',
@@ -216,7 +211,7 @@ def _each_case(records: Sequence[Measured]) -> str:
         if r.setting == Setting(OURS, 'exact'):
             errors = [length(r.error(q), r.rounding()) for q in (0.5, 1.0)]
             cells = [r.case, r.query.replace('_', ' '), *errors, length(r.worst_bound(), 0.0)]
-            cells += [f'{microseconds(r.whole)} ({microseconds(r.inside)})', str(len(r.errors))]
+            cells += [f'{microseconds(r.whole)} ({microseconds(r.inside)})', str(len(r.answers))]
             rows.append(cells)
     return '## Level exact, case by case\n\n' + table(headings, rows)
 
@@ -230,7 +225,4 @@ def length(value: float, rounding: float) -> str:
 
 def microseconds(seconds: float | None) -> str:
     """Return a time in microseconds."""
-    if seconds is None:
-        return ''
-    value = 1e6 * seconds
-    return f'{value:.3g}' if value < 1000 else f'{value:.0f}'
+    return '' if seconds is None else three(1e6 * seconds)

@@ -16,10 +16,8 @@ def distance(pair: Pair, n: object = None) -> float:
     Lengths are brought to about 1 m by a power of two: the truth squares them.
     """
     s = 2.0 ** -round(math.log2(pair.extent)) if pair.extent else 1.0
-    a, b = pair.scaled(s).a, pair.scaled(s).b
-    posed = a.form, a.X_WG, b.form, b.X_WG
-    found = convex.signed_distance(*posed) if n is None else convex.near_direction(*posed, n)
-    return found[0] / s
+    scaled = pair.scaled(s)
+    return convex.signed_distance(scaled.a, scaled.b, near=n)[0] / s
 
 
 def error(judged: Judged, k: int) -> float:

@@ -20,6 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.random_bodies import even_directions
 from drake_geom_ros.evidence.tolerances import ALIKE, NARROWEST, ON_AXIS
 from drake_geom_ros.evidence.truth.supports import posed
 
@@ -84,19 +85,12 @@ def widest(pairs: Packed, normals: Floats) -> tuple[Floats, Floats]:
 
     ``normals`` (n, m, 3), nhat_BA_W of answers, are looked at first.
     """
-    return _widest(*pairs, normals, _evenly(EVENLY))
+    return _widest(*pairs, normals, even_directions(EVENLY))
 
 
 def gaps(pairs: Packed, normals: Floats) -> Floats:
     """Return the gaps (n,) [m] along normals (n, 3), which are nhat_BA_W."""
     return _gaps(*pairs, normals)
-
-
-def _evenly(count: int) -> Floats:
-    k = np.arange(count) + 0.5
-    z = 1.0 - 2.0 * k / count
-    rho = np.sqrt(1.0 - z * z)
-    return np.column_stack([rho * np.cos(GOLDEN * k), rho * np.sin(GOLDEN * k), z])
 
 
 @njit(cache=True)

@@ -11,6 +11,7 @@ from drake_geom_ros.evidence.hunt.judge import LAWS
 from drake_geom_ros.evidence.hunt.minimising import minimised
 from drake_geom_ros.evidence.hunt.search import CHAIN, WAYS, Hunt
 from drake_geom_ros.evidence.hunt.starts import skew
+from drake_geom_ros.evidence.pages import table
 from drake_geom_ros.evidence.tolerances import SEARCH
 
 SHOWN = 2  # pairs of shapes, the worst of each law and way, that are minimised
@@ -66,11 +67,11 @@ def summary(hunt: Hunt) -> str:
 
 def page(hunt: Hunt, command: str) -> str:
     """Return the page for the docs: a row for each pair of shapes, a column for each law."""
-    rows = [f'| shapes | {" | ".join(LAWS)} |', '|---' * (len(LAWS) + 1) + '|']
+    rows = []
     for kinds in sorted({key.kinds for key in hunt.worst}):
         of_kinds = {k: find.ratio for k, find in hunt.worst.items() if k.kinds == kinds}
         worst = [max(0.0, *(r for k, r in of_kinds.items() if k.law == law)) for law in LAWS]
-        rows.append(f'| {kinds} | {" | ".join(f"{ratio:.2g}" for ratio in worst)} |')
+        rows.append([kinds, *(f'{ratio:.2g}' for ratio in worst)])
     broken = sum(hunt.broken.values())
     told = f'`{command}`: {hunt.judged} pairs judged, laws broken {broken} times.\n\n'
-    return NOTE + told + '\n'.join(rows) + '\n'
+    return NOTE + told + table(('shapes', *LAWS), rows)

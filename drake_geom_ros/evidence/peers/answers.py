@@ -40,8 +40,6 @@ class Peer(Protocol):
     """A library that was loaded."""
 
     name: str
-    # Queries that may end or hang the whole process: to be asked in one that can be lost.
-    unsafe: frozenset[str]
 
     def pair(self, query: str, shape_a: Shape, shape_b: Shape) -> Ask:
         """Return what asks the query of two shapes at poses X_WA, X_WB.

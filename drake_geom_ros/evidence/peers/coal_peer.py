@@ -52,7 +52,6 @@ class Loaded:
     """Coal with its own settings, or with one tolerance for both GJK and EPA."""
 
     name = 'Coal'
-    unsafe: frozenset[str] = frozenset()
 
     def __init__(self, tolerance: float | None) -> None:
         self._tolerance = tolerance

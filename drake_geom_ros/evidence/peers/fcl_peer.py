@@ -1,7 +1,8 @@
 """python-fcl: ``fcl.distance`` and ``fcl.collide`` of two collision objects.
 
 The signed distance may abort the process with a C++ exception that Python cannot catch, end it by
-a wrong address (half spaces) or never return (concentric spheres): see ``unsafe``.
+a wrong address (half spaces) or never return (concentric spheres): it is asked for in a process
+that may be lost.
 
 A mesh as a solid is a BVHModel, a surface without an inside: its distance is asked for unsigned,
 and what lies in it is as far away as the nearest triangle.
@@ -59,7 +60,6 @@ class Loaded:
     """FCL as python-fcl offers it: libccd, its tolerance of 1e-6 cannot be set."""
 
     name = 'python-fcl'
-    unsafe = frozenset({SIGNED_DISTANCE})
 
     def __init__(self, tolerance: float | None) -> None:
         no_tolerance(self.name, tolerance)

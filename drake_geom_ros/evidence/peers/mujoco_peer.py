@@ -39,7 +39,6 @@ class Loaded:
     """MuJoCo with its own settings, or with another tolerance for convex pairs."""
 
     name = 'MuJoCo'
-    unsafe: frozenset[str] = frozenset()
 
     def __init__(self, tolerance: float | None) -> None:
         self._tolerance = tolerance

@@ -31,7 +31,6 @@ class Loaded:
     """pydrake's ComputeSignedDistancePairClosestPoints and ComputePointPairPenetration."""
 
     name = 'pydrake'
-    unsafe: frozenset[str] = frozenset()
 
     def __init__(self, tolerance: float | None) -> None:
         no_tolerance(self.name, tolerance)

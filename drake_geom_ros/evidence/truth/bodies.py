@@ -16,7 +16,7 @@ from drake_geom_ros.evidence.truth.supports import CONVEX, HALF_SPACE, offset_be
 WITH_CLOSED_FORM = {(2, 2), (2, 3), (3, 3)}  # beside spheres and half spaces
 
 
-def support(body: Body, n: Any) -> Floats:
+def support_point(body: Body, n: Any) -> Floats:
     """Return the point of a body that is extreme along n; of a half space, along its normal."""
     if body.kind == 'HalfSpace':
         return body.p
@@ -49,7 +49,7 @@ def signed_distance(a: Body, b: Body) -> tuple[float | None, float]:
         distance = _closed(a, b)
         return distance, tilt + EPS * abs(distance)
     extent = a.radius + b.radius + np.linalg.norm(b.p - a.p)
-    return _searched(a, b), tilt + SEARCH * float(extent)
+    return convex.signed_distance(a, b)[0], tilt + SEARCH * float(extent)
 
 
 def of_ball(solid: Body, ball: Body) -> float | None:
@@ -57,15 +57,11 @@ def of_ball(solid: Body, ball: Body) -> float | None:
     return ball_distance(solid.corners, solid.X_WG, ball.p, ball.size[0])
 
 
-def _searched(a: Body, b: Body) -> float:
-    return convex.signed_distance(a.form, a.X_WG, b.form, b.X_WG)[0]
-
-
 def _closed(a: Body, b: Body) -> float:
     if a.form[0] > b.form[0]:
         a, b = b, a
     if b.form[0] == CONVEX:  # over a half space its vertices are compared with all digits
-        return _searched(a, b)
+        return convex.signed_distance(a, b)[0]
     with mp.workdps(closed_forms.DIGITS):
         (kind_a, size_a), (kind_b, size_b) = a.form, b.form
         # The forms tell what is 0 for bodies of about 1 m, so that tiny ones are brought to that.

@@ -20,11 +20,13 @@ digits
 from __future__ import annotations
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mp
 from scipy.spatial import ConvexHull, QhullError
 
-from drake_geom_ros.evidence.bodies import Floats, Form, Pose
+from drake_geom_ros.evidence.bodies import Body, Floats
+from drake_geom_ros.evidence.random_bodies import even_directions
 from drake_geom_ros.evidence.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
+from drake_geom_ros.evidence.truth.closed_forms import dot, vector
 from drake_geom_ros.evidence.truth.polish import polished
 from drake_geom_ros.evidence.truth.supports import (
     DIGITS,
@@ -42,50 +44,36 @@ MOST_OPEN = 150  # faces of the hull that one round refines
 MOST_STARTS = 40
 
 
-def signed_distance(shape_a: Form, X_WA: Pose, shape_b: Form, X_WB: Pose) -> tuple[float, Floats]:
+def signed_distance(a: Body, b: Body, near: Floats | None = None) -> tuple[float, Floats]:
     """Return phi [m] and a unit direction (3,) out of A that attains it.
 
-    A shape is ``(type number, half sizes)``; of a hull, the number of vertices and the vertices.
-    A pose is ``(R, p)``. Good to the rounding of the answer and of R. At most one of the two may
-    be a half space.
+    ``near`` is next to the best direction, where that is known: nothing is searched for then.
+    Good to the rounding of the answer and of R. At most one of the two may be a half space.
     """
     with mp.workdps(DIGITS):
-        if HALF_SPACE in (shape_a[0], shape_b[0]):
-            return _half_space(shape_a, X_WA, shape_b, X_WB)
-        pair = MinkowskiDifference(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
-        found = [polished(pair, n, angle) for n, angle in search(pair)]
-        phi, n = max(found, key=lambda each: each[0])
+        if HALF_SPACE in (a.form[0], b.form[0]):
+            return _half_space(a, b)
+        pair = MinkowskiDifference(posed(a.form, *a.X_WG), posed(b.form, *b.X_WG))
+        starts = search(pair) if near is None else [(near, KNOWN)]
+        phi, n = max((polished(pair, *start) for start in starts), key=lambda each: each[0])
         return float(phi), n
 
 
-def near_direction(
-    shape_a: Form, X_WA: Pose, shape_b: Form, X_WB: Pose, n: Floats
-) -> tuple[float, Floats]:
-    """Return what ``signed_distance`` does, where n is known to be next to the best direction."""
-    with mp.workdps(DIGITS):
-        if HALF_SPACE in (shape_a[0], shape_b[0]):
-            return _half_space(shape_a, X_WA, shape_b, X_WB)
-        pair = MinkowskiDifference(posed(shape_a, *X_WA), posed(shape_b, *X_WB))
-        phi, n = polished(pair, n, KNOWN)
-        return float(phi), n
-
-
-def _half_space(shape_a: Form, X_a: Pose, shape_b: Form, X_b: Pose) -> tuple[float, Floats]:
+def _half_space(a: Body, b: Body) -> tuple[float, Floats]:
     """Return the answer where one is a half space, which ends along its normal only."""
-    if shape_a[0] != HALF_SPACE:
-        phi, n = _half_space(shape_b, X_b, shape_a, X_a)
+    if a.form[0] != HALF_SPACE:
+        phi, n = _half_space(b, a)
         return phi, -n
-    n = np.asarray(X_a[0], dtype=float)[:, 2]
-    exact = [mpf(float(x)) for x in n]
-    offset = offset_between(X_a[1], X_b[1])
-    height = sum((x * y for x, y in zip(offset, exact, strict=True)), mpf(0))
-    below = posed(shape_b, *X_b).exact_height([-x for x in exact])
+    n = np.asarray(a.R, dtype=float)[:, 2]
+    exact = vector(n)
+    height = dot(offset_between(a.p, b.p), exact)
+    below = posed(b.form, *b.X_WG).exact_height([-x for x in exact])
     return float(height - below), n
 
 
 def search(pair: MinkowskiDifference) -> list[tuple[Floats, float]]:
     """Return directions (3,), one of them the best of all within the angle [rad] beside it."""
-    n = np.vstack([_sphere(DENSE), *(_unit(x.flat @ x.R.T) for x in (pair.a, pair.b))])
+    n = np.vstack([even_directions(DENSE), *(_unit(x.flat @ x.R.T) for x in (pair.a, pair.b))])
     points = pair.gaps(n)
     values = np.einsum('ij,ij->i', points, n)
     found, best = [n[np.argmax(values)][None]], values.max()
@@ -119,7 +107,7 @@ def _climb(pair: MinkowskiDifference, n: Floats) -> Floats:
     """Return the best direction that caps around n find as they shrink."""
     angle = 4 / DENSE**0.5
     while angle > 0.2 * CLIMBED:
-        around = _unit(n + angle * _sphere(120))
+        around = _unit(n + angle * even_directions(120))
         around = np.vstack([n[None], around])
         best = around[np.argmax(pair.values(around))]
         # A better one at the rim: go on from there before looking closer.
@@ -127,14 +115,6 @@ def _climb(pair: MinkowskiDifference, n: Floats) -> Floats:
             angle *= 0.5
         n = best
     return n
-
-
-def _sphere(count: int) -> Floats:
-    """Return unit directions (count, 3) that lie evenly: a Fibonacci spiral."""
-    k = np.arange(count) + 0.5
-    z, turn = 1 - 2 * k / count, np.pi * (1 + 5**0.5) * k
-    rho = np.sqrt(1 - z * z)
-    return np.column_stack([rho * np.cos(turn), rho * np.sin(turn), z])
 
 
 def _unit(v: Floats) -> Floats:

@@ -21,6 +21,7 @@ from mpmath import mp, mpf
 from drake_geom_ros.evidence.bodies import Body, Floats, Pose
 from drake_geom_ros.evidence.tolerances import FREE, NEAREST, SIDE
 from drake_geom_ros.evidence.truth import convex
+from drake_geom_ros.evidence.truth.closed_forms import columns, dot, vector
 from drake_geom_ros.evidence.truth.supports import DIGITS, offset_between
 
 
@@ -54,7 +55,7 @@ def ball_distance(corners: Floats, X_WM: Pose, p_WA: Floats, radius: float) -> f
     R, p_WM = X_WM
     with mp.workdps(DIGITS):
         offset = offset_between(p_WM, p_WA)
-        q = [sum((mpf(float(R[i, k])) * offset[i] for i in range(3)), mpf(0)) for k in range(3)]
+        q = [dot(column, offset) for column in columns(R)]
         of_point, foot = point_distance(corners, q)
         phi = float(of_point - mpf(float(radius)))
         if phi >= 0.0 or radius == 0.0:
@@ -74,17 +75,13 @@ def _parts(body: Body) -> list[Body]:
 
 
 def _of_parts(a: list[Body], b: list[Body]) -> float | None:
-    found = [_of_convex(x, y) for x, y in product(a, b)]
+    found = [convex.signed_distance(x, y) for x, y in product(a, b)]
     phi, n = min(found, key=lambda each: each[0])
     if phi >= 0.0:
         return phi
     moved = [part.at(part.p - phi * n) for part in b]
-    clear = all(_of_convex(x, y)[0] >= -FREE for x, y in product(a, moved))
+    clear = all(convex.signed_distance(x, y)[0] >= -FREE for x, y in product(a, moved))
     return phi if clear else None
-
-
-def _of_convex(a: Body, b: Body) -> tuple[float, Floats]:
-    return convex.signed_distance(a.form, a.X_WG, b.form, b.X_WG)
 
 
 def _nearest_points(corners: Floats, q: Floats) -> Floats:
@@ -110,7 +107,7 @@ def _nearest_points(corners: Floats, q: Floats) -> Floats:
 
 def _of_triangle(triangle: Floats, q: Any) -> Any:
     """Return the distance of a point from a triangle, in as many digits as are set."""
-    v = [np.array([mpf(float(x)) for x in corner], dtype=object) for corner in triangle]
+    v = [np.array(vector(corner), dtype=object) for corner in triangle]
     point = np.array(q, dtype=object)
     normal = np.cross(v[1] - v[0], v[2] - v[0])
     sides = [(v[k], v[(k + 1) % 3] - v[k]) for k in range(3)]

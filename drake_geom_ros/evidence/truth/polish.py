@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.evidence.bodies import Floats
 from drake_geom_ros.evidence.tolerances import EQUAL, GAIN, LAST_STEP, LEAST_CURVATURE, PARALLEL
+from drake_geom_ros.evidence.truth.closed_forms import combine, cross, dot, vector
 from drake_geom_ros.evidence.truth.supports import MinkowskiDifference, MinkowskiSum
 
 _Edge = tuple[MinkowskiSum, NDArray[np.int64]]
@@ -116,13 +117,10 @@ def _maximum(pair: MinkowskiDifference, n: Floats, E: Floats, i: int, j: int) ->
 def _held(n: Floats, held: _Edges) -> list[Any]:
     """Return n in full digits, at right angles to the edges held."""
     edges = [body.exact_edge(edge) for body, edge in held]
-    digits = [mpf(float(x)) for x in n]
+    digits = vector(n)
     if len(edges) == 2:
-        (a, b, c), (d, e, f) = edges
-        cross = [b * f - c * e, c * d - a * f, a * e - b * d]
-        same = sum((x * y for x, y in zip(cross, digits, strict=True)), mpf(0)) > 0
-        return cross if same else [-x for x in cross]
+        crossing = cross(*edges)
+        return crossing if dot(crossing, digits) > 0 else [-x for x in crossing]
     for u in edges:
-        uu, un = (sum((x * y for x, y in zip(u, v, strict=True)), mpf(0)) for v in (u, digits))
-        digits = [x - un / uu * y for x, y in zip(digits, u, strict=True)]
+        digits = combine(digits, -dot(u, digits) / dot(u, u), u)
     return digits

@@ -15,12 +15,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from mpmath import mp, mpf
+from mpmath import mpf
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.bodies import Floats, Form
 from drake_geom_ros.evidence.tolerances import TIE
+from drake_geom_ros.evidence.truth.closed_forms import columns, combine, dot, norm, vector
 from drake_geom_ros.geometry import ShapeKind
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, *_ = ShapeKind
@@ -72,32 +73,19 @@ class MinkowskiSum:
 
     def exact_height(self, n: list[Any]) -> Any:
         """Return h(n), in full digits, from the position p."""
-        d = [
-            sum((x * mpf(float(self.R[i, k])) for i, x in enumerate(n)), mpf(0)) for k in (0, 1, 2)
-        ]
+        d = [dot(n, column) for column in columns(self.R)]
         rough = self.vertices @ np.array([float(x) for x in d])
         tied = self.vertices[rough >= rough.max() - TIE * self.size]
-        height = max(_dot(d, v) for v in tied) + mpf(float(self.radius)) * _norm(n)
+        height = max(dot(d, vector(v)) for v in tied) + mpf(float(self.radius)) * norm(n)
         if len(self.flat):
-            height += _norm([_dot(d, row) for row in self.flat])
+            height += norm([dot(d, vector(row)) for row in self.flat])
         return height
 
     def exact_edge(self, edge: Floats) -> list[Any]:
         """Return the direction of an edge, a pair of vertices, in World, in full digits."""
         i, j = edge
-        along = [
-            mpf(float(a)) - mpf(float(b))
-            for a, b in zip(self.vertices[i], self.vertices[j], strict=True)
-        ]
-        return [_dot(along, self.R[k]) for k in (0, 1, 2)]
-
-
-def _dot(a: list[Any], floats: Any) -> Any:
-    return sum((x * mpf(float(y)) for x, y in zip(a, floats, strict=True)), mpf(0))
-
-
-def _norm(a: list[Any]) -> Any:
-    return mp.sqrt(sum((x * x for x in a), mpf(0)))
+        along = combine(vector(self.vertices[i]), -1, vector(self.vertices[j]))
+        return [dot(along, vector(row)) for row in self.R]
 
 
 def posed(shape: Form, R: Any, p: Any) -> MinkowskiSum:
@@ -129,7 +117,7 @@ def posed(shape: Form, R: Any, p: Any) -> MinkowskiSum:
 
 def offset_between(p_WA: Any, p_WB: Any) -> list[Any]:
     """Return p_AB in full digits."""
-    return [mpf(float(b)) - mpf(float(a)) for a, b in zip(p_WA, p_WB, strict=True)]
+    return combine(vector(p_WB), -1, vector(p_WA))
 
 
 class MinkowskiDifference:
@@ -153,6 +141,5 @@ class MinkowskiDifference:
 
     def exact(self, n: list[Any]) -> Any:
         """Return f of a direction of any length, in full digits."""
-        ahead = sum((x * y for x, y in zip(self.offset, n, strict=True)), mpf(0))
-        value = ahead - self.a.exact_height(n) - self.b.exact_height([-x for x in n])
-        return value / mp.sqrt(sum((x * x for x in n), mpf(0)))
+        heights = self.a.exact_height(n) + self.b.exact_height([-x for x in n])
+        return (dot(self.offset, n) - heights) / norm(n)

@@ -24,28 +24,29 @@ CANDIDATE_SIZE = 16
 
 def fill_penetrations(message: Any, results: PenetrationResults) -> None:
     """Fill the arrays of a PenetrationPairs message."""
-    message.id_a = unsigned(results.id_A)
-    message.id_b = unsigned(results.id_B)
+    _fill_pairs(message, results)
     message.p_wca = floats(results.p_WCa)
     message.p_wcb = floats(results.p_WCb)
-    message.nhat_ba_w = floats(results.nhat_BA_W)
     message.depth = floats(results.depth)
-    message.error_bound = floats(results.error_bound)
-    message.method = uint8s(results.method)
 
 
 def fill_signed_distances(
     message: Any, results: SignedDistanceResults, max_distance: float
 ) -> None:
     """Fill the arrays of a SignedDistancePairs message."""
+    _fill_pairs(message, results)
     message.max_distance = max_distance
-    message.id_a = unsigned(results.id_A)
-    message.id_b = unsigned(results.id_B)
     message.p_aca = floats(results.p_ACa)
     message.p_bcb = floats(results.p_BCb)
-    message.nhat_ba_w = floats(results.nhat_BA_W)
     message.distance = floats(results.distance)
     message.is_nhat_ba_w_unique = results.is_nhat_BA_W_unique.tolist()
+
+
+def _fill_pairs(message: Any, results: PenetrationResults | SignedDistanceResults) -> None:
+    """Fill what all messages of pairs have."""
+    message.id_a = unsigned(results.id_A)
+    message.id_b = unsigned(results.id_B)
+    message.nhat_ba_w = floats(results.nhat_BA_W)
     message.error_bound = floats(results.error_bound)
     message.method = uint8s(results.method)
 

@@ -64,10 +64,10 @@ def _cut(text: str, width: int) -> str:
 class Screen:
     """Shows the table: redrawn in place on a terminal, else as a block every second."""
 
-    def __init__(self, stream: TextIO, period: float = 1.0):
+    def __init__(self, stream: TextIO):
         self._stream = stream
         self._in_place = stream.isatty()
-        self._period = 0.1 if self._in_place else period
+        self._period = 0.1 if self._in_place else 1.0  # [s]
         self._next = 0.0
         self._drawn = 0
 

@@ -183,37 +183,18 @@ def _computed(computed: Effects | None) -> list[Effect]:
     if computed is None:
         names = ('update', 'broadphase', 'filter', 'compile', 'cache', 'narrowphase')
         return [Effect(name, reason=NO_SUBSCRIBER) for name in names]
-    seconds = computed.seconds
+    near, kernels = computed.near_list_made, len(computed.kernels_compiled)
+    cached, narrow = computed.cached_pairs, computed.narrowphase_pairs
+    # What was done, how often, whether it ran, and why not.
+    effects = (
+        ('update', computed.geometries_updated, True, ''),
+        ('broadphase', computed.broadphase_pairs, near, _STILL_NEAR),
+        ('filter', computed.filtered_pairs, near, _STILL_NEAR),
+        ('compile', kernels, kernels, _ALL_COMPILED),
+        ('cache', cached, cached, _NONE_KEPT),
+        ('narrowphase', narrow, narrow, _NOTHING_LEFT),
+    )
     return [
-        Effect('update', computed.geometries_updated, seconds['update']),
-        Effect(
-            'broadphase',
-            computed.broadphase_pairs,
-            seconds['broadphase'],
-            '' if computed.near_list_made else _STILL_NEAR,
-        ),
-        Effect(
-            'filter',
-            computed.filtered_pairs,
-            seconds['filter'],
-            '' if computed.near_list_made else _STILL_NEAR,
-        ),
-        Effect(
-            'compile',
-            len(computed.kernels_compiled),
-            seconds['compile'],
-            '' if computed.kernels_compiled else _ALL_COMPILED,
-        ),
-        Effect(
-            'cache',
-            computed.cached_pairs,
-            seconds['cache'],
-            '' if computed.cached_pairs else _NONE_KEPT,
-        ),
-        Effect(
-            'narrowphase',
-            computed.narrowphase_pairs,
-            seconds['narrowphase'],
-            '' if computed.narrowphase_pairs else _NOTHING_LEFT,
-        ),
+        Effect(name, count, computed.seconds[name], '' if ran else reason)
+        for name, count, ran, reason in effects
     ]

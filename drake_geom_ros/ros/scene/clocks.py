@@ -14,10 +14,8 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-# [s] a stamp that is later than the node's time by more is of another clock (transforms are dated
-# ahead by a second so that they hold until the next), and so is one that is earlier by more: no
-# message is on its way that long. Neither tells an age.
-_MOST_AHEAD = 2.0
+# [s] a stamp that is earlier than the node's time by more is of another clock, and tells no age:
+# no message is on its way that long.
 _MOST_BEHIND = 60.0
 # [s] a step of the time of day that no correction of its rate can be, between two looks.
 _LEAST_STEP = 0.5
@@ -53,12 +51,6 @@ class Arrival(NamedTuple):
         if not stamp or not 0.0 <= behind <= _MOST_BEHIND:
             behind = self.waited
         return Since(self.epoch, self.heard, self.now - behind)
-
-    def is_strange(self, stamp: float) -> bool:
-        """Return whether a stamp [s] is of another clock than the node's."""
-        # Simulated time stands at 0 until it is told.
-        known = stamp != 0.0 and self.now != 0.0
-        return known and not -_MOST_AHEAD <= self.now - stamp <= _MOST_BEHIND
 
 
 class Clocks:

@@ -8,8 +8,8 @@ from bench.peers.timing import Taken
 from drake_geom_ros.evidence.pages import table
 
 
-def taken(microseconds, found=3, left_out=''):
-    return Taken([1e-6 * microseconds] * 5, [1e-6] * 5, [found] * 5, left_out)
+def taken(microseconds, found=3):
+    return Taken([1e-6 * microseconds] * 5, [1e-6] * 5, [found] * 5)
 
 
 def measurement(scene='spheres-200', query='penetration', **microseconds):

@@ -18,10 +18,11 @@ def ours(level, *answers, case='Sphere-Sphere', family='spheres'):
     return made
 
 
-def peer(name, *distances, case='Sphere-Sphere', family='spheres'):
+def peer(name, *distances):
     """Return a record of a peer's distances [m] to PAIR, and one more that it missed."""
     setting = Setting(name, 'own settings')
-    made = Measured(case, family, 'signed_distance', setting, whole=1e-4, inside=0.0)
+    names = 'Sphere-Sphere', 'spheres', 'signed_distance'
+    made = Measured(*names, setting, whole=1e-4, inside=0.0)
     for distance in distances:
         made.add(PAIR, distance)
     made.verdicts['missed'] += 1

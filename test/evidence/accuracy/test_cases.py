@@ -2,7 +2,8 @@
 
 import pytest
 
-from drake_geom_ros.evidence.accuracy.cases import POINTS, all_cases, chosen, in_turns
+from drake_geom_ros.evidence.accuracy.cases import all_cases, chosen, round_robin
+from drake_geom_ros.evidence.accuracy.ours import POINTS
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
 
@@ -11,9 +12,9 @@ def test_every_row_of_the_pair_table_is_a_case():
     rows = {(SHAPE_NAMES[row.type_a], SHAPE_NAMES[row.type_b]) for row in PAIR_TABLE}
     cases = all_cases()
     assert {(case.a, case.b) for case in cases} >= rows
-    assert {case.b for case in cases if case.queries() == (POINTS,)} == set(
-        SHAPE_NAMES.values()
-    ) - {'Mesh'}
+    assert {case.b for case in cases if case.queries == (POINTS,)} == set(SHAPE_NAMES.values()) - {
+        'Mesh'
+    }
     names = [case.name for case in cases]
     assert len(set(names)) == len(names)
 
@@ -34,7 +35,7 @@ def test_an_unknown_name_is_refused_with_the_names_that_are_there():
 
 def test_families_take_turns():
     cases = all_cases()
-    ordered = in_turns(cases)
+    ordered = round_robin(cases)
     families = list(dict.fromkeys(case.family for case in cases))
     assert [case.family for case in ordered[: len(families)]] == families
     assert sorted(map(str, ordered)) == sorted(map(str, cases))

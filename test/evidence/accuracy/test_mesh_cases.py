@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.evidence.accuracy import ours
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, POINTS
 from drake_geom_ros.evidence.accuracy.mesh_bodies import CUTS
 from drake_geom_ros.evidence.accuracy.mesh_cases import (
     QUICK_CASES,
@@ -12,8 +11,8 @@ from drake_geom_ros.evidence.accuracy.mesh_cases import (
     mesh_cases,
     surface_point,
 )
+from drake_geom_ros.evidence.accuracy.ours import PENETRATION, POINTS
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject
 from drake_geom_ros.evidence.truth.meshes import point_distance
 
 CASES = [case for case in mesh_cases() if case.resolution == 100]
@@ -43,12 +42,11 @@ def test_samples_are_as_placed(case):
 
 @coarse
 def test_certificates_hold_at_every_level(case):
-    subject = CaseSubject(case)
-    for drawn in next(subject.batches(5)):
-        for query in subject.queries:
+    for drawn in next(case.batches(5)):
+        for query in case.queries:
             if query == PENETRATION and drawn.distance > -1e-9:
                 continue
-            for answer in subject.answers(drawn, query):
+            for answer in case.answers(drawn, query):
                 error = abs(answer.distance - drawn.distance)
                 assert error <= answer.error_bound + drawn.tolerance
 
@@ -75,7 +73,7 @@ def test_surface_points_are_on_the_surface_and_look_out(name):
 
 
 def test_it_is_timed_side_by_side():
-    subject = CaseSubject(MeshPair('Point', 'Ball', 100))
+    subject = MeshPair('Point', 'Ball', 100)
     known = next(subject.batches(0))
     timed, pairs = subject.timed(POINTS, known)
     assert pairs == MeshPair.timed_pairs

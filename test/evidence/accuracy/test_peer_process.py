@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, SIGNED_DISTANCE, ShapePair
+from drake_geom_ros.evidence.accuracy.cases import ShapePair
+from drake_geom_ros.evidence.accuracy.ours import PENETRATION, SIGNED_DISTANCE
 from drake_geom_ros.evidence.accuracy.peer_process import (
     ANSWERED,
     MISSED,

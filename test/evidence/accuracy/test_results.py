@@ -5,8 +5,8 @@ import pytest
 from evidence.accuracy.records import PAIR, ours
 
 
-def record(*answers, level='exact'):
-    return ours(level, *answers)
+def record(*answers):
+    return ours('exact', *answers)
 
 
 def test_errors_and_ratios():
@@ -15,25 +15,25 @@ def test_errors_and_ratios():
     assert made.error(1.0) == pytest.approx(2e-10)
     assert made.ratios() == pytest.approx([3.0, 5.0], rel=1e-5)
     assert made.worst_bound() == 1e-9
-    assert made.lies() == []
+    assert made.violations() == []
     assert made.rounding() == pytest.approx(0.5 * 2.0**-52)
 
 
-def test_a_bound_below_the_error_is_a_lie():
-    (lie,) = record((0.1, 1e-10), (0.1 + 2e-10, 1e-10)).lies()
-    assert 'Sphere-Sphere, signed_distance, exact, apart: error 2e-10 m' in lie
+def test_a_bound_below_the_error_is_a_violation():
+    (told,) = record((0.1, 1e-10), (0.1 + 2e-10, 1e-10)).violations()
+    assert 'Sphere-Sphere, signed_distance, exact, apart: error 2e-10 m' in told
 
 
 def test_rounding_of_the_truth_is_none():
-    assert record((np.nextafter(0.1, 1), 0.0)).lies() == []
+    assert record((np.nextafter(0.1, 1), 0.0)).violations() == []
 
 
 def test_a_bound_wider_than_promised_is_one_too():
     made = record()
     made.add(PAIR, 0.1, 2e-9, is_wide=True)
-    (lie,) = made.lies()
-    assert lie.endswith('error_bound 2e-09 m, wider than promised')
-    assert record((0.1, 2e-9)).lies() == []
+    (told,) = made.violations()
+    assert told.endswith('error_bound 2e-09 m, wider than promised')
+    assert record((0.1, 2e-9)).violations() == []
 
 
 def test_without_an_answer_there_is_no_error():

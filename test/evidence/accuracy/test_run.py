@@ -8,8 +8,7 @@ import pytest
 
 from drake_geom_ros.evidence.accuracy import ours, run, subjects
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
-from drake_geom_ros.evidence.accuracy.run import LYING, Request
-from drake_geom_ros.evidence.accuracy.subjects import CaseSubject
+from drake_geom_ros.evidence.accuracy.run import VIOLATED, Request
 from drake_geom_ros.geometry import SignedDistanceResults
 
 
@@ -44,7 +43,7 @@ def test_peers_are_measured_where_asked_for(tmp_path, said):
     assert 'Least cost of a call [us]: python-fcl' in text
 
 
-def test_a_bound_that_lies_is_caught_and_named(tmp_path, said, monkeypatch):
+def test_a_bound_below_the_error_is_caught_and_named(tmp_path, said, monkeypatch):
     def lying(*arguments):
         return [
             answer and answer._replace(distance=answer.distance + 2 * answer.error_bound)
@@ -53,7 +52,7 @@ def test_a_bound_that_lies_is_caught_and_named(tmp_path, said, monkeypatch):
 
     ours_answers = ours.answers
     monkeypatch.setattr(subjects.ours, 'answers', lying)
-    assert run.run(tiny(tmp_path), said.append) == LYING
+    assert run.run(tiny(tmp_path), said.append) == VIOLATED
     assert any(line.startswith('WRONG: Sphere-Box, signed_distance, exact') for line in said)
     assert (tmp_path / 'README.md').exists()
 
@@ -62,9 +61,9 @@ def test_a_bound_wider_than_the_promise_is_caught(tmp_path, said, monkeypatch):
     """What a query's own ``breaks_promise`` says, and no other measure of it."""
     broken = np.ones(1, dtype=bool)
     monkeypatch.setattr(SignedDistanceResults, 'breaks_promise', lambda found: broken)
-    assert run.run(tiny(tmp_path), said.append) == LYING
-    (lie, *_) = [line for line in said if line.startswith('WRONG')]
-    assert lie.endswith('m, wider than promised')
+    assert run.run(tiny(tmp_path), said.append) == VIOLATED
+    (told, *_) = [line for line in said if line.startswith('WRONG')]
+    assert told.endswith('m, wider than promised')
 
 
 def test_what_was_measured_before_an_interrupt_is_written(tmp_path, said, monkeypatch):
@@ -81,6 +80,6 @@ def test_what_there_is_no_time_for_is_named(said):
     measurement = Measurement(Plan(least_batches=1, turns=1), ())
     names = ('Sphere-HalfSpace', 'Sphere-Box', 'Box-Box')
     cases = [run.chosen(run.all_cases(), [name])[0] for name in names]
-    run.measure(measurement, [CaseSubject(case) for case in cases], -math.inf, said.append)
+    run.measure(measurement, cases, -math.inf, said.append)
     assert {record.case for record in measurement.records} == {'Sphere-HalfSpace'}
     assert said[-1] == 'no time was left for Sphere-Box, Box-Box: give more with --minutes'

@@ -23,8 +23,9 @@ def test_pairs_that_do_not_overlap_are_as_far_apart_as_made(case):
         made = case.sample(configuration, rng)
         if gap is not None and gap >= 0.0:
             assert made.distance == pytest.approx(gap, abs=1e-15)
-            pair = made.a.form, made.a.X_WG, made.b.form, made.b.X_WG
-            assert truth.signed_distance(*pair)[0] == pytest.approx(made.distance, abs=1e-15)
+            assert truth.signed_distance(made.a, made.b)[0] == pytest.approx(
+                made.distance, abs=1e-15
+            )
         elif gap is not None:
             # The best way out may be shorter than the one that they were put together along.
             assert made.distance >= gap - 1e-15

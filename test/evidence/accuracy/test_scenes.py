@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.accuracy.cases import PENETRATION, SIGNED_DISTANCE
+from drake_geom_ros.evidence.accuracy.ours import PENETRATION, SIGNED_DISTANCE
 from drake_geom_ros.evidence.accuracy.scenes import BATCH, NEAR, SCENES, heap
 
 

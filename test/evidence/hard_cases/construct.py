@@ -5,6 +5,8 @@ place B so that they are a gap g >= 0 apart along n: two parallel planes keep th
 and two of their points are no farther. So the distance is g, for any shapes and any n.
 """
 
+import itertools
+
 import numpy as np
 
 from drake_geom_ros.evidence.bodies import COUNTS, Body
@@ -13,6 +15,8 @@ from drake_geom_ros.evidence.random_bodies import box_corners, random_directions
 from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.evidence.truth import bodies as truth
 
+SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
+PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
 UNIQUE = 1e-3  # of the extent: gaps from here on have a normal worth storing
 
 
@@ -23,7 +27,7 @@ def body(kind, size, R=None, p=(0.0, 0.0, 0.0)):
 
 def apart(a, b, n, gap):
     """Return B so placed that it is `gap` from A along n."""
-    return b.at(truth.support(a, n) + gap * n - (truth.support(b, -n) - b.p))
+    return b.at(truth.support_point(a, n) + gap * n - (truth.support_point(b, -n) - b.p))
 
 
 def placing(a, b, n):
@@ -47,7 +51,7 @@ def gap_case(about, a, b, n, gap):
     known = gap > UNIQUE * (a.radius + b.radius)
     witnesses = None
     if known and (single(a, n) or single(b, -n)):
-        p_WCa = truth.support(a, n) if single(a, n) else truth.support(b, -n) - gap * n
+        p_WCa = truth.support_point(a, n) if single(a, n) else truth.support_point(b, -n) - gap * n
         witnesses = np.array([p_WCa, p_WCa + gap * n])
     normals = -np.array([n], dtype=float) if known else None
     return Case(a, b, distance, tolerance, normals, witnesses, about=about)
@@ -73,11 +77,11 @@ def single(one, n):
     return bool(one.kind == 'Box' and d.min() > 0.1)
 
 
-def sizes(kind, rng, scale=1.0, spread=0.5):
-    """Return sizes of a shape of about `scale`, lengths differing by up to 10^spread."""
+def sizes(kind, rng, scale=1.0):
+    """Return sizes of a shape of about `scale`, lengths differing by up to 10^0.5."""
     if kind == 'Convex':
         return hull_vertices(rng, scale)
-    return tuple((scale * 10.0 ** rng.uniform(-spread, 0.0, COUNTS[kind])).tolist())
+    return tuple((scale * 10.0 ** rng.uniform(-0.5, 0.0, COUNTS[kind])).tolist())
 
 
 def hull_vertices(rng, scale=1.0, count=10):

@@ -14,6 +14,8 @@ from dataclasses import replace
 import numpy as np
 from evidence.hard_cases import scales
 from evidence.hard_cases.construct import (
+    PAIRS,
+    SOLIDS,
     body,
     box_vertices,
     case,
@@ -29,8 +31,6 @@ from evidence.hard_cases.solids import solids
 from drake_geom_ros.evidence.hard_cases.cases import CATALOGUE, text_of
 from drake_geom_ros.evidence.random_bodies import random_rotation
 
-SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
-PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
 WITH_HALF_SPACE = tuple(('HalfSpace', kind) for kind in SOLIDS)
 QUARTER = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 UPWARDS, SIDEWAYS = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])

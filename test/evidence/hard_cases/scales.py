@@ -4,13 +4,19 @@ import itertools
 from dataclasses import replace
 
 import numpy as np
-from evidence.hard_cases.construct import body, case, gap_case, outward, sizes, turned
+from evidence.hard_cases.construct import (
+    PAIRS,
+    SOLIDS,
+    body,
+    case,
+    gap_case,
+    outward,
+    sizes,
+    turned,
+)
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth import bodies as truth
-
-SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
-PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
 
 
 def _thin(kind, t):

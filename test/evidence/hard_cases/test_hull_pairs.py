@@ -8,7 +8,7 @@ from numba import config
 
 from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.bodies import Body
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.random_bodies import even_directions, random_rotation
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
@@ -16,14 +16,7 @@ PAIRS, SHAPES = (50, 8) if config.DISABLE_JIT else (3000, 40)
 SEED = 7
 
 
-def spiral(count):
-    k = np.arange(count) + 0.5
-    z, turn = 1.0 - 2.0 * k / count, np.pi * (1.0 + 5.0**0.5) * k
-    rho = np.sqrt(1.0 - z * z)
-    return np.column_stack([rho * np.cos(turn), rho * np.sin(turn), z])
-
-
-DIRECTIONS = spiral(128)
+DIRECTIONS = even_directions(128)
 
 
 def widest_gap(a, b):
@@ -38,7 +31,7 @@ def test_no_pair_that_a_plane_separates_is_at_zero():
     clouds = [rng.normal(size=(rng.integers(5, 40), 3)) * rng.uniform(0.05, 0.3, 3)
               for _ in range(SHAPES)]  # fmt: skip
     scene = BodyScene([Body('Convex', cloud) for cloud in clouds])
-    context = scene.context()
+    context = scene.new_context()
     query = scene.asked(context)
     separated = 0
     for _ in range(PAIRS):

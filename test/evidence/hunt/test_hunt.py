@@ -12,7 +12,7 @@ from drake_geom_ros.evidence.hunt import asking, report, scene, search
 from drake_geom_ros.evidence.hunt.judge import LAWS
 
 SLOTS = 2 if config.DISABLE_JIT else 32
-ROUNDS = 1 if config.DISABLE_JIT else 5
+ROUNDS = 1 if config.DISABLE_JIT else 3
 PLAIN = Pair(
     Body('Box', (0.4, 0.3, 0.2), np.eye(3), np.zeros(3)),
     Body('Cylinder', (0.1, 0.5), np.array([[1, 0, 0], [0, 0.6, -0.8], [0, 0.8, 0.6]]),
@@ -126,7 +126,5 @@ def test_the_page_has_every_law_and_pair(one_round):
     page = report.page(hunt, './run hunt')
     assert all(f' {law} ' in page for law in LAWS)
     assert f'{hunt.judged} pairs judged' in page
-    assert {key.kinds for key in hunt.worst} == {
-        line.split(' | ')[0][2:] for line in page.splitlines() if '-' in line.split(' | ')[0][2:]
-        and line.startswith('| ')
-    }  # fmt: skip
+    rows = [line[2:].split(' | ')[0] for line in page.splitlines() if line.startswith('| ')]
+    assert rows == ['shapes', '---', *sorted({key.kinds for key in hunt.worst})]

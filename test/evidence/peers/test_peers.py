@@ -32,8 +32,9 @@ def question(shape, distance, swapped):
     return (a, b), (X_WA, X_WB), np.array([1.0 if swapped else -1.0, 0.0, 0.0])
 
 
-def safe(peer):
-    return [query for query in peers.QUERIES if query not in peer.unsafe]
+def safe(name):
+    """Return the queries that do not end or hang the process of these tests."""
+    return peers.QUERIES if name != 'python-fcl' else ['penetration']
 
 
 @installed
@@ -42,7 +43,7 @@ def safe(peer):
 def test_signs_and_order_are_ours(name, shape, swapped):
     peer = peers.load(name)
     shapes, poses, nhat_BA_W = question(shape, -0.1, swapped)
-    for query in safe(peer):
+    for query in safe(name):
         answer = peer.pair(query, *shapes)(*poses)
         assert answer.distance == pytest.approx(-0.1, abs=SETTINGS)
         if answer.nhat_BA_W is not None:
@@ -88,7 +89,7 @@ def test_half_spaces(name, flipped):
     bodies = [(HalfSpace(), RigidTransform([0, 0, 1])), (Sphere(0.5), RigidTransform([3, 0, 1.1]))]
     (a, X_WA), (b, X_WB) = reversed(bodies) if flipped else bodies
     peer = peers.load(name)
-    for query in safe(peer):
+    for query in safe(name):
         answer = peer.pair(query, a, b)(X_WA, X_WB)
         assert answer.distance == pytest.approx(-0.4, abs=1e-9)
 

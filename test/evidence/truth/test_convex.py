@@ -1,12 +1,12 @@
 """The truth against distances that need no oracle, and against 50 digits."""
 
+from types import SimpleNamespace as Plain
+
 import numpy as np
 import pytest
 from oracles.pairs import random_pairs
 
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
-from drake_geom_ros.evidence.truth import closed_forms
-from drake_geom_ros.evidence.truth import convex as truth
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.evidence.truth.supports import (
     BOX,
@@ -16,7 +16,21 @@ from drake_geom_ros.evidence.truth.supports import (
     ELLIPSOID,
     HALF_SPACE,
     SPHERE,
+    MinkowskiDifference,
+    posed,
 )
+
+
+def body(form, R, p=(0.0, 0.0, 0.0)):
+    """Return what the truth takes of a body."""
+    return Plain(form=form, R=R, p=np.array(p), X_WG=(R, np.array(p)))
+
+
+def bodies(pair):
+    return (
+        body((pair.kind_A, pair.size_A), pair.R_WA),
+        body((pair.kind_B, pair.size_B), pair.R_WB, pair.p_AB_W),
+    )
 
 
 @pytest.mark.parametrize(
@@ -39,10 +53,11 @@ from drake_geom_ros.evidence.truth.supports import (
 )
 def test_distances_known_by_hand(a, b, p, expected):
     R = random_rotation(np.random.default_rng(1))
-    phi, n = signed_distance(a, (R, np.zeros(3)), b, (R, R @ np.array(p, dtype=float)))
+    a, b = body(a, R), body(b, R, R @ np.array(p, dtype=float))
+    phi, n = signed_distance(a, b)
     assert phi == pytest.approx(expected, abs=1e-14)
     assert np.linalg.norm(n) == pytest.approx(1, abs=1e-12)
-    back, _ = signed_distance(b, (R, R @ np.array(p, dtype=float)), a, (R, np.zeros(3)))
+    back, _ = signed_distance(b, a)
     assert back == pytest.approx(expected, abs=1e-14)
 
 
@@ -55,56 +70,45 @@ def test_distances_known_by_hand(a, b, p, expected):
 )  # fmt: skip
 def test_it_agrees_with_fifty_digits(kinds):
     for pair in random_pairs(np.random.default_rng(3), kinds, 6):
-        phi, _ = signed_distance(
-            (pair.kind_A, pair.size_A), (pair.R_WA, np.zeros(3)),
-            (pair.kind_B, pair.size_B), (pair.R_WB, pair.p_AB_W),
-        )  # fmt: skip
-        expected = closed_forms.signed_distance(
-            pair.kind_A, pair.size_A, pair.R_WA,
-            pair.kind_B, pair.size_B, pair.R_WB, pair.p_AB_W,
-        )  # fmt: skip
+        phi, _ = signed_distance(*bodies(pair))
         # R is orthogonal but for rounding, and the two take it differently.
-        assert phi == pytest.approx(float(expected), abs=1e-15)
+        assert phi == pytest.approx(pair.truth(), abs=1e-15)
 
 
 def test_a_box_is_the_hull_of_its_corners():
     for pair in random_pairs(np.random.default_rng(2), (BOX, CYLINDER), 6):
-        poses = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
-        hull = CONVEX, np.append(8, box_corners(2.0 * pair.size_A).ravel())
-        of_box, of_hull = (
-            signed_distance(shape, poses[0], (CYLINDER, pair.size_B), poses[1])[0]
-            for shape in ((BOX, pair.size_A), hull)
-        )
-        assert of_box == pytest.approx(of_hull, abs=1e-15)
+        box, cylinder = bodies(pair)
+        corners = np.append(8, box_corners(2.0 * pair.size_A).ravel())
+        of_hull, _ = signed_distance(body((CONVEX, corners), pair.R_WA), cylinder)
+        assert signed_distance(box, cylinder)[0] == pytest.approx(of_hull, abs=1e-15)
 
 
 def test_no_direction_is_better():
     rng = np.random.default_rng(4)
-    directions = random_directions(rng, 100_000)
+    directions = random_directions(rng, 20_000)
     for kinds in ((CYLINDER, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, CYLINDER)):
         for pair in random_pairs(rng, kinds, 6):
-            a, b = (pair.kind_A, pair.size_A), (pair.kind_B, pair.size_B)
-            poses = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
-            phi, n = signed_distance(a, poses[0], b, poses[1])
-            both = truth.MinkowskiDifference(truth.posed(a, *poses[0]), truth.posed(b, *poses[1]))
+            a, b = bodies(pair)
+            phi, n = signed_distance(a, b)
+            both = MinkowskiDifference(posed(a.form, *a.X_WG), posed(b.form, *b.X_WG))
             assert both.values(directions).max() <= phi + 1e-15
             assert both.values(n[None])[0] == pytest.approx(phi, abs=1e-12)
 
 
 def test_a_direction_that_is_known_needs_no_search():
-    R = random_rotation(np.random.default_rng(5))
-    a, b = (BOX, [0.1, 0.2, 0.3]), (ELLIPSOID, [0.1, 0.2, 0.1])
-    poses = (R, np.zeros(3)), (np.eye(3), np.array([0.5, 0.4, 0.3]))
-    phi, n = signed_distance(a, poses[0], b, poses[1])
-    again, _ = truth.near_direction(a, poses[0], b, poses[1], n)
+    a = body((BOX, [0.1, 0.2, 0.3]), random_rotation(np.random.default_rng(5)))
+    b = body((ELLIPSOID, [0.1, 0.2, 0.1]), np.eye(3), np.array([0.5, 0.4, 0.3]))
+    phi, n = signed_distance(a, b)
+    again, _ = signed_distance(a, b, near=n)
     assert again == phi
 
 
 def test_the_offset_from_the_origin_costs_no_digit():
     shift = np.array([2.0**30, -(2.0**30), 2.0**30])
     p = np.array([0.5, 0.25, 0.125])
-    near = signed_distance((BOX, [0.1] * 3), (np.eye(3), 0 * p), (SPHERE, [0.1]), (np.eye(3), p))
-    far = signed_distance(
-        (BOX, [0.1] * 3), (np.eye(3), shift), (SPHERE, [0.1]), (np.eye(3), shift + p)
+    box, ball = (BOX, [0.1] * 3), (SPHERE, [0.1])
+    near, far = (
+        signed_distance(body(box, np.eye(3), o), body(ball, np.eye(3), o + p))
+        for o in (np.zeros(3), shift)
     )
     assert near[0] == far[0]

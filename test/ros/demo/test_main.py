@@ -8,8 +8,9 @@ import subprocess
 import sys
 
 import pytest
-from ros.harness import ROOT, environment
+from ros.harness import ROOT, environment, run_python
 
+DEMO = 'drake_geom_ros.ros.demo'
 PANDA = 'package://example-robot-data/robots/panda_description/urdf/panda_collision.urdf'
 SCENE = f"""\
 robots:
@@ -35,10 +36,6 @@ grasps:
 """
 
 
-def _command(*arguments):
-    return [sys.executable, '-m', 'drake_geom_ros.ros.demo', *map(str, arguments)]
-
-
 @pytest.fixture
 def files(tmp_path):
     (tmp_path / 'arm.yaml').write_text(SCENE)
@@ -59,10 +56,8 @@ def _check_files(out):
 
 
 def test_it_ends_by_itself_and_leaves_its_files(files):
-    run = subprocess.run(
-        _command('--scene', files / 'arm.yaml', '--seconds', 4, '--out', files / 'out'),
-        env=environment(), cwd=ROOT, capture_output=True, text=True, timeout=280,
-    )  # fmt: skip
+    arguments = '--scene', files / 'arm.yaml', '--seconds', 4, '--out', files / 'out'
+    run = run_python('-m', DEMO, *arguments, timeout=280)
     assert run.returncode == 0, run.stdout + run.stderr
     rows = _check_files(files / 'out')
     for word in ('closest pairs', 'arm::panda_hand - things::ball', 'filtered pairs', 'p99'):
@@ -78,7 +73,8 @@ def test_it_ends_by_itself_and_leaves_its_files(files):
 
 def test_an_interrupt_ends_it_with_its_files(files):
     process = subprocess.Popen(
-        _command('--scene', files / 'arm.yaml', '--forever', '--out', files / 'out'),
+        [sys.executable, '-m', DEMO, '--scene', files / 'arm.yaml', '--forever',
+         '--out', files / 'out'],
         env=environment(), cwd=ROOT, stdout=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     lines = []
@@ -91,10 +87,8 @@ def test_an_interrupt_ends_it_with_its_files(files):
 
 
 def test_a_wrong_file_is_told_before_anything_starts(tmp_path):
-    run = subprocess.run(
-        _command('--scene', tmp_path / 'absent.yaml', '--out', tmp_path / 'out'),
-        env=environment(), cwd=ROOT, capture_output=True, text=True, timeout=120,
-    )  # fmt: skip
+    arguments = '--scene', tmp_path / 'absent.yaml', '--out', tmp_path / 'out'
+    run = run_python('-m', DEMO, *arguments)
     assert run.returncode == 1
     assert 'absent.yaml' in run.stderr
     assert not (tmp_path / 'out').exists()

@@ -5,15 +5,14 @@ from pathlib import Path
 
 import pytest
 from drake_geom_msgs import msg, srv
+from oracles.small_scene import TETRAHEDRON
 from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
-from ros.harness import start_node
+from ros.harness import Client, start_node
 from ros.scene_calls import accepted, add_pair, poses, refused
 
 from bench.ros.hostile import LONG_NAME, requests
-
-OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n'
 
 
 def test_impossible_requests(client):
@@ -47,16 +46,23 @@ def test_a_scene_can_be_saved_whatever_its_properties_are(client):
     assert accepted(client.call(srv.SaveScene, 'save_scene')).text == text
 
 
-@pytest.fixture
-def meshes(tmp_path, lone_client):
-    """Return a folder of meshes that a node may open."""
-    folder = tmp_path / 'meshes'
-    folder.mkdir()
-    node = start_node(tmp_path / 'log', namespace='/meshes', mesh_roots=f'["{folder}"]')
-    lone_client.server = '/meshes/scene_graph'
-    accepted(lone_client.call(srv.RegisterSource, 'register_source', name='s'))
+@pytest.fixture(scope='module')
+def meshes(tmp_path_factory):
+    """Return a folder of meshes that a node of its own may open."""
+    folder = tmp_path_factory.mktemp('meshes')
+    log = tmp_path_factory.mktemp('meshes_log') / 'log'
+    node = start_node(log, namespace='/meshes', mesh_roots=f'["{folder}"]')
     yield folder
     assert node.end() == 0, node.output()
+
+
+@pytest.fixture(scope='module')
+def opener(meshes):
+    """Return a client of that node."""
+    client = Client('/meshes/scene_graph')
+    accepted(client.call(srv.RegisterSource, 'register_source', name='s'))
+    yield client
+    client.close()
 
 
 def register(client, uri):
@@ -66,14 +72,14 @@ def register(client, uri):
         'register_geometry',
         source='s',
         frame='world',
-        name='mesh',
+        name=str(uri),
         shape=shape,
         roles=[msg.Role(role=1)],
     )
 
 
-def test_meshes_that_cannot_be_used(meshes, lone_client, tmp_path):
-    (tmp_path / 'outside.obj').write_text(OBJ)
+def test_meshes_that_cannot_be_used(meshes, opener):
+    (meshes.parent / 'outside.obj').write_text(TETRAHEDRON)
     (meshes / 'text.obj').write_text('no mesh\n')
     (meshes / 'folder.obj').mkdir()
     os.mkfifo(meshes / 'pipe.obj')
@@ -87,27 +93,27 @@ def test_meshes_that_cannot_be_used(meshes, lone_client, tmp_path):
         ('huge.obj', 'bytes'),
         ('../outside.obj', 'mesh_roots'),
     ):
-        assert name in refused(register(lone_client, meshes / name), word)
-    refused(register(lone_client, 'http://example.com/mesh.obj'), 'scheme')
-    (meshes / 'good.obj').write_text(OBJ)
-    accepted(register(lone_client, meshes / 'good.obj'))
+        assert name in refused(register(opener, meshes / name), word)
+    refused(register(opener, 'http://example.com/mesh.obj'), 'scheme')
+    (meshes / 'good.obj').write_text(TETRAHEDRON)
+    accepted(register(opener, meshes / 'good.obj'))
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason='root may read everything')
-def test_a_mesh_that_may_not_be_read(meshes, lone_client):
-    (meshes / 'secret.obj').write_text(OBJ)
+def test_a_mesh_that_may_not_be_read(meshes, opener):
+    (meshes / 'secret.obj').write_text(TETRAHEDRON)
     (meshes / 'secret.obj').chmod(0)
-    refused(register(lone_client, meshes / 'secret.obj'), 'secret.obj')
+    refused(register(opener, meshes / 'secret.obj'), 'secret.obj')
 
 
-def test_a_mesh_that_cannot_be_read(meshes, lone_client):
+def test_a_mesh_that_cannot_be_read(meshes, opener):
     """Not even by root: the first page of a process is not mapped, so reading it fails."""
     roots = Parameter('mesh_roots', value=[str(meshes), f'/proc/{os.getpid()}'])
     request = {'parameters': [roots.to_parameter_msg()]}
-    (result,) = lone_client.call(SetParameters, 'set_parameters', **request).results
+    (result,) = opener.call(SetParameters, 'set_parameters', **request).results
     assert result.successful, result.reason
     (meshes / 'broken.obj').symlink_to(f'/proc/{os.getpid()}/mem')
-    refused(register(lone_client, meshes / 'broken.obj'), 'broken.obj', 'cannot be read')
+    refused(register(opener, meshes / 'broken.obj'), 'broken.obj', 'cannot be read')
 
 
 def test_a_name_of_a_megabyte(client, node):

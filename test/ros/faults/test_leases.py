@@ -20,12 +20,13 @@ from drake_geom_msgs import srv
 from ros.scene_calls import exclude
 rclpy.init()
 node = rclpy.create_node('owner')
+clients = {{}}
 def ask(kind, name, **fields):
-    client = node.create_client(kind, f'/scene_graph/{{name}}')
-    client.wait_for_service()
-    future = client.call_async(kind.Request(**fields))
+    if name not in clients:
+        clients[name] = node.create_client(kind, f'/scene_graph/{{name}}')
+        clients[name].wait_for_service()
+    future = clients[name].call_async(kind.Request(**fields))
     rclpy.spin_until_future_complete(node, future)
-    node.destroy_client(client)
     return future.result()
 pair = exclude('s::a/ball', 's::b/ball')
 answer = ask(srv.ApplyTransientFilter, 'apply_transient_filter', declaration=pair, lease={LEASE},

@@ -5,7 +5,7 @@ from types import SimpleNamespace as Plain
 import numpy as np
 import pytest
 from ros.conversions.test_point_cloud import cloud
-from ros.live_scenes import live_scene
+from ros.live_scenes import Topic, live_scene
 
 from drake_geom_ros.ros.inputs import point_queries
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
@@ -17,20 +17,6 @@ geometries:
   - {name: ball, frame: hand, shape: {type: sphere, radius: 0.1}}
   - {name: floor, shape: {type: half_space}}
 """
-
-
-class Listened:
-    """A publisher with some subscribers that keeps what it was given."""
-
-    def __init__(self, listeners):
-        self.listeners = listeners
-        self.messages = []
-
-    def get_subscription_count(self):
-        return self.listeners
-
-    def publish(self, message):
-        self.messages.append(message)
 
 
 def empty_result():
@@ -55,7 +41,7 @@ def queries_of(live, listeners, done, is_active=lambda: True):
         done.append(count)
 
     return PointQueries(
-        live, Listened(listeners), empty_result, lambda: 0.5, is_active=is_active, did=did
+        live, Topic(listeners), empty_result, lambda: 0.5, is_active=is_active, did=did
     )
 
 
@@ -119,13 +105,13 @@ def test_a_wrong_cloud_is_refused(queries):
     points.header.frame_id = 'nobody'
     with pytest.raises(RuntimeError, match='nobody'):
         queries.take(points)
-    assert queries._publisher.messages == []
+    assert queries._publisher.published == []
 
 
 def test_nothing_is_computed_for_nobody(live, done):
     deaf = queries_of(live, 0, done)
     deaf.take(Plain())
-    assert deaf._publisher.messages == []
+    assert deaf._publisher.published == []
     assert done == []
 
 
@@ -134,13 +120,13 @@ def test_an_inactive_node_publishes_nothing_not_even_what_it_had_begun(live, don
     state = iter(states)
     queries = queries_of(live, 1, done, is_active=lambda: next(state))
     queries.take(cloud(np.zeros((1, 3))))
-    assert queries._publisher.messages == []
+    assert queries._publisher.published == []
     assert done == []
 
 
 def test_an_answer_is_published_and_told_of(queries, done):
     queries.take(cloud(np.zeros((1, 3))))
-    (message,) = queries._publisher.messages
+    (message,) = queries._publisher.published
     assert done == [len(message.distance)] == [1]
 
 

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import pytest
+from oracles.small_scene import TETRAHEDRON
 from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometrySet
@@ -121,7 +122,7 @@ def test_what_cannot_be_is_refused_and_changes_nothing(scene, robot, text, words
 
 def test_meshes_come_from_the_roots_only(scene, robot, tmp_path):
     mesh = tmp_path / 'ball.obj'
-    mesh.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+    mesh.write_text(TETRAHEDRON)
     shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'
     with pytest.raises(RuntimeError, match='outside'):
         robot.take(f'<robot name="arm"><link name="base">{shape}</link></robot>')
@@ -177,7 +178,7 @@ def test_what_parameters_say_of_robots_holds_for_one_that_comes_by_topic(
     scene, live, robot, tmp_path
 ):
     mesh = tmp_path / 'ball.obj'
-    mesh.write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+    mesh.write_text(TETRAHEDRON)
     live.files = FileAccess([], package_roots=[str(tmp_path)])
     live.robot_options = RobotOptions(filter_self_collisions=True, solid_meshes=('t*',))
     shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'

@@ -5,6 +5,7 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from ros.inputs.tf_messages import TEXT, at, message, position, take, transform
 from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import FramePoseVector
@@ -16,66 +17,6 @@ from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.scene_files import read_scene
 
 NO_STAMP = Plain(sec=0, nanosec=0)
-
-TEXT = """
-sources: [left, right]
-frames:
-  - {name: base, source: left}
-  - {name: hand, source: left, parent: base}
-  - {name: base, source: right}
-  - {name: tool, source: right}
-"""
-
-
-class Clock:
-    def __init__(self):
-        self.now = 1000.0
-
-    def __call__(self):
-        return self.now
-
-
-@pytest.fixture
-def clock():
-    return Clock()
-
-
-@pytest.fixture
-def live(clock):
-    return live_scene(TEXT, clock)
-
-
-@pytest.fixture
-def tf(live):
-    return TfInput(live.clocks)
-
-
-def transform(parent, child, X=None, stamp=0.0):
-    x, y, z, qx, qy, qz, qw = (X or RigidTransform()).ToArray().tolist()
-    return Plain(
-        header=Plain(frame_id=parent, stamp=Plain(sec=int(stamp), nanosec=int(stamp % 1 * 1e9))),
-        child_frame_id=child,
-        transform=Plain(translation=Plain(x=x, y=y, z=z), rotation=Plain(x=qx, y=qy, z=qz, w=qw)),
-    )
-
-
-def message(*transforms):
-    return Plain(transforms=list(transforms))
-
-
-def take(tf, scene, *messages, static):
-    """Have messages heard together, and return how many frames were posed by them."""
-    for each in messages:
-        tf.hear(each, static=static)
-    return tf.pose(scene)
-
-
-def at(x):
-    return RigidTransform([x, 0.0, 0.0])
-
-
-def position(scene, name):
-    return scene.query.X_WF(scene.names.frame(name)).translation().tolist()
 
 
 def test_a_frame_takes_the_transform_of_its_name(scene, tf):
@@ -142,35 +83,6 @@ def test_a_loop_of_frames_leads_nowhere(scene, tf):
     assert take(tf, scene, message(*loop), static=False) == 0
     assert take(tf, scene, message(transform('world', 'a', at(1))), static=False) == 1
     assert position(scene, 'tool') == [2, 0, 0]
-
-
-def test_a_loop_is_told_while_it_is_there(scene, tf):
-    loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
-    take(tf, scene, message(*loop), static=False)
-    assert tf.troubles(scene) == ["the chain of these TF frames is a loop: 'a', 'tool'"]
-    take(tf, scene, message(transform('world', 'a', at(1))), static=False)
-    assert tf.troubles(scene) == []
-
-
-def test_two_parents_by_turns_are_told_and_a_frame_that_is_handed_over_is_none(scene, tf, clock):
-    def send(parent):
-        take(tf, scene, message(transform(parent, 'tool', at(1), clock.now)), static=False)
-        clock.now += 0.1
-
-    take(tf, scene, message(transform('world', 'left/base', at(1))), static=True)
-    send('world')
-    send('left/base')  # grasped
-    clock.now += 2.0
-    send('world')  # and put down
-    assert tf.troubles(scene) == []
-    send('left/base')
-    told = "the TF frame 'tool' has two parents by turns, 'left/base' and 'world': who sends them?"
-    assert tf.troubles(scene) == [told]
-    send('left/base')
-    assert tf.troubles(scene) == [told]
-    clock.now += 6.0
-    send('left/base')
-    assert tf.troubles(scene) == []
 
 
 def test_a_gap_makes_poses_stale_not_wrong(scene, tf, clock):
@@ -316,29 +228,6 @@ def test_of_many_bad_transforms_a_few_are_named(scene, tf):
     assert refusal.reason.count('not finite') == 5
     assert refusal.reason.endswith(' and 2 more')
     assert tf.pose(scene) == 1
-
-
-def test_a_chain_that_ends_elsewhere_is_told_with_what_is_missing(scene, tf):
-    chain = transform('base_link', 'odom', at(1)), transform('odom', 'tool', at(1))
-    take(tf, scene, message(*chain), static=False)
-    (told,) = tf.troubles(scene)
-    assert told.startswith("1 frames come by TF and are not posed: 'tool'; their chain ends in")
-    assert "a transform from the world frame 'world' to 'base_link'" in told
-    assert told.endswith('world_frame:=base_link')
-    take(tf, scene, message(transform('world', 'base_link', at(1))), static=True)
-    assert tf.troubles(scene) == []
-
-
-def test_a_name_that_several_sources_have_is_told_with_both(scene, tf):
-    take(tf, scene, message(transform('world', 'base', at(1))), static=False)
-    (told,) = tf.troubles(scene)
-    assert told.startswith(
-        "1 TF frames are not followed: 'base'; frames of the sources 'left' and"
-    )
-    assert "robot_description_topic:=''" in told
-    assert "'left/base'" in told
-    take(tf, scene, message(transform('world', 'left/base', at(1))), static=False)
-    assert tf.troubles(scene) == []
 
 
 def test_what_was_let_go_stays_until_tf_speaks_of_it_again(scene, tf, clock):

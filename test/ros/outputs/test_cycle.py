@@ -3,7 +3,7 @@
 from types import SimpleNamespace as Plain
 
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import Topic, live_scene
 
 from drake_geom_ros.geometry import CollisionFilterDeclaration, FramePoseVector, GeometrySet
 from drake_geom_ros.math import RigidTransform
@@ -38,18 +38,11 @@ class Message:
         self.header = Plain(frame_id='', stamp=None)
 
 
-class Topic:
-    """A publisher with some subscribers that keeps what it was given last."""
-
-    def __init__(self):
-        self.listeners = 0
-        self.published = []
-
-    def get_subscription_count(self):
-        return self.listeners
+class PlainTopic(Topic):
+    """Keeps what was in the messages, which are filled in again."""
 
     def publish(self, message):
-        self.published.append(dict(vars(message)))
+        super().publish(dict(vars(message)))
 
 
 class Asked:
@@ -86,7 +79,7 @@ def asked(scene):
 
 @pytest.fixture
 def topics():
-    return {name: Topic() for name in ('penetrations', 'signed_distances', 'cycle_report')}
+    return {name: PlainTopic(0) for name in ('penetrations', 'signed_distances', 'cycle_report')}
 
 
 @pytest.fixture

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import Topic, live_scene
 
 from drake_geom_ros.ros.outputs import level_costs
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
@@ -15,13 +15,6 @@ geometries:
 frames:
 - {name: f, pose: {position: [0.3, 0, 0]}}
 """
-
-
-class Publisher:
-    listeners = 1
-
-    def get_subscription_count(self):
-        return self.listeners
 
 
 class Clock:
@@ -44,7 +37,7 @@ def live():
 
 
 def test_costs_are_those_of_a_pair_times_the_pairs_of_a_second(live, clock, monkeypatch):
-    costs = LevelCosts(live, Publisher())
+    costs = LevelCosts(live, Topic())
     assert costs.last.levels == []
     asked = []
 
@@ -74,7 +67,7 @@ def test_nothing_is_measured_for_nobody_or_for_nothing(live, clock, monkeypatch)
         raise AssertionError('measured')
 
     monkeypatch.setattr('drake_geom_ros.geometry.QueryObject.cost_of_levels', forbidden)
-    publisher = Publisher()
+    publisher = Topic()
     costs = LevelCosts(live, publisher)
     clock.now += 1.0
     costs.measure()
@@ -86,7 +79,7 @@ def test_nothing_is_measured_for_nobody_or_for_nothing(live, clock, monkeypatch)
 
 
 def test_the_live_scene_is_measured_and_not_touched(live, scene):
-    costs = LevelCosts(live, Publisher())
+    costs = LevelCosts(live, Topic())
     scene.query.ComputeSignedDistancePairwiseClosestPoints()
     effects = scene.query.effects()
     costs.count(effects.narrowphase_pairs, 0.5)

@@ -1,12 +1,12 @@
-"""What is drawn is what is checked: extents of shapes, ids, colours, pairs."""
+"""What is drawn is what is checked: extents of shapes, solids, ids, colours."""
 
 import itertools
-from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
 from oracles.solids import surface_of
 from ros.live_scenes import live_scene
+from ros.outputs.marker_types import TEXT, TYPES
 
 from drake_geom_ros.geometry import (
     Box,
@@ -14,7 +14,6 @@ from drake_geom_ros.geometry import (
     Convex,
     Cylinder,
     Ellipsoid,
-    FramePoseVector,
     GeometryId,
     GeometryInstance,
     HalfSpace,
@@ -26,82 +25,13 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
-from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.outputs import markers
-from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
-from drake_geom_ros.ros.scene.feeders import MESSAGES
-
-TEXT = """
-sources: [s]
-frames:
-  - {name: a, source: s, pose: {}}
-  - {name: b, source: s, pose: {position: [1, 0, 0]}}
-geometries:
-  - {name: capsule, source: s, frame: a, shape: {type: capsule, radius: 0.1, length: 0.4}}
-  - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1},
-     roles: {proximity: {}, illustration: {phong: {diffuse: {rgba: [1, 0, 0, 0.5]}}}}}
-  - {name: seen, source: s, frame: b, shape: {type: sphere, radius: 0.2},
-     roles: {illustration: {}}}
-"""
-
-
-def vector(**numbers):
-    return Plain(**{'x': 0.0, 'y': 0.0, 'z': 0.0, **numbers})
-
-
-def new_marker(**fields):
-    return Plain(
-        **{'type': 0, 'ns': '', 'id': 0, 'action': 0, 'points': [], **fields},
-        header=Plain(frame_id='', stamp=Plain(sec=0, nanosec=0)),
-        pose=Plain(position=vector(), orientation=vector(w=0.0)),
-        scale=vector(),
-        color=Plain(r=0.0, g=0.0, b=0.0, a=0.0),
-    )
-
-
-TYPES = Plain(Marker=new_marker, MarkerArray=Plain, Point=vector)
-
-
-class Publisher:
-    """A publisher with subscribers as the test likes; keeps what RViz would show."""
-
-    def __init__(self):
-        self.listeners = 1
-        self.messages = []
-        self.shown = {}
-
-    def get_subscription_count(self):
-        return self.listeners
-
-    def publish(self, message):
-        keys = [(m.ns, m.id) for m in message.markers]
-        assert len(set(keys)) == len(keys), 'RViz refuses an array with an id twice'
-        self.messages.append(message.markers)
-        for marker in message.markers:
-            if marker.action == markers.DELETE_ALL:
-                self.shown.clear()
-            elif marker.action == markers.DELETE:
-                self.shown.pop((marker.ns, marker.id), None)
-            else:
-                self.shown[marker.ns, marker.id] = marker
-
-    def names(self):
-        return sorted(ns for ns, _ in self.shown)
 
 
 @pytest.fixture
 def live():
     return live_scene(TEXT, world_frame='map')
-
-
-@pytest.fixture
-def publisher():
-    return Publisher()
-
-
-@pytest.fixture
-def drawing(live, publisher):
-    return MarkerPublisher(live, publisher, TYPES, lambda: 2.0, lambda *_: None)
 
 
 def extent(parts):
@@ -187,69 +117,6 @@ def test_which_meshes_are_solid_is_a_matter_of_proximity(role):
     assert found == [role is Role.kProximity, False]
 
 
-def test_a_moving_scene_is_sent_once_and_then_what_moved(scene, publisher, drawing):
-    drawing.publish()
-    assert publisher.names() == [
-        'distances',
-        'illustration',
-        'illustration',
-        *['proximity'] * 4,
-    ]
-    capsule = [m for m in publisher.shown.values() if m.type == markers.CYLINDER]
-    assert capsule[0].header.frame_id == 'map'
-    assert capsule[0].pose.orientation.w == 1.0
-    red = [m for m in publisher.shown.values() if m.color.r == 1.0]
-    assert [m.color.a for m in red] == [0.5]
-    drawing.publish()
-    assert {m.ns for m in publisher.messages[-1]} == {'distances', 'contacts', 'normals'}
-    X_WB = RigidTransform(RollPitchYaw(0, 0, 1.0).ToRotationMatrix(), [0.15, 0, 0])
-    move(scene, 'b', X_WB)
-    drawing.publish()
-    geometry = [m for m in publisher.messages[-1] if m.ns in markers.NAMESPACES.values()]
-    assert len(geometry) == 3
-    assert {m.pose.position.x for m in geometry} == {0.15}
-    # The ball now overlaps the capsule: witness points, a normal, and no distance.
-    assert publisher.names().count('contacts') == 1
-    assert 'distances' not in publisher.names()
-    (contacts,) = [m for m in publisher.shown.values() if m.ns == 'contacts']
-    assert sorted(p.x for p in contacts.points) == pytest.approx([0.05, 0.1])
-
-
-def move(scene, frame, X_PF):
-    scene._context.UpdateFramePoses(FramePoseVector({scene.names.frame(frame): X_PF}))
-
-
-def test_who_comes_late_gets_everything(publisher, drawing):
-    drawing.publish()
-    whole = len(publisher.messages[-1])
-    publisher.listeners = 2
-    drawing.publish()
-    assert len(publisher.messages[-1]) == whole
-
-
-def test_nothing_is_drawn_for_nobody(publisher, drawing):
-    publisher.listeners = 0
-    drawing.publish()
-    assert publisher.messages == []
-
-
-def test_what_is_removed_vanishes_and_ids_stay(scene, publisher, drawing):
-    drawing.publish()
-    before = {key for key, m in publisher.shown.items() if m.ns == 'proximity'}
-    capsule = scene.names.geometry('a/capsule')
-    source = scene.inspector.GetOwningSourceId(capsule)
-    scene.scene_graph.ChangeShape(source, capsule, Sphere(0.1))
-    drawing.publish()
-    after = {key for key, m in publisher.shown.items() if m.ns == 'proximity'}
-    assert after < before
-    assert len(before - after) == 2
-    scene.scene_graph.RemoveGeometry(source, capsule)
-    drawing.publish()
-    assert publisher.names().count('proximity') == 1
-    drawing.clear()
-    assert publisher.shown == {}
-
-
 def test_colours_come_from_the_properties(scene):
     ball, seen = (scene.names.geometry(f'b/{name}') for name in ('ball', 'seen'))
     colours = [markers.colour_of(scene.inspector, id, Role.kIllustration) for id in (ball, seen)]
@@ -264,18 +131,3 @@ def test_ids_of_any_geometry_fit_into_a_marker():
     drawn = writer.geometry('n', GeometryId(2**40), parts, (1, 1, 1, 1), RigidTransform())
     assert all(0 <= marker.id < 2**31 for marker in drawn)
     assert len({marker.id for marker in drawn}) == 3
-
-
-def test_what_never_had_a_pose_is_not_drawn_until_it_has(publisher):
-    live = live_scene(TEXT.replace('{name: a, source: s, pose: {}}', '{name: a, source: s}'))
-    drawing = MarkerPublisher(live, publisher, TYPES, lambda: 2.0, lambda *_: None)
-
-    drawing.publish()
-    before = publisher.names()
-    with live.editing() as scene:
-        poses = FramePoseVector({scene.names.frame('a'): RigidTransform()})
-        scene.pose(poses, {}, Plain(sec=0, nanosec=0), MESSAGES)
-    drawing.publish()
-    capsule = len(markers.parts_of(Capsule(0.1, 0.4)))
-    assert publisher.names().count('proximity') == before.count('proximity') + capsule
-    assert before.count('proximity') > 0

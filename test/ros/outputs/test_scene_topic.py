@@ -4,7 +4,7 @@ import time
 from types import SimpleNamespace as Plain
 
 import pytest
-from ros.live_scenes import live_scene
+from ros.live_scenes import Topic, live_scene
 
 from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
 
@@ -18,15 +18,14 @@ class Message(Plain):
         super().__init__(header=Plain(), sources=[], frames=[], geometries=[], **fields)
 
 
-class Topic:
-    """A publisher that takes some time, and keeps what it was given."""
+class SlowTopic(Topic):
+    """A publisher that takes some time."""
 
-    def __init__(self):
-        self.published = []
-        self.takes = lambda: None
+    def takes(self):
+        """Let time pass: the test says how."""
 
     def publish(self, message):
-        self.published.append(message)
+        super().publish(message)
         self.takes()
 
 
@@ -37,7 +36,7 @@ def live():
 
 @pytest.fixture
 def publisher():
-    return Topic()
+    return SlowTopic()
 
 
 @pytest.fixture

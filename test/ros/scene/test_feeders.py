@@ -6,13 +6,8 @@ from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
 
 
 @pytest.fixture
-def clock():
-    return [10.0]
-
-
-@pytest.fixture
 def feeders(clock):
-    return Feeders(lambda: clock[0])
+    return Feeders(clock)
 
 
 def test_the_last_one_feeds_a_frame(feeders):
@@ -26,14 +21,14 @@ def test_a_frame_that_is_handed_over_is_not_contested(feeders, clock):
     for feeder in (TF, MESSAGES, TF, MESSAGES):
         feeders.note(feeder, {1})
         feeders.note(feeder, {1})
-        clock[0] += 2.0
+        clock.now += 2.0
     assert feeders.contested() == []
 
 
 def test_a_frame_that_goes_to_and_fro_is_for_a_while(feeders, clock):
     for feeder in (TF, MESSAGES, TF):
         feeders.note(feeder, {1, 2} if feeder == TF else {1})
-        clock[0] += 0.1
+        clock.now += 0.1
     assert feeders.contested() == [1]
-    clock[0] += 6.0
+    clock.now += 6.0
     assert feeders.contested() == []

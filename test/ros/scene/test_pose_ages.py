@@ -14,13 +14,8 @@ NAMES = Plain(world=WORLD, frame_names={WORLD: 'world', A: 's::a', B: 's::b'})
 
 
 @pytest.fixture
-def clock():
-    return [100.0]
-
-
-@pytest.fixture
 def clocks(clock):
-    return Clocks(lambda: clock[0], lambda: clock[0])
+    return Clocks(clock, clock)
 
 
 @pytest.fixture
@@ -45,7 +40,7 @@ def note(ages, clocks):
 def test_ages_count_from_the_last_pose(ages, clock, note):
     note(99.0, A)
     note(100.0, B)
-    clock[0] += 2.0
+    clock.now += 2.0
     assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
     assert ages.oldest(NAMES) == 3.0
     note(102.0, A)
@@ -85,7 +80,7 @@ def test_after_a_jump_of_the_clock_what_is_of_before_has_no_age_and_no_say(
     ages, clocks, clock, note
 ):
     note(100.0, A, B)
-    clock[0] = 10.0
+    clock.now = 10.0
     clocks.begin_anew()
     assert ages.by_name(NAMES) == {'s::a': math.inf, 's::b': math.inf}
     assert ages.unknown(NAMES) == ['s::a', 's::b']
@@ -98,7 +93,7 @@ def test_after_a_jump_of_the_clock_what_is_of_before_has_no_age_and_no_say(
 
 def test_what_a_file_poses_rests_until_a_message_comes(ages, clock, note):
     ages.begin([A.get_value(), B.get_value()], {})
-    clock[0] += 9.0
+    clock.now += 9.0
     assert ages.oldest(NAMES) == 0.0
     assert ages.static() == {}
     note(108.0, A)
@@ -117,7 +112,7 @@ def test_what_is_declared_static_does_not_grow_old_whoever_poses_it(ages, clocks
     ages.begin([], {A.get_value(): True, B.get_value(): True})
     assert ages.oldest(NAMES) == math.inf  # neither has a pose
     assert note(100.0, A, B) == 100.0
-    clock[0] += 9.0
+    clock.now += 9.0
     clocks.begin_anew()
     assert ages.oldest(NAMES) == 0.0
     assert ages.static() == {A.get_value(): True, B.get_value(): True}

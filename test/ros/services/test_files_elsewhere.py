@@ -8,6 +8,7 @@ import sys
 from types import SimpleNamespace as Plain
 
 import pytest
+from oracles.small_scene import TETRAHEDRON
 from ros.live_scenes import TWO_BALLS, live_scene
 
 from drake_geom_ros.ros.conversions.file_access import FileAccess
@@ -16,7 +17,6 @@ from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.services import files, shapes
 
 CONVEX, MESH = 7, 8
-TRIANGLES = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n'
 LINK = '<robot name="r"><link name="l">{}</link></robot>'
 OF_MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
 POSE = Plain(position=Plain(x=0.0, y=0.0, z=0.0), orientation=Plain(x=0.0, y=0.0, z=0.0, w=1.0))
@@ -39,7 +39,7 @@ def folders(tmp_path, monkeypatch):
     inside, outside = tmp_path / 'inside', tmp_path / 'inside_not'
     for folder in inside, outside:
         folder.mkdir()
-        (folder / 'mesh.obj').write_text(TRIANGLES)
+        (folder / 'mesh.obj').write_text(TETRAHEDRON)
         (folder / 'scene.yaml').write_text('sources: [other]\n')
         (folder / 'robot.urdf').write_text(LINK.format(''))
         (folder / 'robot.srdf').write_text('<robot name="r"/>')

@@ -25,13 +25,8 @@ DECLARATION = Plain(
 
 
 @pytest.fixture
-def clock():
-    return [100.0]
-
-
-@pytest.fixture
 def live(clock):
-    return live_scene(TEXT, lambda: clock[0])
+    return live_scene(TEXT, clock)
 
 
 def apply(live, owner, lease=0.0):
@@ -78,7 +73,7 @@ def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
         f"transient filter {planner} for 5 s (owner 'planner')",
         f'transient filter {nobody} until it is removed',
     ]
-    clock[0] += 6.0
+    clock.now += 6.0
     with live.editing() as scene:
         scene.expire_filters()
         filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
@@ -93,7 +88,7 @@ def test_leases_that_end_together_are_told_in_a_line_for_each_owner(live, clock)
     numbers = [apply(live, 'planner', 5.0) for _ in range(7)]
     other = apply(live, '', 5.0)
     told(live)
-    clock[0] += 6.0
+    clock.now += 6.0
     with live.editing() as scene:
         assert len(scene.expire_filters()) == 8
     some = ', '.join(map(str, numbers[:5]))
@@ -114,7 +109,7 @@ def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
         apply(live, '', 1.0)
     assert sorted(state(live)[0]) == ids + others
     # A lease that ended, and a filter that was removed, make room.
-    clock[0] += 6.0
+    clock.now += 6.0
     with live.editing() as scene:
         scene.expire_filters()
         filters.remove_filter(scene, Plain(filter_id=others[0]), Plain())

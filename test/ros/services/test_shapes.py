@@ -6,6 +6,7 @@ from types import SimpleNamespace as Plain
 
 import numpy as np
 import pytest
+from oracles.small_scene import TETRAHEDRON
 from ros.live_scenes import live_scene
 
 from drake_geom_ros.geometry import ShapeKind, mesh_source
@@ -43,10 +44,7 @@ def live(tmp_path):
 def mesh(tmp_path):
     """Return the path of a tetrahedron that nobody has read yet: a file is known by content."""
     path = tmp_path / 'tetrahedron.obj'
-    path.write_text(
-        f'# {time.monotonic_ns()}\n'
-        'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
-    )
+    path.write_text(f'# {time.monotonic_ns()}\n' + TETRAHEDRON)
     return str(path)
 
 

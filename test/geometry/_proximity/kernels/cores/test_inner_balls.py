@@ -4,17 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from oracles.shape_scene import ShapeScene
 
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
     Cylinder,
     Ellipsoid,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
-    ProximityProperties,
-    SceneGraph,
 )
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.cores import inner_balls
@@ -29,7 +25,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     SPHERE,
 )
-from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.math import RollPitchYaw
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]
 GRID = np.linspace(-0.8, 0.8, 41)
@@ -158,20 +154,7 @@ def test_of_a_hull_the_deepest_vertex_is_told():
     ],
 )
 def test_a_ring_of_equal_directions_keeps_the_promise(A, B, p_AB, depth, step):
-    graph = SceneGraph()
-    source = graph.RegisterSource('rings')
-    ids = []
-    for number, shape in enumerate((A, B)):
-        frame = graph.RegisterFrame(source, GeometryFrame(f'{number}'))
-        instance = GeometryInstance(RigidTransform(), shape, 'shape')
-        instance.set_proximity_properties(ProximityProperties())
-        graph.RegisterGeometry(source, frame, instance)
-        ids.append(frame.get_value())
-    context = graph.CreateDefaultContext()
-    poses = np.array([[0, 0, 0, 0, 0, 0, 1.0], [*p_AB, 0, 0, 0, 1.0]])
-    poses[1, :3] += step * np.array([0.6, -0.5, 0.3])
-    context.UpdateFramePoses(FramePoseVector.FromArrays(np.array(ids), poses))
-    query = graph.get_query_output_port().Eval(context)
-    answer = query.ComputeSignedDistancePairwiseClosestPoints()
+    scene = ShapeScene(A, B).posed([0, 0, 0], p_AB + step * np.array([0.6, -0.5, 0.3]))
+    answer = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert abs(answer.distance[0] + depth) <= 2.0 * step + answer.error_bound[0]
     assert not answer.breaks_promise().any()
