@@ -17,6 +17,7 @@ from drake_geom_ros.evidence.accuracy.cases import (
     chosen,
     in_turns,
 )
+from drake_geom_ros.evidence.accuracy.level_diagram import draw_levels
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, MeshPair, mesh_cases
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
@@ -158,7 +159,7 @@ def write(
     """Write measurements.csv, the diagrams and README.md into a folder, made where missing."""
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(records, folder / 'measurements.csv')
-    pictures = diagrams.draw(records, folder)
+    pictures = draw_levels(records, folder) + diagrams.draw(records, folder)
     (folder / 'README.md').write_text(readme(records, told, pictures), encoding='utf-8')
     say(f'{folder}: README.md, measurements.csv, {", ".join(pictures)}')
 
