@@ -79,7 +79,7 @@ def _reason(error: Any) -> str:
         missing = [f'`{key}`' for key in limit if key not in value]
         return f'misses {", ".join(missing)}'
     if kind == 'additionalProperties':
-        return f'is no key here; allowed are {", ".join(error.schema["properties"])}'
+        return f'unknown key; allowed are {", ".join(error.schema["properties"])}'
     if kind == 'not':
         return str(limit['description'])
     if kind in ('minProperties', 'maxProperties'):

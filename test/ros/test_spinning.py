@@ -165,7 +165,7 @@ def test_a_second_signal_ends_what_takes_too_long(second):
 @pytest.mark.parametrize(
     ('arguments', 'words'),
     [
-        (['--help'], "given '--help'; arguments of ROS are all that is taken"),
+        (['--help'], "unknown arguments '--help'; only ROS arguments are accepted"),
         (['-p', 'rate:=1'], '--ros-args -p'),
         (['--ros-args', '-p', 'rate'], "'-p rate'"),
         (['--ros-args', '--log-level', 'loud'], '--log-level loud'),

@@ -122,5 +122,5 @@ def test_a_list_that_is_too_long_is_refused_where_it_gets_so(monkeypatch):
 def test_of_very_many_faults_one_is_told():
     """Each was compared with all others, which took minutes."""
     entries = ''.join(f'- {{nam: f{k}}}\n' for k in range(20_000))
-    with pytest.raises(SceneFileError, match=r'^<text>:2: frames\[0\].nam: is no key here'):
+    with pytest.raises(SceneFileError, match=r'^<text>:2: frames\[0\].nam: unknown key'):
         scene_file.read_scene(f'frames:\n{entries}')

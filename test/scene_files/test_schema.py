@@ -78,7 +78,7 @@ filters:
         (HEAD + GEOMETRY % 'sphere', '4: geometries[1].shape: misses `radius`'),
         (HEAD + GEOMETRY % 'capsule', '4: geometries[1].shape: misses `radius`, `length`'),
         (HEAD + GEOMETRY % 'sphere, radius: 1, length: 2',
-         '4: geometries[1].shape.length: is no key here; allowed are type, radius'),
+         '4: geometries[1].shape.length: unknown key; allowed are type, radius'),
         (HEAD + GEOMETRY % 'cube',
          "4: geometries[1].shape.type: 'cube' must be one of sphere, box, capsule, cylinder, "
          'ellipsoid, half_space, convex, mesh'),
@@ -98,10 +98,10 @@ filters:
          "4: geometries[1].name: ' ': a name has at least one character that is not blank"),
         # What is misspelt is missing too.
         (HEAD + '- {nam: b, shape: {type: half_space}}',
-         '4: geometries[1].nam: is no key here; allowed are name, source, frame, pose, shape, '
+         '4: geometries[1].nam: unknown key; allowed are name, source, frame, pose, shape, '
          'roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, colour: red}',
-         '4: geometries[1].colour: is no key here; allowed are name, source, frame, pose, shape, '
+         '4: geometries[1].colour: unknown key; allowed are name, source, frame, pose, shape, '
          'roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, pose: {rpy: [0, 0, 0], '
          'quaternion: [0, 0, 0, 1]}}',
@@ -114,7 +114,7 @@ filters:
          '{rgba: [0, 0, 2, 1]}}}}}',
          '4: geometries[1].roles.illustration.g.a.rgba[2]: 2 must be <= 1'),
         (HEAD + 'geometry: []',
-         '4: geometry: is no key here; allowed are name, sources, robots, frames, geometries, '
+         '4: geometry: unknown key; allowed are name, sources, robots, frames, geometries, '
          'filters'),
         (HEAD + 'filters:\n- {exclude_within: [], clique: {}}',
          '5: filters[0]: has 2 keys; give exactly one of group, clique, exclude_within, '

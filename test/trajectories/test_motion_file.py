@@ -90,7 +90,7 @@ def test_a_csv_file_moves_free_frames_only(tmp_path):
         ('at: 2.0, q', 'at: 0.1, q', r'yaml:4: robots.left.waypoints: panda_joint2 reaches 7.5'),
         ('at: 2.0, q', 'at: 0.0, q', r'robots.left.waypoints: .*increase strictly'),
         ('  left:', '  middle:', r'robots.middle: the scene has no such robot; there are left'),
-        ('end: 1.0', 'until: 1.0', r'grasps\[0\].until: is no key here; allowed are frame, link'),
+        ('end: 1.0', 'until: 1.0', r'grasps\[0\].until: unknown key; allowed are frame, link'),
         (', end: 1.0', '', r'yaml:8: grasps\[0\]: misses `end`'),
         ('objects::can', 'objects::cup', r"motion.yaml: grasp of 'objects::cup'"),
         ('  objects::ball', '  objects::bat', r"the scene has no frame 'objects::bat'"),
@@ -98,7 +98,7 @@ def test_a_csv_file_moves_free_frames_only(tmp_path):
         (
             'frames:\n',
             'robts: 3\nframes:\n',
-            r'yaml:1\d: robts: is no key here; allowed are ro',
+            r'yaml:1\d: robts: unknown key; allowed are ro',
         ),
         ('[0, 0, 1, 0, 0, 0, 1]', '[0, 0, 1, 0, 0, 0, 2]', r'frames.objects::ball: .*norm 2'),
         ('grasps:\n- {', 'grasps: {', r'grasps: \{.* must be a list or nothing'),
