@@ -121,12 +121,12 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
         _spread(panel, r, BLUE)
     labels = [r.setting.label for r in mine]
     for x, y, words in level_names(list(zip(times, worst, labels, strict=True))):
-        several = ',' in words
+        several = ' ' in words
         panel.annotate(
             *(words, (x, y)),
-            xytext=(12 if several else -5, -13 if several else -11),
+            xytext=(0 if several else -5, -13 if several else -11),
             textcoords='offset points',
-            ha='right',
+            ha='center' if several else 'right',
             fontsize=9,
             color=BLUE,
             bbox={'facecolor': 'white', 'edgecolor': 'none', 'alpha': 0.7, 'pad': 0.5},
@@ -143,7 +143,10 @@ def level_names(points: list[tuple[float, float, str]]) -> list[tuple[float, flo
                 break
         else:
             places.append((x, y, [word]))
-    return [(x, y, ', '.join(words)) for x, y, words in places]
+    return [
+        (x, y, words[0] if len(words) == 1 else f'{words[0]} to {words[-1]}')
+        for x, y, words in places
+    ]
 
 
 def _spread(panel: Any, r: Measured, colour: str) -> None:

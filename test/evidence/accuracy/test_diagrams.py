@@ -29,7 +29,7 @@ def test_no_error_is_drawn_as_the_spacing_of_floats():
 
 def test_names_of_points_that_lie_close_are_one():
     points = [(1.0, 0.1, 'bound'), (9.0, 1e-15, 'fast'), (10.0, 2e-15, 'exact')]
-    assert level_names(points) == [(1.0, 0.1, 'bound'), (9.0, 1e-15, 'fast, exact')]
+    assert level_names(points) == [(1.0, 0.1, 'bound'), (9.0, 1e-15, 'fast to exact')]
 
 
 def test_the_summary_shows_our_levels(tmp_path):
