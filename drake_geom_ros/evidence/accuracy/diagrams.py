@@ -124,9 +124,9 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
         several = ' ' in words
         panel.annotate(
             *(words, (x, y)),
-            xytext=(0 if several else -5, -13 if several else -11),
+            xytext=(14 if several else -5, -13 if several else -11),
             textcoords='offset points',
-            ha='center' if several else 'right',
+            ha='right',
             fontsize=9,
             color=BLUE,
             bbox={'facecolor': 'white', 'edgecolor': 'none', 'alpha': 0.7, 'pad': 0.5},
