@@ -20,7 +20,7 @@ explain how to use them.
 """
 _SERVICES = """## Services
 
-All are in `drake_geom_msgs/srv`, on `~/name` of the node. Every response begins with `bool success`
+All are in `drake_geom_msgs/srv`, on `~/name`. Every response begins with `bool success`
 (false: refused, and nothing changed) and `string message` (what was asked, what is allowed, where
 to look), which are left out below. For an answer about all pairs or geometries, the message says
 how many pairs are left out because frames never had a pose, and names these frames.
