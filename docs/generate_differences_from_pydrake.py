@@ -10,20 +10,35 @@ import yaml
 DOCS = Path(__file__).resolve().parent
 TABLE = DOCS / 'differences.yaml'
 TARGET = DOCS / 'differences_from_pydrake.md'
+PORT = DOCS.parent / 'examples/port_of_a_diagram.py'
 _INTRODUCTION = """# Differences from pydrake
 
-Made from [differences.yaml](differences.yaml) by
-`python docs/generate_differences_from_pydrake.py`. A test runs each example with this package, and
-with pydrake 1.51 where that is installed, and knows of every public name of pydrake whether it is
-here or in the list of what is missing. All other methods take the arguments that pydrake's take,
-by the same keywords.
+Generated from [differences.yaml](differences.yaml) by
+`python docs/generate_differences_from_pydrake.py`; a test runs each example with this package, and
+with pydrake 1.51 where that is installed.
 
-To port a script, import `drake_geom_ros.geometry`, `drake_geom_ros.math` and
-`drake_geom_ros.common` in place of `pydrake.geometry`, `pydrake.math` and `pydrake.common`. Older
-names are there too, where the meaning is one: `SurfaceMesh` beside `TriangleSurfaceMesh`, `X_WF`
-beside `GetPoseInWorld`, `ExcludeCollisionsWithin`, `absolute_filename`.
+A script that uses `SceneGraph` without a Diagram runs after its imports are changed: write
+`drake_geom_ros.geometry`, `drake_geom_ros.math` and `drake_geom_ros.common` in place of
+`pydrake.geometry`, `pydrake.math` and `pydrake.common`. Methods take the arguments that pydrake's
+take, by the same keywords. Older names exist too, where the meaning is the same: `SurfaceMesh`
+beside `TriangleSurfaceMesh`, `X_WF` beside `GetPoseInWorld`, `ExcludeCollisionsWithin`,
+`absolute_filename`. A script with a Diagram, a MultibodyPlant or a Parser has to be ported.
 
-## On purpose
+## Porting a script with a Diagram
+
+There is no systems framework here, and no dynamics. A Diagram is replaced by calls in a row: load
+the scene, compute the poses of the links, set them, query.
+
+| pydrake | here |
+|---|---|
+{calls}
+
+This is a complete port. It loads a robot, sets its joints and prints the smallest distance:
+
+```python
+{port}```
+
+## Differences on purpose
 
 In the examples `g` is the module `geometry`, `m` is `math`, `np` is NumPy, and
 
@@ -31,20 +46,20 @@ In the examples `g` is the module `geometry`, `m` is `math`, `np` is NumPy, and
 {prelude}```
 """
 _IN_WORDS = """
-More that no example shows:
+### Other differences
 
-- Mesh files are read in the formats of trimesh (OBJ, STL, PLY, glTF and more), which pydrake does
-  not all read, but not as `.vtk`. Other files that one names are not opened: buffers of glTF must
-  be embedded, and `supporting_files` of an `InMemoryMesh` are kept, not read.
-- Numbers that pydrake ends the process for, such as `Capsule(1, 0)`, raise a RuntimeError.
-- Every answer has an `error_bound`, every query takes `accuracy`; the page
-  [concepts](concepts.md) says more of what is ours.
-- A file that was pickled with pydrake makes objects of pydrake.
-- Errors have texts of their own, which say what was asked and what is allowed.
+- Mesh files may have the formats of trimesh (OBJ, STL, PLY, glTF and more), some of which pydrake
+  does not read, but not `.vtk`. Files that a mesh file refers to are not opened: buffers of glTF
+  must be embedded, and `supporting_files` of an `InMemoryMesh` are kept, not read.
+- Numbers for which pydrake ends the process, such as `Capsule(1, 0)`, raise a RuntimeError.
+- Every answer has an `error_bound`, and every query takes `accuracy`: see [concepts](concepts.md).
+- A file that was pickled with pydrake contains objects of pydrake.
+- Error texts differ; they say what was asked and what is allowed.
 - There is one scalar type, float: `SceneGraph_[float]`.
-- There is no systems framework: a SceneGraph is no LeafSystem, and its ports have `FixValue` and
-  `Eval` alone; nor is there `pydrake.geometry.optimization`, or what served pictures in 2020
-  (`pydrake.geometry.render`, `ConnectDrakeVisualizer`, `get_pose_bundle_output_port`).
+- There is no systems framework: a SceneGraph is not a LeafSystem, and its ports have only
+  `FixValue` and `Eval`. Also missing are `pydrake.geometry.optimization` and the names that served
+  pictures in 2020 (`pydrake.geometry.render`, `ConnectDrakeVisualizer`,
+  `get_pose_bundle_output_port`).
 - The property `('mesh', 'solid')` makes a Mesh a body that need not be convex.
 """
 
@@ -52,9 +67,14 @@ More that no example shows:
 def differences() -> str:
     """Return the text of the page."""
     table = yaml.safe_load(TABLE.read_text())
-    parts = [_INTRODUCTION.replace('{prelude}', table['prelude'])]
+    calls = '\n'.join(f'| {old} | {new} |' for old, new in table['port'].items())
+    introduction = _INTRODUCTION.replace('{port}', PORT.read_text()).replace('{calls}', calls)
+    parts = [introduction.replace('{prelude}', table['prelude'])]
     parts += [_example(entry) for entry in table['on_purpose']]
-    parts += [_IN_WORDS, '## Missing\n']
+    parts += [
+        _IN_WORDS,
+        '## Missing\n\nImporting one of these raises an ImportError that names this page.\n',
+    ]
     for entry in table['missing']:
         names = [
             f'`{name}`'

@@ -12,13 +12,14 @@ from types import ModuleType
 from typing import Any
 
 TARGET = Path(__file__).resolve().parent / 'python_api.md'
-MODULES = ('geometry', 'math', 'common', 'common.value', 'common.eigen_geometry')
+MODULES = ('geometry', 'math', 'common', 'common.value', 'common.eigen_geometry', 'client')
 _INTRODUCTION = """# The Python API
 
-Made from the docstrings by `python docs/generate_python_api.py`; a test holds it current. The core
-needs no ROS. Names are those of pydrake, whose documentation describes them at length;
-[differences_from_pydrake.md](differences_from_pydrake.md) says what is otherwise here. Lengths are
-in metres, angles in radians. A refused call raises a RuntimeError, and changes nothing.
+Generated from the docstrings by `python docs/generate_python_api.py`; a test keeps it up to date.
+`geometry` answers queries, `math` has poses and rotations, `client` talks to a running node and is
+the only module here that needs ROS. Names are those of pydrake, whose documentation describes them
+in detail; [differences_from_pydrake.md](differences_from_pydrake.md) lists what differs. Lengths
+are in metres, angles in radians. A call that is refused raises a RuntimeError and changes nothing.
 
 """
 
@@ -92,7 +93,7 @@ def _signature(thing: Any) -> str:
     ]
     shown = str(signature.replace(parameters=parameters, return_annotation=signature.empty))
     shown = re.sub(r'<(\w+\.\w+): [^>]*>', r'\1', shown)
-    return re.sub(r'<factory>|<[^>]*>', '...', shown)
+    return re.sub(r'<(?:[^<>]|<[^<>]*>)*>', '...', shown)
 
 
 def _text(thing: Any, paragraphs: int | None = None) -> str:

@@ -12,23 +12,24 @@ _FIELD = re.compile(r'(?P<type>[\w/\[\]<=]+) +(?P<name>\w+)(?P<value>=\S+)?(?: +
 _OUTCOME = ('success', 'message')
 _INTRODUCTION = """# Messages, services and parameters
 
-Made from the definitions by `python docs/generate_reference.py`; a test holds it current.
-Units are SI, quaternions are `x y z w`, names of quantities are Drake's: `X_PF` is the pose of F
+Generated from the definitions by `python docs/generate_reference.py`; a test keeps it up to date.
+Units are SI, quaternions are `x y z w`, and quantities have Drake's names: `X_PF` is the pose of F
 in its parent P, `p_WCa` the point Ca in the world, `nhat_BA_W` the unit normal out of B into A.
-Arrays are flat: k vectors are 3 k numbers.
+Arrays are flat: k vectors are 3 k numbers. [Outputs](outputs.md) and [services](services.md)
+explain how to use them.
 """
 _SERVICES = """## Services
 
-All of `drake_geom_msgs/srv`, on `~/name` of the node. Every answer begins with `bool success`
+All are in `drake_geom_msgs/srv`, on `~/name`. Every response begins with `bool success`
 (false: refused, and nothing changed) and `string message` (what was asked, what is allowed, where
-to look), which are left out below. Of an answer about all pairs or geometries the message says how
-many pairs it leaves out for want of poses, and names the frames that never had one.
-`flatten_filters` is a `std_srvs/Trigger` and has no definition of its own: the filters that hold
-now become the persistent ones.
+to look), which are left out below. For an answer about all pairs or geometries, the message says
+how many pairs are left out because frames never had a pose, and names these frames.
+`flatten_filters` is a `std_srvs/Trigger` and has no definition of its own: it makes the present
+filters the persistent ones.
 """
 _PARAMETERS = """## Parameters
 
-[config/scene_graph.yaml](../config/scene_graph.yaml) names them all, with their defaults:
+[config/scene_graph.yaml](../config/scene_graph.yaml) lists them all with their defaults:
 """
 
 

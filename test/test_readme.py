@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / 'README.md').read_text()
@@ -27,13 +27,39 @@ def test_the_core_example_prints_what_its_last_line_says(capsys):
     assert block('python').rstrip().endswith(f'# {printed}')
 
 
-def test_the_support_table_is_the_pair_table():
-    rows = [
-        f'| {SHAPE_NAMES[row.type_a]} | {SHAPE_NAMES[row.type_b]} | {row.method.words} '
-        f'| {row.worst_error:.0e} |'
-        for row in PAIR_TABLE
+def test_the_worst_errors_are_those_of_the_pair_table():
+    least, most = (f'{f(row.worst_error for row in PAIR_TABLE):.0e} m' for f in (min, max))
+    assert f'between\n  {least} and {most} for bodies of about 0.2 m' in README
+
+
+def test_every_command_of_run_is_known():
+    """Here and in docs/installation.md, which lists all of them."""
+    page = (ROOT / 'docs/installation.md').read_text()
+    usage = (ROOT / 'run').read_text().partition("<<'EOF'\n")[2].partition('\nEOF')[0]
+    known = set(re.findall(r'^\./run ([\w-]+)', usage, re.M))
+    assert known == set(re.findall(r'^\| `\./run ([\w-]+)', page, re.M))
+    assert set(re.findall(r'\./run ([\w-]+)', README)) <= known
+
+
+def test_figures_are_those_of_the_pages():
+    """What is called measured stands on the page that was measured."""
+    cases = (ROOT / 'docs/hard_cases.md').read_text()
+    told = re.search(r'\| 768 hard cases.* \| (.*) \|', README)[1]
+    for library, passed in re.findall(r'(Coal|MuJoCo|python-fcl|pydrake) (\d+)', told):
+        assert f'| signed_distance | {library} | {passed} |' in cases
+    assert '| signed_distance | ours | 768 |' in cases
+    assert ': 2106048 pairs judged' in (ROOT / 'docs/accuracy/hunt.md').read_text()
+
+
+@pytest.mark.parametrize('scene', ['two arms', '1000 bodies'])
+def test_round_trips_are_those_of_the_performance_page(scene):
+    page = (ROOT / 'docs/performance.md').read_text()
+    row = re.search(rf'^\| {scene} \| 100 \| (\d+) \|' + r' ([\d.]+) \|' * 4, page, re.M)
+    pairs, *figures = row.groups()
+    told = re.search(rf'^\| {scene}, {pairs} pairs per answer, 100 Hz.* \| (.*) \|', README, re.M)[
+        1
     ]
-    assert '\n'.join(['| A | B | method | worst error |', '|---|---|---|---|', *rows]) in README
+    assert re.findall(r'[\d.]+', told) == figures
 
 
 @pytest.mark.parametrize('link', re.findall(r'\]\(([^)#]+)\)', README))

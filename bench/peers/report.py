@@ -11,7 +11,7 @@ from drake_geom_ros.evidence.pages import three
 LIBRARIES = ('ours', 'pydrake', 'MuJoCo', 'python-fcl', 'Coal')
 HEADINGS = (
     *('scene', 'pace', 'query', *(f'{name} [us]' for name in LIBRARIES)),
-    *('pydrake/ours', 'bar', 'MuJoCo/ours', 'bar', 'p99/mean', 'results: ours', 'pydrake'),
+    *('pydrake/ours', 'target', 'MuJoCo/ours', 'target', 'p99/mean', 'results: ours', 'pydrake'),
 )
 WIDTHS = (20, 7, 15, *(18,) * 5, 14, 12, 13, 11, 10, 15, 10)
 # How many times faster than a peer each query is meant to be: ratios of the means.
@@ -72,7 +72,7 @@ class Measurement:
         return None if ours is None or other is None else other / ours
 
     def verdicts(self) -> list[tuple[str, float, float, bool]]:
-        """Return (peer, bar, ratio, met) for each bar that there is."""
+        """Return (peer, bar, ratio, met) for each target that there is."""
         bars = {
             'pydrake': over_pydrake(self.scene, self.query),
             'MuJoCo': over_mujoco(self.query),
@@ -123,10 +123,10 @@ def text_line(row: list[str] | tuple[str, ...]) -> str:
 
 
 def summary(measurements: list[Measurement]) -> list[str]:
-    """Return lines: how many bars are met, which are not, and where results differ."""
+    """Return lines: how many targets are met, which are not, and where results differ."""
     verdicts = [(m, *verdict) for m in measurements for verdict in m.verdicts()]
     missed = [v for v in verdicts if not v[-1]]
-    lines = [f'{len(verdicts) - len(missed)} of {len(verdicts)} bars met']
+    lines = [f'{len(verdicts) - len(missed)} of {len(verdicts)} targets met']
     for m, peer, bar, ratio, _ in sorted(missed, key=lambda v: v[3] / v[2]):
         lines.append(f'missed: {m.name}: {ratio:.3g}x {peer}, to be {bar:g}x')
     for m in measurements:

@@ -26,7 +26,7 @@ FIRST_CALLS = ('spheres-50', 'mixed-50')
 HOW = (
     'Each cycle poses all bodies anew and asks one query; the libraries take turns of ten '
     'cycles on walks to and fro. Times are median / mean / 99th percentile of poses and query '
-    'together, bars hold for means. Paces: `slow` moves a body by a hundredth of its radius a '
+    'together, targets hold for means. Paces: `slow` moves a body by a hundredth of its radius a '
     'cycle, `robot` by 10 mm and 0.02 rad (a joint by 0.03 rad), `jump` poses everything anew. '
     'Ours reads all arrays of a result, pydrake the depth or distance of each record (less '
     'than all of it), MuJoCo the arrays of its contacts (several a pair). python-fcl and Coal '
@@ -117,7 +117,7 @@ class Run:
                 self._note(f'first calls of {name}, {state}: {told}')
 
     def write(self, folder: Path) -> None:
-        """Print the summary; write peers.md and peers.png."""
+        """Print the summary; write peers.md, peers.png and performance.png."""
         rows = [report.cells(m) for m in self._measurements]
         summary = report.summary(self._measurements)
         print('\n'.join(['', *summary]))
@@ -130,6 +130,7 @@ class Run:
         ]
         (folder / 'peers.md').write_text('\n\n'.join(parts) + '\n')
         chart.draw(self._measurements, folder / 'peers.png')
+        chart.draw_summary(self._measurements, folder / 'performance.png')
         print(f'written: {folder / "peers.md"}, {folder / "peers.png"}')
 
 

@@ -148,7 +148,7 @@ def main() -> int:
     """Soak, print, and return 1 where anything was not as expected."""
     parser = argparse.ArgumentParser(prog='./run soak', description=__doc__.splitlines()[0])
     parser.add_argument('--minutes', type=float, default=10.0)
-    parser.add_argument('--rate', type=float, default=200.0, help='pose messages a second')
+    parser.add_argument('--rate', type=float, default=200.0, help='pose messages per second')
     parser.add_argument('--callers', type=int, default=8)
     parser.add_argument('--seed', type=int, default=0)
     parser.add_argument(

@@ -1,6 +1,6 @@
-"""What a node or a script that asks a scene_graph node needs: results by name, services, filters.
+"""For nodes and scripts that use a scene_graph node: results with names, services, filters.
 
-``SceneGraphClient`` is for scripts: it has a node of its own, and its calls wait for the answer.
+``SceneGraphClient`` is for scripts: it has its own node, and its calls wait for the answer.
 ``SceneListener``, ``Services`` and ``HeldFilter`` are for nodes that spin themselves.
 """
 

@@ -37,16 +37,16 @@ _ASK_AGAIN = 5.0
 
 
 class NoAnswerError(RuntimeError):
-    """Something that was waited for did not come in time."""
+    """An answer, a service or a version of the scene did not arrive in time."""
 
 
 class SceneGraphClient:
-    """Asks a node, from a thread that waits for the answer; has a node of its own meanwhile.
+    """Calls the services of a node and waits for each answer; it spins a node of its own.
 
-    ``poses`` are "what if" poses: X_PF by frame, RigidTransform or seven numbers x y z [m]
-    qx qy qz qw. Frames that are not named keep theirs, and the live scene does not change.
-    Each call raises RefusedError where the node refuses, with its reason, and NoAnswerError
-    after ``patience`` [s].
+    ``poses`` are "what if" poses: X_PF by frame, as RigidTransform or as seven numbers x y z [m]
+    qx qy qz qw. Frames that are not named keep their poses, and the live scene does not change.
+    Each call raises RefusedError with the node's reason where the node refuses it, and
+    NoAnswerError where no answer arrives within ``patience`` [s].
 
         with SceneGraphClient() as client:
             print(client.signed_distances(poses={'ball': X_WB}).closest())
@@ -82,7 +82,7 @@ class SceneGraphClient:
             self._executor.spin()
 
     def wait_for(self, fact: Callable[[], Any], what: str) -> Any:
-        """Return ``fact()`` once it is true; raises NoAnswerError that names ``what``."""
+        """Wait until ``fact()`` is true and return it; raise NoAnswerError that names ``what``."""
         end = time.monotonic() + self._patience
         while not (found := fact()):
             if time.monotonic() > end:
@@ -91,7 +91,7 @@ class SceneGraphClient:
         return found
 
     def scene(self, version: int = 0) -> SceneTable:
-        """Return the scene of now, of that version at least."""
+        """Return the present scene; wait until it has at least that version."""
 
         def known() -> SceneTable | None:
             table = self.listener.table
@@ -108,7 +108,7 @@ class SceneGraphClient:
         return accepted(name, future.result())
 
     def ask(self, name: str, /, **fields: Any) -> Any:
-        """Do as ``call`` does, and ask again where no answer comes: for what changes nothing."""
+        """Call a service that changes nothing; call again where no answer arrives."""
         self.wait_for(lambda: not self.services.missing(name), f'the service {name}')
         asked: list[tuple[float, Any]] = []
 
@@ -161,7 +161,7 @@ class SceneGraphClient:
         poses: Poses | None = None,
         accuracy: str = '',
     ) -> PointDistances:
-        """Return the distances of ``points`` (n, 3) [m] to geometries up to ``threshold`` [m]."""
+        """Return the distances of ``points`` (n, 3) [m] to geometries within ``threshold`` [m]."""
         return self._named(
             PointDistances,
             'compute_signed_distance_to_point',
@@ -176,12 +176,12 @@ class SceneGraphClient:
         return bool(self.ask('has_collisions', poses=frame_poses(poses or {})).has_collisions)
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
-        """Return why results leave a pair out; empty where they do not."""
+        """Return the reasons why a pair is filtered; empty where it is not."""
         answer = self.ask('explain_filter', geometry_a=geometry_a, geometry_b=geometry_b)
         return list(answer.reasons)
 
     def publish_poses(self, poses: Poses, source: str = '', stamp: float | None = None) -> None:
-        """Pose frames of the live scene; ``stamp`` [s] is that of now where it is None."""
+        """Pose frames of the live scene; ``stamp`` [s] is the present time if None."""
         self.wait_for(self._poses.get_subscription_count, 'a listener to frame_poses')
         message = frame_poses(poses, source)
         now = self.node.get_clock().now()

@@ -1,4 +1,4 @@
-"""A transient filter that lives as long as who asked for it."""
+"""A transient filter that lasts as long as the node that asked for it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LEASE = 2.0  # [s] it vanishes this long after its owner did
 
 
 class HeldFilter:
-    """A transient declaration on a lease that is renewed until it is let go."""
+    """A transient declaration whose lease is renewed until the filter is let go."""
 
     def __init__(
         self,
@@ -25,7 +25,7 @@ class HeldFilter:
         lost: Callable[[], None] = lambda: None,
         lease: float = LEASE,
     ) -> None:
-        """``lost()`` is called where it vanished, such as with a scene that was replaced."""
+        """``lost()`` is called if the node removed the filter, as when its scene was replaced."""
         self._node = node
         self._services = services
         self._lost = lost
@@ -35,7 +35,7 @@ class HeldFilter:
         self._timer: Timer | None = None
 
     async def hold(self) -> None:
-        """Apply it, and renew it from now on; raises RefusedError."""
+        """Apply the filter and keep renewing it; raise RefusedError if the node refuses."""
         answer = await self._services.ask(
             'apply_transient_filter',
             declaration=self.declaration,
@@ -46,13 +46,13 @@ class HeldFilter:
         self._timer = self._node.create_timer(self._lease / 2, self._renew)
 
     async def let_go(self) -> None:
-        """Remove it; raises RefusedError."""
+        """Remove the filter; raise RefusedError if the node refuses."""
         self._stop()
         filter_id, self.filter_id = self.filter_id, 0
         await self._services.ask('remove_filter', filter_id=filter_id)
 
     def let_run_out(self) -> None:
-        """Renew it no more: it vanishes when its lease ends."""
+        """Stop renewing the filter: it is removed when its lease ends."""
         self._stop()
         self.filter_id = 0
 
@@ -74,7 +74,7 @@ class HeldFilter:
 
 
 async def sleep(node: Node, seconds: float) -> None:
-    """Return after some time [s], while the node's other callbacks run."""
+    """Wait for some time [s] while other callbacks of the node run."""
     over: Future = Future()
     timer = node.create_timer(seconds, lambda: over.set_result(None))
     await over

@@ -23,10 +23,11 @@ _Results = TypeVar('_Results', bound=Results[Any])
 
 
 class SceneListener:
-    """The scene of a node by name, and its results with the names of their own version of it.
+    """Receives the scene of a node, and its results with the names of the right version of it.
 
-    A result may come before the scene that it is for: then it waits, and the newest one is handed
-    on. One for a scene of before is dropped, for its ids may stand for other things by now.
+    A result may arrive before the version of the scene that it refers to; the newest such result
+    waits for it. A result for an earlier version is dropped, because its ids may have changed
+    their meaning.
     """
 
     def __init__(self, node: Node, server: str = '/scene_graph') -> None:
@@ -39,19 +40,19 @@ class SceneListener:
         node.create_subscription(msg.Scene, f'{server}/scene', self._take_scene, LATCHED)
 
     def on_scene(self, take: Callable[[SceneTable], None]) -> None:
-        """Have ``take`` called with each version of the scene."""
+        """Call ``take`` with each version of the scene."""
         self._told.append(take)
 
     def on_signed_distances(self, take: Callable[[SignedDistances], None]) -> None:
-        """Have ``take`` called with each result of ``~/signed_distances``."""
+        """Call ``take`` with each result of ``~/signed_distances``."""
         self._listen(msg.SignedDistancePairs, 'signed_distances', SignedDistances, take)
 
     def on_penetrations(self, take: Callable[[Penetrations], None]) -> None:
-        """Have ``take`` called with each result of ``~/penetrations``."""
+        """Call ``take`` with each result of ``~/penetrations``."""
         self._listen(msg.PenetrationPairs, 'penetrations', Penetrations, take)
 
     def on_point_distances(self, take: Callable[[PointDistances], None]) -> None:
-        """Have ``take`` called with each result of ``~/point_distances``."""
+        """Call ``take`` with each result of ``~/point_distances``."""
         self._listen(msg.PointDistances, 'point_distances', PointDistances, take)
 
     def _listen(

@@ -1,4 +1,4 @@
-"""Results of a scene_graph node with names: arrays as they came, records when they are indexed.
+"""Results of a scene_graph node with names: arrays, which give records when indexed.
 
 ::
 
@@ -41,8 +41,8 @@ class _Pair:
 class SignedDistance(_Pair):
     """The signed distance [m] of two geometries; ``|distance - truth| <= error_bound``.
 
-    Names are ``frame/geometry``. ``p_ACa`` and ``p_BCb`` (3,) [m] are the witnesses, each in its
-    geometry's frame, ``nhat_BA_W`` (3,) the unit normal out of B into A, in the world.
+    Names are ``frame/geometry``. ``p_ACa`` and ``p_BCb`` (3,) [m] are the nearest points, each in its
+    geometry's frame; ``nhat_BA_W`` (3,) the unit normal out of B into A, in the world.
     """
 
     distance: float
@@ -53,13 +53,13 @@ class SignedDistance(_Pair):
 
     @property
     def lower_bound(self) -> float:
-        """The least [m] that the true distance can be."""
+        """The certified lower bound of the true distance [m]."""
         return self.distance - self.error_bound
 
 
 @dataclass(frozen=True)
 class Penetration(_Pair):
-    """How deep [m] two geometries overlap; ``|depth - truth| <= error_bound``.
+    """The depth [m] by which two geometries overlap; ``|depth - truth| <= error_bound``.
 
     ``p_WCa`` and ``p_WCb`` (3,) [m] are the deepest points, in the world.
     """
@@ -75,8 +75,8 @@ class Penetration(_Pair):
 class PointDistance:
     """The signed distance [m] of a point to a geometry; ``|distance - truth| <= error_bound``.
 
-    ``p_GN`` (3,) [m] is the nearest point of the surface, in the geometry's frame, ``grad_W`` (3,)
-    the gradient of the distance by the point.
+    ``p_GN`` (3,) [m] is the nearest point of the surface, in the geometry's frame; ``grad_W`` (3,)
+    is the gradient of the distance with respect to the point, in the world.
     """
 
     point_index: int
@@ -90,15 +90,15 @@ class PointDistance:
 
     @property
     def lower_bound(self) -> float:
-        """The least [m] that the true distance can be."""
+        """The certified lower bound of the true distance [m]."""
         return self.distance - self.error_bound
 
 
 class Results(Sequence[Record], Generic[Record]):
-    """Rows of a message with the table of the scene that it is for."""
+    """Rows of a message, with the table of the scene that it refers to."""
 
     def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
-        """``rows`` of the message, all where there are none given."""
+        """Take these rows of the message, or all of them if None."""
         self._message = message
         self._rows = np.arange(len(message.error_bound)) if rows is None else rows
         self.table = table
@@ -143,7 +143,7 @@ class _PairResults(Results[Record]):
         self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
 
     def between(self: Pairs, a: str, b: str = '*') -> Pairs:
-        """Return the pairs of one that ``a`` stands for and one that ``b`` does, in any order.
+        """Return the pairs of a geometry that ``a`` names and one that ``b`` names, in any order.
 
         Each is a source, a frame or a geometry, or a pattern: see ``Geometry.matches``.
         """
@@ -158,7 +158,11 @@ class _PairResults(Results[Record]):
 
 
 class SignedDistances(_PairResults[SignedDistance]):
-    """What a SignedDistancePairs says."""
+    """The signed distances of a SignedDistancePairs message, with names.
+
+    Arrays: ``distance``, ``error_bound``, ``lower_bound`` (n,) [m], ``p_ACa``, ``p_BCb``,
+    ``nhat_BA_W`` (n, 3), ``id_a``, ``id_b``, ``method`` (n,).
+    """
 
     def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
         super().__init__(message, table, rows)
@@ -169,11 +173,11 @@ class SignedDistances(_PairResults[SignedDistance]):
 
     @property
     def lower_bound(self) -> Floats:
-        """The least [m] that the true distances can be (n,)."""
+        """The certified lower bounds of the true distances (n,) [m]."""
         return np.asarray(self.distance - self.error_bound)
 
     def closest(self) -> SignedDistance | None:
-        """Return the pair with the least lower bound; None where there is no pair."""
+        """Return the pair with the smallest lower bound; None if there is no pair."""
         return self[int(np.argmin(self.lower_bound))] if len(self) else None
 
     def _record(self, k: int) -> SignedDistance:
@@ -182,7 +186,11 @@ class SignedDistances(_PairResults[SignedDistance]):
 
 
 class Penetrations(_PairResults[Penetration]):
-    """What a PenetrationPairs says."""
+    """The overlaps of a PenetrationPairs message, with names.
+
+    Arrays: ``depth``, ``error_bound`` (n,) [m], ``p_WCa``, ``p_WCb``, ``nhat_BA_W`` (n, 3),
+    ``id_a``, ``id_b``, ``method`` (n,).
+    """
 
     def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
         super().__init__(message, table, rows)
@@ -196,7 +204,11 @@ class Penetrations(_PairResults[Penetration]):
 
 
 class PointDistances(Results[PointDistance]):
-    """What a PointDistances message says."""
+    """The distances of a PointDistances message, with names.
+
+    Arrays: ``point_index``, ``id``, ``method`` (n,), ``distance``, ``error_bound`` (n,) [m],
+    ``p_GN``, ``grad_W`` (n, 3).
+    """
 
     def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
         super().__init__(message, table, rows)
@@ -209,7 +221,7 @@ class PointDistances(Results[PointDistance]):
         self.query_stamp = message.query_stamp.sec + message.query_stamp.nanosec / 1_000_000_000
 
     def to(self, name: str) -> PointDistances:
-        """Return the distances to what a name or a pattern stands for: ``Geometry.matches``."""
+        """Return the distances to the geometries that a name or a pattern matches."""
         return self._subset(np.isin(self.id, self.table.ids(name)))
 
     def _record(self, k: int) -> PointDistance:

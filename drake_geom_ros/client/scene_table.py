@@ -1,4 +1,4 @@
-"""What a subscriber knows of the scene: its geometries by id, with names, shapes and frames."""
+"""The scene as a subscriber knows it: geometries by id, with names, shapes and frames."""
 
 from __future__ import annotations
 
@@ -113,14 +113,14 @@ class SceneTable:
         return int(geometry_id) in self.geometries
 
     def ids(self, pattern: str) -> NDArray[np.int64]:
-        """Return the ids of the geometries that a name or a pattern stands for, ascending."""
+        """Return the ids of the geometries that a name or a pattern matches, ascending."""
         found = [g.id for g in self.geometries.values() if g.matches(pattern)]
         return np.array(sorted(found), dtype=np.int64)
 
     def between(
         self, id_a: NDArray[np.int64], id_b: NDArray[np.int64], sources: tuple[str, str]
     ) -> NDArray[np.bool_]:
-        """Return which pairs (n,) have one geometry of each of two sources."""
+        """Return which of n pairs have one geometry of each of two sources (n,)."""
         source_a = self._sources[np.searchsorted(self._ids, id_a)]
         source_b = self._sources[np.searchsorted(self._ids, id_b)]
         first, second = sources
@@ -129,7 +129,7 @@ class SceneTable:
         return np.asarray(one_way | other_way)
 
     def pair_name(self, id_a: int, id_b: int) -> str:
-        """Return the names of the two things that a pair's geometries are part of."""
+        """Return the names of the two bodies that the geometries of a pair belong to."""
         return f'{self[id_a].body} - {self[id_b].body}'
 
 

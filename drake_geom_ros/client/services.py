@@ -18,11 +18,11 @@ Poses = Mapping[str, RigidTransform | ArrayLike]
 
 
 class RefusedError(RuntimeError):
-    """What the node was asked it does not do; the text is its own, and says why."""
+    """The node refused a request; the text is the node's and gives the reason."""
 
 
 class Services:
-    """The services of a node; each has a client from when it is first named."""
+    """Calls the services of a node by name."""
 
     def __init__(self, node: Node, server: str = '/scene_graph') -> None:
         """Call with ``node``, which the caller spins, the services of the node ``server``."""
@@ -31,15 +31,15 @@ class Services:
         self._clients: dict[str, Any] = {}
 
     def missing(self, *names: str) -> list[str]:
-        """Return those of some services that nobody serves now."""
+        """Return which of these services are not available now."""
         return [name for name in names if not self._client(name).service_is_ready()]
 
     def send(self, name: str, /, **fields: Any) -> Future:
-        """Call a service with the fields of its request; the future brings the response."""
+        """Call a service with the fields of its request; return the future of its response."""
         return self._client(name).call_async(service_type(name).Request(**fields))
 
     async def ask(self, name: str, /, **fields: Any) -> Any:
-        """Call a service and return its response; raises RefusedError where it is refused."""
+        """Call a service and return its response; raise RefusedError if the node refuses."""
         return accepted(name, await self.send(name, **fields))
 
     def _client(self, name: str) -> Any:
@@ -57,14 +57,14 @@ def service_type(name: str) -> Any:
 
 
 def accepted(name: str, response: Any) -> Any:
-    """Return a response; raises RefusedError where it says that nothing was done."""
+    """Return a response; raise RefusedError if it says ``success: false``."""
     if not response.success:
         raise RefusedError(f'{name}: {response.message}')
     return response
 
 
 def frame_poses(poses: Poses, source: str = '') -> msg.FramePoses:
-    """Return a FramePoses of X_PF by frame: RigidTransform, or x y z [m] qx qy qz qw."""
+    """Return a FramePoses message of X_PF by frame: RigidTransform, or x y z [m] qx qy qz qw."""
     rows = [
         X.ToArray() if isinstance(X, RigidTransform) else np.asarray(X, dtype=np.float64)
         for X in poses.values()
@@ -77,7 +77,7 @@ def frame_poses(poses: Poses, source: str = '') -> msg.FramePoses:
 def exclude_between(
     set_a: msg.GeometrySet, set_b: msg.GeometrySet
 ) -> msg.CollisionFilterStatement:
-    """Return the statement that excludes the pairs of two sets."""
+    """Return the statement that excludes the pairs between two sets."""
     return msg.CollisionFilterStatement(
         operation=msg.CollisionFilterStatement.EXCLUDE_BETWEEN, set_a=set_a, set_b=set_b
     )

@@ -38,7 +38,7 @@ def add_to(commands: Any) -> None:
         'are filtered. Exit code 1 and file, line and reason on standard error where it is bad.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
     parser.add_argument(
         '--all-pairs', action='store_true', help='list anchored and same-frame pairs too'
     )

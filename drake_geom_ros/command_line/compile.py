@@ -20,7 +20,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         'scene', metavar='SCENE', nargs='?', default='', help='only what this scene file needs'
     )
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
     parser.set_defaults(run=run)
 
 

@@ -16,12 +16,12 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'convert',
-        help='turn a URDF into a scene file, or a pose file into the other format',
-        description='Suffixes say what is meant: .urdf or .yaml to .yaml, .csv to .json and back.',
+        help='convert a URDF to a scene file, or a pose file to the other format',
+        description='The suffixes decide: .urdf or .yaml to .yaml, .csv to .json and back.',
     )
     parser.add_argument('input', metavar='IN')
     parser.add_argument('output', metavar='OUT')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
     parser.set_defaults(run=run)
 
 
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
             write_poses(sets, file, target.suffix)
     else:
         raise SceneFileError(
-            f'cannot be turned into {str(target)!r}: .urdf and .yaml become .yaml, '
+            f'cannot be converted to {str(target)!r}: .urdf and .yaml become .yaml, '
             '.csv and .json become each other',
             str(source),
         )

@@ -42,7 +42,7 @@ def read_poses(path: str | Path) -> list[PoseSet]:
     """Return the moments of a pose file in its order.
 
     Raises SceneFileError, naming file and line (CSV) or key (JSON), for what is not of the form
-    above, numbers that are no pose, and a frame that is posed twice at one moment.
+    above, numbers that are no pose, and a frame that is posed twice at the same time.
     """
     path = Path(path)
     if path.suffix not in SUFFIXES:
@@ -56,7 +56,7 @@ def read_poses(path: str | Path) -> list[PoseSet]:
         seen: dict[str, Location] = {}
         for pose in moment.poses:
             if pose.frame in seen:
-                raise pose.where.error(f'frame {pose.frame!r} is posed twice at one moment')
+                raise pose.where.error(f'frame {pose.frame!r} is posed twice at the same time')
             seen[pose.frame] = pose.where
     return sets
 
@@ -94,7 +94,7 @@ def _from_csv(text: str, file: str) -> Iterator[PoseSet]:
     columns = tuple(reader.fieldnames or ())
     if set(columns) - {'time'} != {'frame', *POSE_COLUMNS} or len(set(columns)) < len(columns):
         wanted = ','.join(('frame', *POSE_COLUMNS))
-        raise SceneFileError(f'columns must be {wanted}, and time if need be', file, 1)
+        raise SceneFileError(f'columns must be {wanted}, and optionally time', file, 1)
     current: PoseSet | None = None
     for row in reader:
         where = Location(file, reader.line_num)
@@ -130,7 +130,9 @@ def _from_json(text: str, file: str) -> Iterator[PoseSet]:
         for frame, numbers in poses.items():
             place = Location(file, key=f'{key}.{frame}'.lstrip('.'))
             if not isinstance(numbers, list) or len(numbers) != len(POSE_COLUMNS):
-                raise place.error(f'a list of the {len(POSE_COLUMNS)} numbers of a pose is wanted')
+                raise place.error(
+                    f'a list of the {len(POSE_COLUMNS)} numbers of a pose is expected'
+                )
             values = [_number(number, place) for number in numbers]
             moment.poses.append(FramePose(frame, _pose(values, place), place))
         yield moment

@@ -60,9 +60,9 @@ class PosedScene:
             member = self._table.find(pose.frame, pose.where)
             key = (member.source, member.frame)
             if member.geometry is not None or key not in self._frames:
-                raise pose.where.error(f'{pose.frame!r} is no frame that can be posed')
+                raise pose.where.error(f'{pose.frame!r} is not a frame that can be posed')
             if X_PFs.has_id(self._frames[key]):
-                raise pose.where.error(f'{pose.frame!r} is posed twice at one moment')
+                raise pose.where.error(f'{pose.frame!r} is posed twice at the same time')
             X_PFs.set_value(self._frames[key], pose.X_PF)
         self._context.UpdateFramePoses(X_PFs)
 

@@ -28,7 +28,7 @@ def add_to(commands: Any) -> None:
         description='Answers one question about a scene, for each moment of the pose file.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
     parser.add_argument(
         '--what', choices=KINDS, default='distance', help='the question (default: distance)'
     )
@@ -45,7 +45,7 @@ def add_to(commands: Any) -> None:
         type=_limit,
         default=math.inf,
         metavar='D',
-        help='leave out what is farther apart [m] (default: inf)',
+        help='leave out pairs that are farther apart [m] (default: inf)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
     parser.add_argument('--format', choices=('csv', 'json'), default='csv')

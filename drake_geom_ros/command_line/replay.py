@@ -13,10 +13,10 @@ def add_to(commands: Any) -> None:
     """Add the command to an argument parser's commands."""
     parser = commands.add_parser(
         'replay',
-        help='reproduce an answer that broke a promise, or that python-fcl disagreed about',
+        help='reproduce an answer that exceeded its tolerance, or that python-fcl disagreed about',
         description='Rebuilds the scene of a replay file (parameter replay_dir of the node), asks '
-        'for the pair again and compares. Exit code 1 where the promise is still broken, or the '
-        'answer still differs from the other opinion in the file.',
+        'for the pair again and compares. Exit code 1 where the answer still '
+        'exceeds its tolerance, or still differs from the other opinion in the file.',
     )
     parser.add_argument('file', metavar='FILE', help='written by the node')
     parser.set_defaults(run=run)
@@ -60,10 +60,10 @@ def _rows(then: Answer, now: Answer) -> Iterator[tuple[str, str, str]]:
 
 
 def _verdict(now: Answer) -> str:
-    bounds = f'error bound {now.error_bound:.3g} m, promised {now.promised_error_bound:.3g} m'
+    bounds = f'error bound {now.error_bound:.3g} m, allowed {now.promised_error_bound:.3g} m'
     if now.breaks_promise:
-        return f'the promise is still broken: {bounds}'
-    return f'the promise is kept: {bounds}'
+        return f'the answer still exceeds its tolerance: {bounds}'
+    return f'the answer meets its tolerance: {bounds}'
 
 
 def _second(opinion: Opinion, now: Answer) -> str:

@@ -1,5 +1,7 @@
 """Scene model and geometry queries, with the public names of ``pydrake.geometry``."""
 
+from typing import TYPE_CHECKING
+
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
@@ -101,6 +103,7 @@ from drake_geom_ros.geometry.surface_mesh import (
     SurfaceVertex,
     TriangleSurfaceMesh,
 )
+from drake_geom_ros.math.missing import refuse_missing
 
 __all__ = [
     # As in pydrake.geometry: shapes,
@@ -206,3 +209,6 @@ __all__ = [
     'FilterError',
     'MeshFileError',
 ]
+
+if not TYPE_CHECKING:  # mypy would take any name for one that is there
+    __getattr__ = refuse_missing(__name__)

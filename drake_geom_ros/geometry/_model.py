@@ -87,14 +87,14 @@ class Model:
     def source_name(self, source_id: SourceId) -> str:
         """Return the name of a source."""
         if checked_type(source_id, SourceId, 'source_id') not in self.sources:
-            raise UnknownIdError(f'{source_id!r} is no source of this scene; {self._sources()}')
+            raise UnknownIdError(f'{source_id!r} is not a source of this scene; {self._sources()}')
         return self.sources[source_id]
 
     def frame(self, frame_id: FrameId) -> FrameRecord:
         """Return a frame."""
         if checked_type(frame_id, FrameId, 'frame_id') not in self.frames:
             raise UnknownIdError(
-                f'{frame_id!r} is no frame of this scene, which has {len(self.frames)}; '
+                f'{frame_id!r} is not a frame of this scene, which has {len(self.frames)}; '
                 'see SceneGraphInspector.GetAllFrameIds'
             )
         return self.frames[frame_id]
@@ -103,7 +103,7 @@ class Model:
         """Return a geometry."""
         if checked_type(geometry_id, GeometryId, 'geometry_id') not in self.geometries:
             raise UnknownIdError(
-                f'Referenced geometry {geometry_id!r} is no geometry of this scene, which has '
+                f'Referenced geometry {geometry_id!r} is not a geometry of this scene, which has '
                 f'{len(self.geometries)}; see SceneGraphInspector.GetAllGeometryIds. It has not '
                 'been registered.'
             )

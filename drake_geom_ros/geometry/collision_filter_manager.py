@@ -39,7 +39,7 @@ class FilterStatement(NamedTuple):
 
 
 class FilterGroup(NamedTuple):
-    """A collision filter group: what belongs to it, and the names of what it ignores."""
+    """A collision filter group: its members, and the names of the groups that it ignores."""
 
     members: list[GeometryId]
     ignored: list[str]

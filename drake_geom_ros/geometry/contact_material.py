@@ -17,12 +17,12 @@ def AddContactMaterial(
     point_stiffness: float | None = None,
     friction: Any = None,
 ) -> None:
-    """Add to ``properties``, in the group ``material``, what is given of a contact's material.
+    """Add to ``properties``, in the group ``material``, the given properties of a material.
 
     ``dissipation`` [s/m] >= 0 (Hunt and Crossley), ``point_stiffness`` [N/m] > 0, ``friction`` an
     object with ``static_friction()`` and ``dynamic_friction()``, as pydrake's CoulombFriction.
     No answer of this package depends on them. Raises RuntimeError for other values, and where a
-    property is there already.
+    property exists already.
 
         >>> properties = ProximityProperties()
         >>> AddContactMaterial(properties, dissipation=0.5)

@@ -86,7 +86,7 @@ class SceneGraphContext:
         self._accuracy = checked_accuracy(accuracy)
 
     def set_detailed_effects(self, detailed: bool) -> None:
-        """Set whether ``QueryObject.effects()`` tells the seconds of the cache from the kernels'.
+        """Set whether ``QueryObject.effects()`` gives the seconds of cache and kernels separately.
 
         That costs a query some microseconds.
         """
@@ -182,7 +182,7 @@ class SceneGraphContext:
         waiting = world.unposed_on_way(row)
         if len(waiting) and (in_world or id.get_value() in waiting):
             raise PoseError(
-                f"Where the frame '{record.name}' ({id!r}) is was asked for, but these never had "
+                f"The pose of '{record.name}' ({id!r}) was asked for, but these frames never had "
                 f'a pose: {self._describe(waiting)}.'
             )
         return world, row

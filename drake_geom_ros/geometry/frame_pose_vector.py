@@ -85,7 +85,7 @@ class FramePoseVector:
         return id in self._by_id()
 
     def ids(self) -> list[FrameId]:
-        """Return the ids of the frames, in the order in which they came."""
+        """Return the ids of the frames, in the order in which they were given."""
         if self._values is None:
             return [FrameId(value) for value in self._ids.tolist()]
         return list(self._values)
@@ -95,7 +95,7 @@ class FramePoseVector:
         return self.ids()
 
     def id_values(self) -> Indices:
-        """Return the values of the frames' ids (n,), in the order in which they came."""
+        """Return the values of the frames' ids (n,), in the order in which they were given."""
         return self._ids
 
     def size(self) -> int:

@@ -13,7 +13,7 @@ class GeometrySet:
     """Geometry ids, and frame ids that stand for all geometries on the frame.
 
     Made of one id, of a sequence of ids (both kinds may be mixed), or of both kinds by keyword.
-    What a frame stands for is settled where the set is used, when it is used; nothing is checked
+    What a frame stands for is determined when the set is used; nothing is checked
     against a scene before that.
 
         >>> finger, thumb, palm = GeometryId(1), GeometryId(2), FrameId(3)

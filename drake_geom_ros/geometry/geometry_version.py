@@ -18,7 +18,7 @@ def fresh_number() -> int:
 
 
 class GeometryVersion:
-    """A mark of what the geometry of each role was when ``geometry_version()`` was asked.
+    """The version of the geometry of each role at the time of ``geometry_version()``.
 
     Marks are the same only while nothing of that role was registered, removed or changed (a new
     name is no change; collision filters count for the proximity role). A context starts with the

@@ -16,7 +16,7 @@ from drake_geom_ros.geometry.instances import checked_type
 class InMemoryMesh:
     """A mesh file that is held in memory, and files that it refers to, by their names in it.
 
-    ``supporting_files`` are kept for those who draw; queries read ``mesh_file`` alone.
+    ``supporting_files`` are kept for drawing; queries read only ``mesh_file``.
     """
 
     mesh_file: MemoryFile = field(default_factory=MemoryFile)
@@ -85,7 +85,7 @@ class MeshSource:
         return self._source.mesh_file.filename_hint()
 
     def extension(self) -> str:
-        """Return what the file's name ends in, lower case with the dot, as ``.obj``."""
+        """Return the extension of the file's name in lower case, such as ``.obj``."""
         if isinstance(self._source, Path):
             return self._source.suffix.lower()
         return self._source.mesh_file.extension()

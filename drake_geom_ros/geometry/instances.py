@@ -112,7 +112,7 @@ class GeometryInstance:
         return self._shape
 
     def release_shape(self) -> Shape:
-        """Return the shape; nobody can change one, so that the instance need not give it up."""
+        """Return the shape; shapes are immutable, so the instance keeps it."""
         return self._shape
 
     def set_proximity_properties(self, properties: ProximityProperties) -> None:

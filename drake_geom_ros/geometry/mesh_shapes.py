@@ -57,7 +57,7 @@ class _FromMesh(Shape):
 
     @classmethod
     def FromMeshData(cls: type[_M], data: MeshData, scale: ArrayLike = 1.0) -> _M:
-        """Return the shape of a mesh that came as numbers."""
+        """Return the shape of a mesh that is given by numbers."""
         shape = cls.__new__(cls)
         shape._measures = data, _scales(cls.__name__, scale)
         return shape
@@ -90,7 +90,7 @@ class _FromMesh(Shape):
         return mesh
 
     def extension(self) -> str:
-        """Return what the file's name ends in, lower case with the dot, as ``.obj``."""
+        """Return the extension of the file's name in lower case, such as ``.obj``."""
         return self.source().extension()
 
     def scale(self) -> float:
@@ -128,7 +128,7 @@ class _FromMesh(Shape):
 
 
 class Convex(_FromMesh):
-    """The convex hull of what a mesh holds, scaled by ``scale``, a number or one an axis.
+    """The convex hull of a mesh, scaled by ``scale``: one number, or one for each axis.
 
     The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. Of ``points``
     (3, n) [m] with a ``label`` of one line, for messages, a file in memory is made.
@@ -164,7 +164,7 @@ class Convex(_FromMesh):
 
 
 class Mesh(_FromMesh):
-    """The triangle mesh in a file, scaled by ``scale``, a number or one an axis.
+    """The triangle mesh in a file, scaled by ``scale``: one number, or one for each axis.
 
     The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. In proximity
     queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that

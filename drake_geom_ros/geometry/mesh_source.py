@@ -25,7 +25,7 @@ Indices = NDArray[np.int64]
 
 
 class MeshData:
-    """A mesh that came as numbers, not as a file: compared and hashed by its content.
+    """A mesh given by numbers, not by a file; it compares and hashes by its content.
 
     ``vertices`` (n, 3) [m] and ``triangles`` (m, 3), indices of vertices, are not to be written
     to. Raises ArgumentError for other shapes, numbers that are not finite and wrong indices.

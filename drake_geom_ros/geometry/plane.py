@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 class Plane:
     """The plane of a ``normal`` (3,) through a point (3,) [m], in some frame F.
 
-    The normal is made a unit vector, unless it is said to be one. Raises RuntimeError for one
+    The normal is normalised, unless ``already_normalized`` is true. Raises RuntimeError for one
     shorter than 1e-10.
 
         >>> Plane(normal=[0, 0, 2], point_on_plane=[0, 0, 1]).CalcHeight([5, 5, 3])

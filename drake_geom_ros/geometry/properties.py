@@ -25,7 +25,7 @@ class _PydrakeEnum(enum.Enum):
 
 
 class Role(_PydrakeEnum):
-    """What a geometry is there for; pydrake's numbers."""
+    """The purpose of a geometry, with pydrake's numbers."""
 
     kUnassigned = 0
     kProximity = 1
@@ -122,7 +122,7 @@ class GeometryProperties:
         return value
 
     def AddProperty(self, group_name: str, name: str, value: Any) -> None:
-        """Add a property, and its group if need be; raises RuntimeError if it exists."""
+        """Add a property, and its group if necessary; raises RuntimeError if it exists."""
         if self.HasProperty(group_name, name):
             raise ArgumentError(
                 f'AddProperty: the property ({group_name!r}, {name!r}) exists already; '

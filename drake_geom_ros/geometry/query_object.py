@@ -120,11 +120,11 @@ class QueryObject:
     # partial ones leave it out.
 
     def waiting_frames(self) -> list[FrameId]:
-        """Return the frames that never had a pose, parents before what hangs on them."""
+        """Return the frames that never had a pose, parents first."""
         return [FrameId(v) for v in self._context._up_to_date_world().unposed_frames().tolist()]
 
     def is_placed(self, id: FrameId | GeometryId) -> bool:
-        """Return whether a frame, or that of a geometry, and all it hangs on have a pose."""
+        """Return whether a frame, or that of a geometry, and all its parents have a pose."""
         model, world = self._context._model, self._context._up_to_date_world()
         frame = model.geometry(id).frame_id if isinstance(id, GeometryId) else model.frame(id).id
         return bool(world.placed[world.frame_rows(np.array([frame.get_value()]))[0]])
@@ -143,7 +143,9 @@ class QueryObject:
         world.update()
         values, known = np.asarray(ids, dtype=np.int64), world.geometries.ids
         if unknown := np.setdiff1d(values, known).tolist():
-            raise RoleError(f'these ids are of no geometry with the proximity role: {unknown[:5]}')
+            raise RoleError(
+                f'these ids belong to no geometry with the proximity role: {unknown[:5]}'
+            )
         rows = np.searchsorted(known, values)
         return world.R_WGs[rows], world.p_WGs[rows]
 

@@ -38,7 +38,7 @@ class _Record:
 class PenetrationAsPointPair(_Record):
     """Two overlapping geometries, by the pair of points that most deeply penetrate each other.
 
-    ``depth = (p_WCb - p_WCa) . nhat_BA_W`` [m], positive; -1 in a record nobody filled.
+    ``depth = (p_WCb - p_WCa) . nhat_BA_W`` [m], positive; -1 in a default record.
     ``nhat_BA_W`` is unit and points out of B into A. ``|depth - true depth| <= error_bound``; the
     true depth of bodies that are apart, which bounds alone may report, is minus their distance.
     """

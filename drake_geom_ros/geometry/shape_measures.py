@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 def CalcVolume(shape: Shape) -> float:
     """Return the volume [m^3] of a shape: infinite for a half space, of a Convex its hull's.
 
-    Of a Mesh it is what its surface encloses, which says something for a closed one only. Raises
+    For a Mesh, it is the volume that a closed surface encloses; an open one has none. Raises
     MeshFileError for a file that cannot be read.
 
         >>> CalcVolume(Box(1, 2, 3))

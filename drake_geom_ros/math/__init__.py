@@ -1,5 +1,8 @@
 """Poses and rotations, with the public names of ``pydrake.math`` that geometry needs."""
 
+from typing import TYPE_CHECKING
+
+from drake_geom_ros.math.missing import refuse_missing
 from drake_geom_ros.math.rigid_transform import RigidTransform
 from drake_geom_ros.math.rotations import RollPitchYaw, RotationMatrix
 from drake_geom_ros.math.scalar_templates import ScalarTemplate
@@ -17,3 +20,6 @@ __all__ = [
     'RollPitchYaw_',
     'ScalarTemplate',
 ]
+
+if not TYPE_CHECKING:  # mypy would take any name for one that is there
+    __getattr__ = refuse_missing(__name__)

@@ -19,7 +19,7 @@ class Quaternion:
     """A unit quaternion, in the order w x y z; the identity when nothing is given.
 
     Made of four numbers, an array (4,) of them, or the matrix (3, 3) of a ``rotation``. Raises
-    RuntimeError for what is off unit length by more than ``UNIT_NORM``; it is kept as it is given.
+    RuntimeError if it is off unit length by more than ``UNIT_NORM``; it is kept as it is given.
 
         >>> Quaternion(w=0, x=1, y=0, z=0).rotation().diagonal().tolist()
         [1.0, -1.0, -1.0]

@@ -21,7 +21,7 @@ class RigidTransform:
     Made as in pydrake: of nothing (the identity), a rotation and a position p (3,) [m], either of
     them, or a matrix (3, 4) or (4, 4). A rotation is a ``RotationMatrix``, a ``RollPitchYaw``, an
     ``AngleAxis`` or a quaternion, see ``RotationMatrix``. ``FromArray`` takes seven numbers,
-    x y z qx qy qz qw. Raises RuntimeError for what is no pose, or not finite.
+    x y z qx qy qz qw. Raises RuntimeError for anything else, or for numbers that are not finite.
 
         >>> X_WA = RigidTransform(RollPitchYaw(0, 0, 0.5), [1, 2, 3])
         >>> (X_WA.inverse() @ X_WA).IsNearlyIdentity(1e-15)

@@ -42,7 +42,7 @@ def read(path: str | Path) -> Replay:
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise SceneFileError(f'not JSON: {error}', file) from None
     if not isinstance(data, dict) or data.pop('format', None) != _FORMAT:
-        raise SceneFileError(f'no replay file: format must be {_FORMAT!r}', file)
+        raise SceneFileError(f'not a replay file: format must be {_FORMAT!r}', file)
     for where, reason in faults(data, read_schema('drake_geom_ros.replay', 'replay.schema.json')):
         raise SceneFileError(reason, file, key=key_text(where))
     question, answer = Question(**_record(data['question'])), Answer(**_record(data['answer']))

@@ -59,5 +59,6 @@ class ClockJumps:
         self._clocks.begin_anew()
         self.count += 1
         self._guard.tell(
-            'the clock', f"the node's time {what}: ages of poses are unknown until they come anew"
+            'the clock',
+            f"the node's time {what}: ages of poses are unknown until new poses arrive",
         )

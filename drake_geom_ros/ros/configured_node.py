@@ -53,8 +53,8 @@ _DIAGNOSTICS_PERIOD = 1.0  # [s]
 _LONGEST_FAREWELL = 5.0  # [s]
 _LOOKS = 0.01  # [s] between two looks whether services are at work
 _NO_CLOCK = (
-    'use_sim_time is set and no message of /clock has come: ages are unknown, and with a rate no '
-    'cycle runs'
+    'use_sim_time is set, but no message of /clock has arrived: ages are unknown, and with a '
+    'rate no cycle runs'
 )
 _NOT_DUE = 'no {} since the last report'
 
@@ -161,8 +161,8 @@ class ConfiguredNode:
         while any(map(_at_work, groups)):
             if time.monotonic() > end:
                 self._node.get_logger().warning(
-                    f'closed after waiting {_LONGEST_FAREWELL:g} s for services at work: those '
-                    'who called them get no answer, and nothing of it was done'
+                    f'closed after waiting {_LONGEST_FAREWELL:g} s for service calls at work: '
+                    'their callers get no answer, and nothing was changed'
                 )
                 return
             time.sleep(_LOOKS)

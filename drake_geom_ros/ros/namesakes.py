@@ -30,7 +30,7 @@ class Namesakes:
             if told:
                 logger.error(told)
             else:
-                logger.info(f"the name {name} is this node's own again")
+                logger.info(f'this node is the only one called {name} again')
         return told
 
     def _names(self) -> list[str]:
@@ -40,8 +40,8 @@ class Namesakes:
 
 def _in_words(name: str, others: int) -> str:
     return (
-        f'this node is not the only one called {name}: {others} more in the graph. Callers get '
-        'answers of any, and scenes and parameters differ. End all but one, or start them with '
-        'names or namespaces of their own (-r __node:=NAME, -r __ns:=/NAMESPACE); one that was '
-        'killed is gone after 20 s'
+        f'this node is not the only one called {name}: {others} more in the graph. Any of '
+        'them may answer a call, each with its own scene and parameters. Stop all but one, or '
+        'give each its own name or namespace (-r __node:=NAME, -r __ns:=/NAMESPACE); a node that '
+        'was killed disappears after 20 s'
     )

@@ -59,7 +59,7 @@ class NodeParameters:
 QOS_OVERRIDES = 'qos_overrides.'
 _LIVE = ' May change while the node runs.'
 TEXTS = {
-    'scene_file': 'Scene to load when the node is configured (YAML or URDF); empty: an empty one.',
+    'scene_file': 'Scene to load at configuration (YAML or URDF); empty: an empty scene.',
     'world_frame': 'Name of the world frame in headers and poses.',
     'rate': 'Cycles per second [Hz]; 0: one cycle for each pose message.' + _LIVE,
     'max_distance': 'Pairs farther apart are left out of ~/signed_distances [m].' + _LIVE,
@@ -73,7 +73,7 @@ TEXTS = {
         'Geometries farther from a point of ~/query_points are left out of ~/point_distances [m].'
         + _LIVE
     ),
-    'use_tf': 'Take frame poses from /tf and /tf_static too; needs tf2_msgs.',
+    'use_tf': 'Also take frame poses from /tf and /tf_static; needs tf2_msgs.',
     'robot_description_topic': (
         'Topic (std_msgs/String, latched) whose URDF becomes a source of the scene; empty: none.'
     ),
@@ -88,7 +88,7 @@ TEXTS = {
         'Links, or link/geometry, of the robot of that topic and of a URDF whose meshes are '
         'solids, with * and ?; other meshes count as their convex hulls.'
     ),
-    'publish_markers': 'Publish ~/markers for RViz, when somebody subscribes.' + _LIVE,
+    'publish_markers': 'Publish ~/markers for RViz, while there is a subscriber.' + _LIVE,
     'marker_rate': 'Messages per second on ~/markers [Hz].',
     'mesh_roots': (
         'Folders in which files may be opened for a service or a robot description; package:// '
@@ -96,41 +96,41 @@ TEXTS = {
         + _LIVE
     ),
     'package_roots': (
-        'Folders in which package:// looks first, of packages or of one each; files in them may '
-        'be opened as those in mesh_roots.' + _LIVE
+        'Folders that package:// searches first, each a package or a folder of packages; files in '
+        'them may be opened like those in mesh_roots.' + _LIVE
     ),
     'allow_writes': (
-        'Files may be written for others, in the folders of mesh_roots by ~/save_scene, and in '
-        'replay_dir, which must be empty otherwise.'
+        'Whether the node may write files: by ~/save_scene in the folders of mesh_roots, and in '
+        'replay_dir, which must be empty if false.'
     ),
     'filters_per_owner': (
-        'Transient filters that one owner may have; those who do not say who they are count as '
+        'Transient filters that one owner may have; requests without an owner count as '
         'one owner.' + _LIVE
     ),
     'replay_dir': (
-        'Folder for files of results that break a promise, one for each pair of shape types, for '
-        '`python -m drake_geom_ros replay FILE`; empty: none.' + _LIVE
+        'Folder for files of results that exceed their tolerance, one for each pair of shape '
+        'types, for `python -m drake_geom_ros replay FILE`; empty: none.' + _LIVE
     ),
-    'replay_limit': 'Replay files in that folder at which no more are written.' + _LIVE,
+    'replay_limit': 'Number of replay files in that folder at which writing stops.' + _LIVE,
     'cross_check': (
-        'Cycles per second [Hz] of which python-fcl, in a process of its own, is asked about a '
-        'sample of the pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
+        'Cycles per second [Hz] of which python-fcl, in its own process, checks a sample of the '
+        'pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
     ),
     'service_depth': (
-        'Calls of a service that wait for it, and answers of it on their way, at most; what comes '
-        'beyond them is lost.'
+        'Largest number of waiting calls, and of answers being sent, of each service; further '
+        'ones are lost.'
     ),
     'max_answer_size': (
-        'Most that an answer of a service may hold [MB]; a larger one is refused in words.' + _LIVE
+        'Largest answer of a service [MB]; a larger one is refused, with the reason.' + _LIVE
     ),
     'watchdog': (
         'Time [s] after which a callback that does not return, or a process that does nothing, is '
-        'told of on the standard error, with traces of all threads; 0: never.'
+        'reported on standard error, with traces of all threads; 0: never.'
     ),
     'watchdog_exits': (
-        'The watchdog ends the process too (exit code 1), for a supervisor to start it again.'
+        'The watchdog also ends the process (exit code 1), so that a supervisor can restart it.'
     ),
-    'autostart': 'Configure and activate by itself at start.',
+    'autostart': 'Configure and activate automatically at start.',
 }
 _RANGES = {
     'rate': (0.0, 10000.0),

@@ -39,12 +39,13 @@ _LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _REFUSALS = (SceneFileError, ParameterRefusedError, NameValidationException)
 _TEXTS = {
     'scene_file': 'Scene (YAML or URDF) whose robots and frames are played.',
+    'package_roots': 'Folders that package:// searches first, as for the node.',
     'trajectory_file': 'Motion (YAML) or timed poses (CSV); empty: everything stands still.',
     'world_frame': 'Name of the world frame in headers.',
     'topic': 'Topic of the poses.',
     'rate': 'Messages per second [Hz].',
-    'tf': 'Send transforms on /tf of all that moves, instead of messages; needs tf2_msgs.',
-    'loop': 'Begin anew at the end; else stay there and go on publishing.',
+    'tf': 'Send transforms on /tf instead of messages of poses; needs tf2_msgs.',
+    'loop': 'Start again at the end; otherwise hold the last poses and go on publishing.',
 }
 
 
@@ -62,7 +63,9 @@ class PosePlayer(Node):
         trajectory_file = self._declare('trajectory_file', '')
         rate = self._declare('rate', 100.0, FloatingPointRange(from_value=0.1, to_value=1000.0))
         self._loop = self._declare('loop', True)
-        self._motion = load_motion(trajectory_file or None, read_scene(scene_file))
+        package_roots = filter(None, self._declare('package_roots', ()))
+        scene = read_scene(scene_file, package_roots=package_roots)
+        self._motion = load_motion(trajectory_file or None, scene)
         self._message = FramePoses(frame_names=_full_names(self._motion))
         self._message.header.frame_id = self._declare('world_frame', 'world')
         topic = self._declare('topic', '/scene_graph/frame_poses')
@@ -83,7 +86,7 @@ class PosePlayer(Node):
         self.get_logger().info(
             f'playing {len(self._message.frame_names)} frames on '
             f'{self._poses.topic_name if self._transforms is None else "/tf"} at '
-            f'{rate:g} Hz, {self._motion.duration:g} s long{", again and again" * self._loop}'
+            f'{rate:g} Hz, {self._motion.duration:g} s long{", repeating" * self._loop}'
         )
 
     def _declare(

@@ -89,9 +89,9 @@ class SceneGraphNode(LifecycleNode):
             return TransitionCallbackReturn.SUCCESS
         self._surface.close()
         self.get_logger().error(
-            'the node is not configured and answers nothing. Correct what is said above and go on '
-            f'with `ros2 lifecycle set {self.get_fully_qualified_name()} configure`, then '
-            '`activate`: files are read anew. Parameters that are read-only need a new start'
+            'the node is not configured and answers no requests. Correct the error above, then '
+            f'go on with `ros2 lifecycle set {self.get_fully_qualified_name()} configure`, then '
+            '`activate`; files are read again. To change a read-only parameter, restart the node'
         )
         return TransitionCallbackReturn.FAILURE
 

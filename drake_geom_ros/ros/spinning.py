@@ -273,6 +273,6 @@ def _initialise(args: list[str]) -> None:
         raise _BadArgumentsError(error) from None
     if others:
         raise _BadArgumentsError(
-            f'given {" ".join(others)!r}; arguments of ROS are all that is taken, such as '
+            f'unknown arguments {" ".join(others)!r}; only ROS arguments are accepted, such as '
             '--ros-args -p scene_file:=FILE'
         )

@@ -50,12 +50,12 @@ class NameTable:
             return found[0]
         if not found:
             raise place.error(
-                f'{name!r} is no frame, and no geometry with the proximity role, of this scene'
+                f'{name!r} is neither a frame nor a geometry with the proximity role of this scene'
                 + nearest(name, self._members)
             )
         longer = ', '.join(f'{_full_name(member)!r}' for member in found)
         raise place.error(
-            f'{name!r} stands for several: {longer}; give the source, or the parts as '
+            f'{name!r} matches several: {longer}; give the source, or the parts as '
             '{source: ..., frame: ..., geometry: ...}'
         )
 

@@ -63,7 +63,7 @@ def read_scene(
         path = None if text else Path(file).absolute()
         return _urdf_scene(data, file, folder, path, srdf, resolver, options)
     if srdf:
-        raise SceneFileError('srdf goes with a URDF; in YAML a robot has the key `srdf`', file)
+        raise SceneFileError('srdf is only for a URDF; in YAML a robot has the key `srdf`', file)
     try:
         return parse_scene(read_yaml(data.decode(), file, MOST_ITEMS), folder, resolver)
     except UnicodeDecodeError as error:

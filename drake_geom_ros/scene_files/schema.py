@@ -77,9 +77,9 @@ def _reason(error: Any) -> str:
     kind, limit, value = error.validator, error.validator_value, error.instance
     if kind == 'required':
         missing = [f'`{key}`' for key in limit if key not in value]
-        return f'misses {", ".join(missing)}'
+        return f'missing {", ".join(missing)}'
     if kind == 'additionalProperties':
-        return f'is no key here; allowed are {", ".join(error.schema["properties"])}'
+        return f'unknown key; allowed are {", ".join(error.schema["properties"])}'
     if kind == 'not':
         return str(limit['description'])
     if kind in ('minProperties', 'maxProperties'):

@@ -97,7 +97,7 @@ def _links(root: Any, file: str) -> dict[str, Any]:
         name = attribute(element, 'name', file)
         if name in links:
             first = links[name].sourceline
-            raise place_of(element, file).error(f'link {name!r} is there twice, see line {first}')
+            raise place_of(element, file).error(f'link {name!r} is listed twice, see line {first}')
         links[name] = element
     return links
 
@@ -118,7 +118,7 @@ def _joint(element: Any, links: Mapping[str, Any], file: str) -> Joint:
     for end in ('parent', 'child'):
         child = element.find(end)
         if child is None:
-            raise place_of(element, file).error(f'misses <{end} link="..."/>')
+            raise place_of(element, file).error(f'missing <{end} link="..."/>')
         link = attribute(child, 'link', file)
         if link not in links:
             raise place_of(child, file).error(f'link {link!r} is not in the file')

@@ -22,7 +22,7 @@ def shape_of(collision: Any, folder: Path, resolver: ResourceResolver) -> Shape:
     """
     geometry = collision.find('geometry')
     if geometry is None or len(geometry) != 1:
-        raise ValueError('misses <geometry> with one shape in it')
+        raise ValueError('missing <geometry> with one shape')
     shape = geometry[0]
     kind = local_name(shape)
     if kind == 'mesh':
@@ -42,7 +42,7 @@ def shape_of(collision: Any, folder: Path, resolver: ResourceResolver) -> Shape:
 def _mesh(element: Any, folder: Path, resolver: ResourceResolver) -> Shape:
     filename = element.get('filename')
     if not filename:
-        raise ValueError('mesh misses the attribute `filename`')
+        raise ValueError('mesh has no attribute `filename`')
     path = str(resolver.resolve(filename, folder))
     convex = any(local_name(child) == 'declare_convex' for child in element)
     uniform = len(element.get('scale', '').split()) == 1

@@ -26,7 +26,7 @@ def read_robot_xml(data: bytes, file: str) -> Any:
     except etree.XMLSyntaxError as error:
         raise SceneFileError(f'not XML: {error.msg}', file, error.lineno) from error
     if root.getroottree().docinfo.doctype:
-        raise SceneFileError('a document type (<!DOCTYPE ...>); take it out', file)
+        raise SceneFileError('a document type (<!DOCTYPE ...>); remove it', file)
     if root.tag != 'robot':
         raise place_of(root, file).error(f'root element <{root.tag}>; must be <robot>')
     return root
@@ -51,7 +51,7 @@ def attribute(element: Any, name: str, file: str) -> str:
     """Return an attribute that must be there; SceneFileError where it is not."""
     value = element.get(name)
     if not value:
-        raise place_of(element, file).error(f'misses the attribute `{name}`')
+        raise place_of(element, file).error(f'missing attribute `{name}`')
     return str(value)
 
 
@@ -62,7 +62,7 @@ def numbers(element: Any, name: str, count: int, default: str | None = None) -> 
     """
     text = element.get(name, default)
     if text is None:
-        raise ValueError(f'{local_name(element)} misses the attribute `{name}`')
+        raise ValueError(f'{local_name(element)} has no attribute `{name}`')
     try:
         values = [float(word) for word in text.split()]
     except ValueError:

@@ -182,7 +182,7 @@ class _Builder:
         top = self._open[-1]
         if key in top.value:
             first = self.lines[(*top.path, key)]
-            raise place.error(f'key {key!r} is there twice, first in line {first}')
+            raise place.error(f'key {key!r} is listed twice, first in line {first}')
         self.lines[(*top.path, key)] = line
         top.key = key
 

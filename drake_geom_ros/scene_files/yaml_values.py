@@ -122,7 +122,7 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
             return {'type': kind, 'uri': shape.filename(), 'scale': scales}
         mesh = {'vertices': data.vertices.tolist(), 'triangles': data.triangles.tolist()}
         return {'type': kind, **mesh, 'scale': scales}
-    raise TypeError(f'{type(shape).__name__} has no form in a scene file')
+    raise TypeError(f'{type(shape).__name__} cannot be written to a scene file')
 
 
 def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:
@@ -148,7 +148,7 @@ def _property_of(value: Any) -> Any:
 def plain_roles(roles: Mapping[Role, GeometryProperties]) -> dict[str, Any] | None:
     """Return the plain form of roles, None for the proximity role alone without properties.
 
-    Raises TypeError for a property whose value has no form in a scene file.
+    Raises TypeError for a property whose value cannot be written to a scene file.
     """
     plain = {
         ROLE_NAMES[role]: _plain_groups(properties)

@@ -75,7 +75,9 @@ class Motion:
         for full_name in self.free:
             source, _, name = full_name.partition('::')
             if not name or source in self.robots:
-                raise ValueError(f'free frame {full_name!r}: source::frame of no robot is wanted')
+                raise ValueError(
+                    f'free frame {full_name!r}: it must be source::frame, not a link of a robot'
+                )
             self.frame_names.setdefault(source, []).append(name)
         self._check_grasps()
         self._held_poses = self._fix_grasps()

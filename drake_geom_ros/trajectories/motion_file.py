@@ -160,13 +160,13 @@ class _Reader:
         for index, name in enumerate(names):
             if name not in robot.joint_names or name in names[:index]:
                 raise self._error(
-                    f'{name!r} is not one of {", ".join(robot.joint_names)}, or is there twice',
+                    f'{name!r} is not one of {", ".join(robot.joint_names)}, or is listed twice',
                     *(*path, 'joints', index),
                 )
         path = (*path, 'waypoints')
         for k, waypoint in enumerate(waypoints):
             if len(waypoint['q']) != len(names):
-                reason = f'{len(waypoint["q"])} numbers; {len(names)} are wanted'
+                reason = f'{len(waypoint["q"])} numbers; {len(names)} are needed'
                 raise self._error(reason, *path, k, 'q')
         columns = [robot.joint_names.index(name) for name in names]
         q = np.repeat(np.clip(0.0, robot.lower, robot.upper)[None], len(waypoints), axis=0)

@@ -62,9 +62,9 @@ def test_poses_are_those_in_the_parent_and_stay(scene):
     ('names', 'word'),
     [
         (['f'], 'several'),
-        (['h'], 'no frame'),
-        (['a::f/ball'], 'no frame'),
-        (['world'], 'no frame'),
+        (['h'], 'neither a frame'),
+        (['a::f/ball'], 'not a frame that can be posed'),
+        (['world'], 'not a frame that can be posed'),
         (['g', 'b::g'], 'twice'),
     ],
 )

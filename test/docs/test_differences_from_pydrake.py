@@ -1,7 +1,10 @@
 """docs/differences_from_pydrake.md tells what runs, and all that is missing."""
 
 import importlib.util
+import os
 import runpy
+import subprocess
+import sys
 
 import pytest
 import yaml
@@ -69,3 +72,17 @@ def absent():
 def test_all_that_is_missing_is_listed_and_nothing_else():
     assert sorted(listed()) == sorted(absent())
     assert len(set(listed())) == len(listed())
+
+
+def test_the_port_that_is_shown_runs():
+    paths = os.pathsep.join([str(ROOT), os.environ.get('PYTHONPATH', '')])
+    done = subprocess.run(
+        [sys.executable, 'examples/port_of_a_diagram.py'],
+        cwd=ROOT,
+        env={**os.environ, 'PYTHONPATH': paths},
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr
+    assert ' m between ur5/' in done.stdout

@@ -144,7 +144,7 @@ def test_the_part_is_taken_and_put_down_without_a_fight(cell, asking):
             lambda: not pose(asking, 'ur5::tool0').IsNearlyEqualTo(X_WG, 0.01), 'the arm elsewhere'
         )
         assert pose(asking, 'cell::part').IsNearlyEqualTo(put_down, 1e-12)
-    assert 'in turns' not in cell.node.output()
+    assert 'in turn' not in cell.node.output()
 
 
 def test_it_stops_when_the_poses_stop_and_when_the_results_do(cell):

@@ -131,7 +131,7 @@ def test_finding_by_name(scene, inspector):
         ((frame_id, Role.kIllustration, 'ball'), r'are \[\]'),
         ((frame_id, Role.kProximity, ' '), 'empty'),
         ((frame_id, 1, 'ball'), 'role = 1 must be of type Role'),
-        ((NO_FRAME, Role.kProximity, 'ball'), 'is no frame'),
+        ((NO_FRAME, Role.kProximity, 'ball'), 'is not a frame'),
     ):
         with pytest.raises(RuntimeError, match=words):
             find(*arguments)
@@ -192,7 +192,7 @@ def test_collision_filters(scene, inspector):
     assert tuple(sorted((ball, box))) not in inspector.GetCollisionCandidates()
     for pair, words in (
         ((ball, scene.label), "the geometry 'label' .* has no proximity role"),
-        ((ball, NO_GEOMETRY), 'is no geometry'),
+        ((ball, NO_GEOMETRY), 'is not a geometry'),
     ):
         with pytest.raises(RuntimeError, match=words):
             inspector.CollisionFiltered(*pair)
@@ -224,19 +224,20 @@ UNKNOWN = {
 
 @pytest.mark.parametrize('method', UNKNOWN)
 def test_unknown_ids_are_named_with_what_exists(inspector, method):
+    told = r'Id value=10+> is not a .*(there are|which has \d)'
     for id in UNKNOWN[method]:
-        with pytest.raises(RuntimeError, match=r'Id value=10+> is no .*(there are|which has \d)'):
+        with pytest.raises(RuntimeError, match=told):
             getattr(inspector, method)(id)
         with pytest.raises(RuntimeError, match='must be of type'):
             getattr(inspector, method)('upper')
 
 
 def test_unknown_ids_in_pairs(scene, inspector):
-    with pytest.raises(RuntimeError, match='is no source'):
+    with pytest.raises(RuntimeError, match='is not a source'):
         inspector.BelongsToSource(scene.ball, NO_SOURCE)
-    with pytest.raises(RuntimeError, match='is no geometry'):
+    with pytest.raises(RuntimeError, match='is not a geometry'):
         inspector.BelongsToSource(NO_GEOMETRY, scene.arm)
-    with pytest.raises(RuntimeError, match='is no geometry'):
+    with pytest.raises(RuntimeError, match='is not a geometry'):
         inspector.GetProperties(NO_GEOMETRY, Role.kProximity)
 
 

@@ -29,12 +29,12 @@ REFUSED = {
     'frame of an unknown source': (
         lambda s, g: g.RegisterFrame(SourceId(10**6), GeometryFrame('f')),
         UnknownIdError,
-        'is no source of this scene; there are',
+        'is not a source of this scene; there are',
     ),
     'frame on an unknown frame': (
         lambda s, g: g.RegisterFrame(s.arm, FrameId(10**6), GeometryFrame('f')),
         UnknownIdError,
-        'FrameId value=1000000> is no frame of this scene, which has 3',
+        'FrameId value=1000000> is not a frame of this scene, which has 3',
     ),
     "frame on another's frame": (
         lambda s, g: g.RegisterFrame(s.room, s.upper, GeometryFrame('f')),
@@ -85,7 +85,7 @@ REFUSED = {
     'anchored without a source': (
         lambda s, g: g.RegisterAnchoredGeometry(SourceId(10**6), instance('x')),
         UnknownIdError,
-        'is no source',
+        'is not a source',
     ),
     'role anew': (
         lambda s, g: g.AssignRole(s.arm, s.ball, ProximityProperties()),
@@ -120,7 +120,7 @@ REFUSED = {
     'removing what is not there': (
         lambda s, g: g.RemoveGeometry(s.arm, GeometryId(10**9)),
         UnknownIdError,
-        'is no geometry',
+        'is not a geometry',
     ),
     'a frame where a geometry is due': (
         lambda s, g: g.RemoveGeometry(s.arm, s.upper),
@@ -166,7 +166,7 @@ REFUSED = {
     'the port of an unknown source': (
         lambda s, g: g.get_source_pose_port(SourceId(10**6)),
         UnknownIdError,
-        'is no source',
+        'is not a source',
     ),
     'a context that is none': (
         lambda s, g: g.RemoveGeometry(context='c', source_id=s.arm, geometry_id=s.ball),

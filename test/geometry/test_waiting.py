@@ -176,7 +176,7 @@ def test_first_poses_are_those_that_later_contexts_begin_with():
     later.UpdateFramePoses(FramePoseVector({scene.b: RigidTransform([0, 0, 1])}))
     places = [query.X_WF(frame).translation()[2] for frame in (scene.a, scene.b, scene.c)]
     assert places == [2, 3, 5]
-    for frame, words in ((scene.graph.world_frame_id(), 'world'), (FrameId(10**9), 'no frame')):
+    for frame, words in ((scene.graph.world_frame_id(), 'world'), (FrameId(10**9), 'not a frame')):
         bad = FramePoseVector({scene.a: RigidTransform(), frame: RigidTransform()})
         with pytest.raises(RuntimeError, match=words):
             scene.graph.SetFirstPoses(bad)

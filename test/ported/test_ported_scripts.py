@@ -73,7 +73,7 @@ def test_oriented_boxes(scene):
     assert inspector.GetObbInGeometryFrame(floor) is None
     assert scene.query.ComputeObbInWorld(floor) is None
     assert inspector.GetConvexHull(geometry_id=ball) is None
-    with pytest.raises(RuntimeError, match='is no geometry of this scene'):
+    with pytest.raises(RuntimeError, match='is not a geometry of this scene'):
         scene.query.ComputeObbInWorld(type(ball)(10**6))
 
 

@@ -85,8 +85,8 @@ def test_a_file_is_whole_or_not_there(tmp_path, monkeypatch):
 def changes():
     """Yield a change of a file's data and the words of the refusal."""
     yield lambda data: data.update(format='other'), 'format must be'
-    yield lambda data: data.pop('scene'), 'misses `scene`'
-    yield lambda data: data.update(more=1), 'more: is no key here; allowed are scene, question'
+    yield lambda data: data.pop('scene'), 'missing `scene`'
+    yield lambda data: data.update(more=1), 'more: unknown key; allowed are scene, question'
     yield lambda data: data.update(question=7), 'question: 7 must be a mapping'
     yield lambda data: data.update(scene=7), 'scene: 7 must be text'
     yield (

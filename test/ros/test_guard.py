@@ -139,7 +139,7 @@ def test_long_reasons_are_shortened(guard, log):
 
 
 def test_parts_of_a_message_are_counted_each_and_told_now_and_then(guard, log, diagnostics):
-    guard.refuse('/tf', '2 of 3 transforms were not taken', 2)
-    guard.refuse('/tf', '1 of 3 transforms were not taken', 1)
+    guard.refuse('/tf', '2 of 3 transforms were left out', 2)
+    guard.refuse('/tf', '1 of 3 transforms were left out', 1)
     assert told(diagnostics)['refused from /tf'] == '3'
-    assert log.lines == [('warning', 'of a message of /tf: 2 of 3 transforms were not taken')]
+    assert log.lines == [('warning', 'of a message of /tf: 2 of 3 transforms were left out')]

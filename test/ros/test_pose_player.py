@@ -209,3 +209,22 @@ def test_a_file_that_cannot_be_played_is_refused(start):
     player = start(trajectory_file='/absent.yaml')
     assert player.popen.wait(120.0) == 2
     assert 'pose_player: /absent.yaml' in player.output()
+
+
+def test_a_robot_that_is_not_installed_is_found_in_package_roots(tmp_path, start, client):
+    (tmp_path / 'ws/stick').mkdir(parents=True)
+    (tmp_path / 'ws/stick/stick.urdf').write_text('<robot name="stick"><link name="rod"/></robot>')
+    scene = tmp_path / 'stick.yaml'
+    scene.write_text('robots: [{name: stick, urdf: package://stick/stick.urdf}]\n')
+    without = start(scene_file=scene, trajectory_file="''", topic=OWN_TOPIC)
+    assert without.popen.wait(120.0) == 2
+    assert 'there is no package stick' in without.output()
+    start(
+        scene_file=scene,
+        trajectory_file="''",
+        topic=OWN_TOPIC,
+        package_roots=f'[{tmp_path / "ws"}]',
+    )
+    messages = client.listen(FramePoses, OWN_TOPIC)
+    client.wait_for(lambda: messages, 'poses of the robot')
+    assert list(messages[0].frame_names) == ['stick::rod']

@@ -1,4 +1,4 @@
-"""The README against a real node: its client, its requests and its topics."""
+"""The README against a real node: its client and its topics; requests of docs/services.md."""
 
 import re
 from importlib import import_module
@@ -11,6 +11,7 @@ from ros.scene_calls import accepted
 from drake_geom_ros.ros.services.table import SERVICES
 
 README = (ROOT / 'README.md').read_text()
+SERVICES_PAGE = (ROOT / 'docs/services.md').read_text()
 
 
 def test_the_client_prints_what_the_readme_says(tmp_path):
@@ -49,7 +50,7 @@ def minimal(tmp_path_factory):
 
 
 def test_every_request_in_the_table_goes_through_in_order(minimal, lone_client):
-    rows = re.findall(r'^\| `(\w+)` \| `(\{.*?\})`(?= \|| \()', README, re.M)
+    rows = re.findall(r'^\| `(\w+)` \| `(\{.*?\})`(?= \|| \()', SERVICES_PAGE, re.M)
     kinds = {name: kind for name, kind, _ in SERVICES}
     assert sorted(name for name, _ in rows) == sorted(kinds)
     for name, request in rows:

@@ -165,7 +165,7 @@ def test_a_second_signal_ends_what_takes_too_long(second):
 def test_arguments_that_are_none_are_refused_in_a_line():
     done = run_python('-m', 'drake_geom_ros.ros.scene_graph_node', '--help')
     assert done.returncode == 2
-    assert "scene_graph_node: given '--help'; arguments of ROS are all" in done.stderr
+    assert "unknown arguments '--help'; only ROS arguments are accepted" in done.stderr
     refused = {
         '--ros-args -p': ['-p', 'rate:=1'],
         "'-p rate'": ['--ros-args', '-p', 'rate'],

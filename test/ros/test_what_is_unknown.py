@@ -87,9 +87,8 @@ def test_a_robot_that_was_never_posed_is_left_out_counted_and_named(cell):
     cell.client.wait_for(lambda: cell.reports and cell.reports[-1].waiting_pairs, 'a report')
     assert cell.reports[-1].waiting_frames == ['lost::foot', 'lost::arm', 'lost::hand']
     assert cell.reports[-1].waiting_pairs == 12  # three of its own, three with each of three
-    told = (
-        '12 pairs are left out, for 3 frames never had a pose: lost::foot, lost::arm, lost::hand'
-    )
+    left_out = '12 pairs are left out because 3 frames never had a pose'
+    told = f'{left_out}: lost::foot, lost::arm, lost::hand'
     cell.warned(told)
     cell.next_status()
     assert cell.process.output().count(told) == 1
@@ -118,7 +117,7 @@ def test_a_scene_that_is_saved_and_loaded_knows_what_moved(cell):
 
 def test_a_robot_called_as_a_source_of_the_scene_is_refused_with_the_remedy(cell):
     cell.describe('cell')
-    words = "called 'cell', and so is a source of the scene", "robot_description_topic:=''"
+    words = "called 'cell', but the scene has a source of that name", "robot_description_topic:=''"
     cell.client.wait_for(
         lambda: all(each in cell.process.output() for each in words), 'the refusal in the log'
     )
@@ -154,7 +153,7 @@ def test_a_node_that_could_not_be_configured_says_how_to_go_on(tmp_path, lone_cl
     states = lone_client.node.create_client(GetState, '/scene_graph/get_state')
     change = lone_client.node.create_client(ChangeState, '/scene_graph/change_state')
     try:
-        words = 'not configured and answers nothing', '`ros2 lifecycle set /scene_graph configure`'
+        words = 'configured and answers no requests', '`ros2 lifecycle set /scene_graph configure`'
         lone_client.wait_for(
             lambda: all(each in process.output() for each in words), 'the advice in the log'
         )

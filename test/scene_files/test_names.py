@@ -63,12 +63,12 @@ def test_a_name_is_found(table, name, member):
 @pytest.mark.parametrize(
     ('name', 'part'),
     [
-        ('hand', "stands for several: 'left::hand', 'right::hand'"),
-        ('arm/hand', "stands for several: 'left::arm/hand', 'right::arm/hand'"),
-        ('a::b::c', 'stands for several'),
+        ('hand', "matches several: 'left::hand', 'right::hand'"),
+        ('arm/hand', "matches several: 'left::arm/hand', 'right::arm/hand'"),
+        ('a::b::c', 'matches several'),
         ('left::hnad', "nearest: 'left::hand'"),
-        ('arm/drawn', 'no geometry with the proximity role'),
-        ('room::world', 'is no frame'),
+        ('arm/drawn', 'nor a geometry with the proximity role'),
+        ('room::world', 'is neither a frame'),
         ({'source': 'left', 'frame': 'nose'}, "'left::nose' is not in this scene"),
         ({'source': 'right', 'frame': 'arm', 'geometry': 'drawn'}, 'is not in this scene'),
     ],

@@ -77,9 +77,9 @@ def test_a_robot_that_came_as_text_is_saved_without_its_urdf(folder):
         ('none.yaml', {}, 'none.yaml: cannot be read: No such file or directory'),
         ('.', {}, '.: cannot be read: Is a directory'),
         (TEXT, {'format': 'sdf'}, "<text>: format 'sdf' must be one of ('yaml', 'urdf')"),
-        (TEXT, {'srdf': 'a.srdf'}, '<text>: srdf goes with a URDF'),
+        (TEXT, {'srdf': 'a.srdf'}, '<text>: srdf is only for a URDF'),
         (TEXT + 'frames: 1', {}, '<text>:3: frames: 1 must be a list'),
-        ('<robot/>', {}, '<text>:1: misses the attribute `name`'),
+        ('<robot/>', {}, '<text>:1: missing attribute `name`'),
         ('<robot name="r">\n</robot>', {'srdf': 'none.srdf'}, 'none.srdf: cannot be read'),
         ('<robot name="r">\n</robot>', {'format': 'yaml'}, '<text>'),
         ('a: \ud800\n', {}, '<text>: not UTF-8'),
@@ -122,5 +122,5 @@ def test_a_list_that_is_too_long_is_refused_where_it_gets_so(monkeypatch):
 def test_of_very_many_faults_one_is_told():
     """Each was compared with all others, which took minutes."""
     entries = ''.join(f'- {{nam: f{k}}}\n' for k in range(20_000))
-    with pytest.raises(SceneFileError, match=r'^<text>:2: frames\[0\].nam: is no key here'):
+    with pytest.raises(SceneFileError, match=r'^<text>:2: frames\[0\].nam: unknown key'):
         scene_file.read_scene(f'frames:\n{entries}')

@@ -75,10 +75,10 @@ filters:
          '4: geometries[1].shape.radius: True must be a number'),
         (HEAD + GEOMETRY % 'sphere, radius: ~',
          '4: geometries[1].shape.radius: nothing (null) must be a number'),
-        (HEAD + GEOMETRY % 'sphere', '4: geometries[1].shape: misses `radius`'),
-        (HEAD + GEOMETRY % 'capsule', '4: geometries[1].shape: misses `radius`, `length`'),
+        (HEAD + GEOMETRY % 'sphere', '4: geometries[1].shape: missing `radius`'),
+        (HEAD + GEOMETRY % 'capsule', '4: geometries[1].shape: missing `radius`, `length`'),
         (HEAD + GEOMETRY % 'sphere, radius: 1, length: 2',
-         '4: geometries[1].shape.length: is no key here; allowed are type, radius'),
+         '4: geometries[1].shape.length: unknown key; allowed are type, radius'),
         (HEAD + GEOMETRY % 'cube',
          "4: geometries[1].shape.type: 'cube' must be one of sphere, box, capsule, cylinder, "
          'ellipsoid, half_space, convex, mesh'),
@@ -88,20 +88,20 @@ filters:
          '4: geometries[1].shape.size: has 4 items; 3 are needed'),
         (HEAD + GEOMETRY % 'box, size: [1, 0, 3]',
          '4: geometries[1].shape.size[1]: 0 must be > 0'),
-        (HEAD + '- {name: b, shape: {radius: 1}}', '4: geometries[1].shape: misses `type`'),
+        (HEAD + '- {name: b, shape: {radius: 1}}', '4: geometries[1].shape: missing `type`'),
         (HEAD + '- {name: b, shape: ball}', "4: geometries[1].shape: 'ball' must be a mapping"),
-        (HEAD + '- {name: b}', '4: geometries[1]: misses `shape`'),
-        (HEAD + '- {shape: {type: half_space}}', '4: geometries[1]: misses `name`'),
+        (HEAD + '- {name: b}', '4: geometries[1]: missing `shape`'),
+        (HEAD + '- {shape: {type: half_space}}', '4: geometries[1]: missing `name`'),
         (HEAD + '- {name: 7, shape: {type: half_space}}',
          '4: geometries[1].name: 7 must be text (in quotes where it reads as a number)'),
         (HEAD + '- {name: " ", shape: {type: half_space}}',
          "4: geometries[1].name: ' ': a name has at least one character that is not blank"),
         # What is misspelt is missing too.
         (HEAD + '- {nam: b, shape: {type: half_space}}',
-         '4: geometries[1].nam: is no key here; allowed are name, source, frame, pose, shape, '
+         '4: geometries[1].nam: unknown key; allowed are name, source, frame, pose, shape, '
          'roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, colour: red}',
-         '4: geometries[1].colour: is no key here; allowed are name, source, frame, pose, shape, '
+         '4: geometries[1].colour: unknown key; allowed are name, source, frame, pose, shape, '
          'roles'),
         (HEAD + '- {name: b, shape: {type: half_space}, pose: {rpy: [0, 0, 0], '
          'quaternion: [0, 0, 0, 1]}}',
@@ -114,7 +114,7 @@ filters:
          '{rgba: [0, 0, 2, 1]}}}}}',
          '4: geometries[1].roles.illustration.g.a.rgba[2]: 2 must be <= 1'),
         (HEAD + 'geometry: []',
-         '4: geometry: is no key here; allowed are name, sources, robots, frames, geometries, '
+         '4: geometry: unknown key; allowed are name, sources, robots, frames, geometries, '
          'filters'),
         (HEAD + 'filters:\n- {exclude_within: [], clique: {}}',
          '5: filters[0]: has 2 keys; give exactly one of group, clique, exclude_within, '

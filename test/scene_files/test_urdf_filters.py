@@ -64,9 +64,9 @@ def test_the_universal_group_is_the_same_for_all_robots(text, named):
     [
         ('<member link="body2"/>', '<member link="body9"/>',
          "r.urdf:5: collision_filter_group[group1].member: link 'body9' is not in the file"),
-        ('<member link="body2"/>', '<member/>', 'r.urdf:5: .* misses the attribute `link`'),
-        (' name="group1"', '', 'r.urdf:3: .* misses the attribute `name`'),
-        (' collision_filter_group="group2"', '', 'r.urdf:6: .* misses the attribute `name`'),
+        ('<member link="body2"/>', '<member/>', 'r.urdf:5: .* missing attribute `link`'),
+        (' name="group1"', '', 'r.urdf:3: .* missing attribute `name`'),
+        (' collision_filter_group="group2"', '', 'r.urdf:6: .* missing attribute `name`'),
     ],
 )  # fmt: skip
 def test_a_bad_group_is_refused_with_its_line(old, new, message):
@@ -138,7 +138,7 @@ def test_an_srdf_is_one_declaration():
     [
         (SRDF.replace(b'link2="c"', b'link2="d"'),
          "r.srdf:4: disable_collisions: link 'd' is not in the robot 'left'"),
-        (SRDF.replace(b'link2="c"', b''), 'r.srdf:4: disable_collisions: misses the attribute'),
+        (SRDF.replace(b'link2="c"', b''), 'r.srdf:4: disable_collisions: missing attribute'),
         (b'<robot>', 'r.srdf:1: not XML'),
     ],
 )  # fmt: skip

@@ -37,7 +37,7 @@ def test_shapes(tmp_path, given, expected):
 
 
 def test_an_ellipsoid_needs_all_its_axes(tmp_path):
-    with pytest.raises(SceneFileError, match='misses the attribute `b`'):
+    with pytest.raises(SceneFileError, match='has no attribute `b`'):
         shape('<drake:ellipsoid a="1"/>', tmp_path)
 
 

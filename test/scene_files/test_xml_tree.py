@@ -38,7 +38,7 @@ def test_an_attribute_must_be_there():
     root = read_robot_xml(b'<robot name="r" empty=""/>', 'r.urdf')
     assert attribute(root, 'name', 'r.urdf') == 'r'
     for name in ('other', 'empty'):
-        with pytest.raises(SceneFileError, match=f'r.urdf:1: misses the attribute `{name}`'):
+        with pytest.raises(SceneFileError, match=f'r.urdf:1: missing attribute `{name}`'):
             attribute(root, name, 'r.urdf')
 
 
@@ -76,7 +76,7 @@ def test_numbers_of_an_attribute():
     for name, count, message in (
         ('a', 3, "robot: a = '1 -2e1' must be 3 numbers"),
         ('b', 1, "robot: b = 'x' must be a number"),
-        ('c', 1, 'robot misses the attribute `c`'),
+        ('c', 1, 'robot has no attribute `c`'),
     ):
         with pytest.raises(ValueError, match=message):
             numbers(element, name, count)

@@ -75,7 +75,7 @@ def test_scalars_follow_yaml_1_2(text, value):
     ('text', 'line', 'key', 'part'),
     [
         ('a: &x [1]\nb: *x', 2, 'b', 'alias *x'),
-        ('a: 1\nb:\n  a: 2\n  a: 3', 4, 'b', "key 'a' is there twice, first in line 3"),
+        ('a: 1\nb:\n  a: 2\n  a: 3', 4, 'b', "key 'a' is listed twice, first in line 3"),
         ('a: !!python/object/apply:os.system [x]', 1, 'a', 'tag'),
         ('a:\n - !t x', 2, 'a[0]', 'tag !t'),
         ('[1]: 2', 1, '', 'a key must be text'),

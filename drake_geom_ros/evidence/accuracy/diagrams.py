@@ -23,7 +23,7 @@ SPARE = '#444444'  # of a peer without a colour of its own
 MOST_DRAWN = 10.0  # [m] larger than any body and any gap
 ROOM_BELOW = 0.02  # of the least error that is drawn: for the names of the levels
 LEAST_PART = 0.1  # of a peer's time that is drawn for the computation, at least
-COLUMNS = 4
+COLUMNS = 2  # legible at the width of a page
 
 
 def draw(records: Sequence[Measured], folder: Path) -> list[str]:
@@ -44,7 +44,7 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
     figure, axes = pyplot.subplots(
         rows,
         columns,
-        figsize=(max(4.3 * columns, 8.6), 3.7 * rows + 1.4),
+        figsize=(9.0, 2.9 * rows + 2.2),
         sharex=True,
         sharey=True,
         squeeze=False,
@@ -56,7 +56,7 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
         _panel(panel, family, settings)
     for number, panel in enumerate(axes.flat[: len(panels)]):
         if number + columns >= len(panels):
-            panel.set_xlabel('time a pair [us]')
+            panel.set_xlabel('time per pair [us]')
             panel.tick_params(labelbottom=True)
         if number % columns == 0:
             panel.set_ylabel('error [m]')
@@ -66,15 +66,14 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
     figure.suptitle(
-        f'{QUERY_TITLES[query]}: worst error over time\n'
-        'thin lines: down to the median error; to the left, the computation alone',
+        f'{QUERY_TITLES[query]}: lower is more accurate, further left is faster\n'
+        'marks: worst error; thin lines: down to the median error, left to the computation alone',
         fontsize=11,
     )
     lowest = min(drawn(0.0, r) for rs in panels.values() for r in rs)
     axes[0, 0].set_ylim(bottom=ROOM_BELOW * lowest)
-    legend = 2 if columns < 3 else 4
     figure.legend(
-        handles.values(), handles.keys(), loc='outside lower center', ncol=legend, frameon=False
+        handles.values(), handles.keys(), loc='outside lower center', ncol=2, frameon=False
     )
     figure.savefig(path, dpi=110)
     pyplot.close(figure)
@@ -122,13 +121,13 @@ def _levels(panel: Any, mine: Sequence[Measured]) -> None:
         _spread(panel, r, BLUE)
     labels = [r.setting.label for r in mine]
     for x, y, words in level_names(list(zip(times, worst, labels, strict=True))):
-        several = ',' in words
+        several = ' ' in words
         panel.annotate(
             *(words, (x, y)),
-            xytext=(0 if several else -5, -13 if several else -11),
+            xytext=(14 if several else -5, -13 if several else -11),
             textcoords='offset points',
-            ha='center' if several else 'right',
-            fontsize=7.5,
+            ha='right',
+            fontsize=9,
             color=BLUE,
             bbox={'facecolor': 'white', 'edgecolor': 'none', 'alpha': 0.7, 'pad': 0.5},
         )
@@ -144,7 +143,10 @@ def level_names(points: list[tuple[float, float, str]]) -> list[tuple[float, flo
                 break
         else:
             places.append((x, y, [word]))
-    return [(x, y, ', '.join(words)) for x, y, words in places]
+    return [
+        (x, y, words[0] if len(words) == 1 else f'{words[0]} to {words[-1]}')
+        for x, y, words in places
+    ]
 
 
 def _spread(panel: Any, r: Measured, colour: str) -> None:

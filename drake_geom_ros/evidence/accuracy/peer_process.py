@@ -35,7 +35,7 @@ class Answer(NamedTuple):
 
 
 class PeerProcess:
-    """Asks a peer about samples, which are numbered in the order in which they came."""
+    """Asks a peer about samples, which are numbered in the order in which they were given."""
 
     def __init__(self, name: str, limit: float = LIMIT) -> None:
         self.name, self._limit = name, limit

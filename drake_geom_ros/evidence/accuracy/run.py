@@ -16,6 +16,7 @@ from drake_geom_ros.evidence.accuracy.cases import (
     chosen,
     round_robin,
 )
+from drake_geom_ros.evidence.accuracy.level_diagram import draw_levels
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
@@ -157,7 +158,7 @@ def write(
     """Write measurements.csv, the diagrams and README.md into a folder, made where missing."""
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(records, folder / 'measurements.csv')
-    pictures = diagrams.draw(records, folder)
+    pictures = draw_levels(records, folder) + diagrams.draw(records, folder)
     (folder / 'README.md').write_text(readme(records, told, pictures), encoding='utf-8')
     say(f'{folder}: README.md, measurements.csv, {", ".join(pictures)}')
 

@@ -36,7 +36,7 @@ class FramePosesReader:
         if poses.size != _POSE_WIDTH * len(frames):
             raise ArgumentError(
                 f'poses holds {poses.size} numbers for {len(frames)} frames; it must hold '
-                f'{_POSE_WIDTH} a frame: x y z qx qy qz qw'
+                f'{_POSE_WIDTH} for each frame: x y z qx qy qz qw'
             )
         return FramePoseVector.FromArrays(frames, poses.reshape(-1, _POSE_WIDTH))
 

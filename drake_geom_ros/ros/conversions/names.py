@@ -131,9 +131,10 @@ class NameTable:
         shown = name if len(name) <= 80 else f'{name[:77]}...'
         if found:
             ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
+            plural = 'geometries' if kind == 'geometry' else f'{kind}s'
             return (
-                f'The {kind} name {shown!r} is borne by {len(found)}: {ids}. '
-                'Name the source too, as in `source::name`, or give `#<id>`.'
+                f'{len(found)} {plural} share the name {shown!r}: {ids}. '
+                'Add the source, as in `source::name`, or give `#<id>`.'
             )
         # A stream may name the same thing again and again, and to look for what is like it takes
         # a while; what is like a name too long to be shown is no help.

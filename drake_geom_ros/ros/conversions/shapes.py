@@ -86,7 +86,7 @@ def _rows(name: str, flat: Any, kind: type) -> NDArray[Any]:
     """Return a flat array field as rows of three."""
     values: NDArray[Any] = np.asarray(flat, dtype=kind)
     if values.size % 3:
-        raise ArgumentError(f'shape.{name} holds {values.size} numbers; it must hold 3 a row')
+        raise ArgumentError(f'shape.{name} holds {values.size} numbers; it must hold 3 per row')
     return values.reshape(-1, 3)
 
 

@@ -28,13 +28,13 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument(
         '--motion', type=Path, help='motion file (default: <scene>_motion.yaml beside the scene)'
     )
-    parser.add_argument('--rate', type=float, default=100.0, help='pose messages a second')
+    parser.add_argument('--rate', type=float, default=100.0, help='pose messages per second')
     parser.add_argument(
         '--cross-check',
         type=float,
         default=0.0,
         metavar='HZ',
-        help='cycles a second that python-fcl is asked about; what came of it is in the log',
+        help='cycles per second that python-fcl checks; the outcome is in the log',
     )
     parser.add_argument('--out', type=Path, default=Path('out/demo'), help='folder of the files')
     options = parser.parse_args()

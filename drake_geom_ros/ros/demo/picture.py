@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
@@ -17,7 +18,8 @@ from drake_geom_ros.ros.demo.surfaces import faces_of
 Floats = NDArray[np.float64]
 _ROBOT_COLOURS = ('#3f7fbf', '#d9822b')
 _OBJECTS, _SCENERY = '#5a9e5a', '#cfc9be'
-_NORMAL, _WITNESS = '#b3123a', '#111111'
+_NORMAL, _WITNESS, _FRAME = '#b3123a', '#111111', '#888888'
+_WINDOW = (0.585, 0.06, 0.40, 0.718)  # left, bottom, width and height of the close-up
 _LIGHT = np.array([0.35, -0.55, 0.76])
 _ELEVATION = 18.0  # [degrees]
 _CLOSE_UP = 2.0  # half width of the close-up, in distances of the pair
@@ -34,8 +36,8 @@ def draw_closest(recording: Recording, path: Path) -> None:
         raise ValueError('the recording holds no closest moment to draw')
     figure = Figure(figsize=(14.0, 7.8))
     azimuth = _azimuth(moment)
-    whole = figure.add_axes((0.0, 0.0, 0.56, 0.86), projection='3d', computed_zorder=False)
-    close = figure.add_axes((0.58, 0.03, 0.40, 0.82), projection='3d', computed_zorder=False)
+    whole = figure.add_axes((0.01, 0.01, 0.56, 0.84), projection='3d', computed_zorder=False)
+    close = figure.add_axes(_WINDOW, projection='3d', computed_zorder=False)
     # No perspective where a length is to be read off.
     close.set_proj_type('ortho')
     geometries = list(recording.scene.geometries.values())
@@ -46,8 +48,11 @@ def draw_closest(recording: Recording, path: Path) -> None:
     _draw_shapes(
         close, recording, moment, near, lambda geometry: 0.45 if geometry in pair else 0.12
     )
-    _draw_witnesses(whole, moment, size=45, arrow=0.12, line=1.6)
-    _draw_witnesses(close, moment, size=70, arrow=_half_width(moment) * 0.5, line=2.4)
+    _draw_witnesses(whole, moment, size=45, line=1.6)
+    _draw_witnesses(close, moment, size=70, line=2.4)
+    _draw_normal(close, moment)
+    # What the close-up shows goes on outside: a frame tells a window from a cut.
+    figure.add_artist(Rectangle(_WINDOW[:2], *_WINDOW[2:], fill=False, ec=_FRAME, lw=1.2))
     _label_close(close, moment)
     _frame_whole(whole, moment, geometries, azimuth)
     _frame_close(close, moment, azimuth)
@@ -99,14 +104,20 @@ def _shaded(colour: str, face: Floats) -> Floats:
     return np.array(to_rgb(colour)) * (0.66 + 0.34 * lit)
 
 
-def _draw_witnesses(axes: Any, moment: Approach, size: float, arrow: float, line: float) -> None:
-    """Draw both witness points, the line between them, and the normal out of B at Ca."""
+def _draw_witnesses(axes: Any, moment: Approach, size: float, line: float) -> None:
+    """Draw both witness points and the line between them."""
     ends = np.stack([moment.p_WCa, moment.p_WCb])
     axes.plot(*ends.T, color=_WITNESS, lw=line, zorder=3)
     axes.scatter(*ends.T, s=size, color='white', edgecolors=_WITNESS, linewidths=1.4,
                  depthshade=False, zorder=4)  # fmt: skip
-    axes.quiver(*moment.p_WCa, *(arrow * moment.nhat_BA_W), color=_NORMAL, lw=line,
-                arrow_length_ratio=0.25, zorder=5)  # fmt: skip
+
+
+def _draw_normal(axes: Any, moment: Approach) -> None:
+    """Draw the normal out of B into A between the bodies, a little above the witness points."""
+    start = moment.p_WCb if moment.distance >= 0.0 else moment.p_WCa
+    start = start + np.array([0.0, 0.0, 0.16 * _half_width(moment)])
+    axes.quiver(*start, *(abs(moment.distance) * moment.nhat_BA_W), color=_NORMAL, lw=2.4,
+                arrow_length_ratio=0.3, zorder=5)  # fmt: skip
 
 
 def _label_close(axes: Any, moment: Approach) -> None:
@@ -115,9 +126,10 @@ def _label_close(axes: Any, moment: Approach) -> None:
     out = 0.12 * _half_width(moment) * moment.nhat_BA_W * np.sign(moment.distance)
     style = {'ha': 'center', 'zorder': 6}
     middle = (moment.p_WCa + moment.p_WCb) / 2
-    axes.text(*(middle - 2 * lift), f'{moment.distance * 1e3:.1f} mm', fontsize=13, **style)
-    axes.text(*(moment.p_WCa + lift + out), 'Ca', fontsize=12, weight='bold', **style)
-    axes.text(*(moment.p_WCb + lift - out), 'Cb', fontsize=12, weight='bold', **style)
+    axes.text(*(middle - 2.6 * lift), f'{moment.distance * 1e3:.1f} mm', fontsize=16, **style)
+    axes.text(*(middle + 3.2 * lift), 'normal', fontsize=14, color=_NORMAL, **style)
+    axes.text(*(moment.p_WCa + out), 'Ca', fontsize=16, weight='bold', va='center', **style)
+    axes.text(*(moment.p_WCb - out), 'Cb', fontsize=16, weight='bold', va='center', **style)
 
 
 def _azimuth(moment: Approach) -> float:
@@ -131,24 +143,24 @@ def _azimuth(moment: Approach) -> float:
 def _frame_whole(axes: Any, moment: Approach, geometries: list[Geometry], azimuth: float) -> None:
     centres = np.array([_pose_of(g, moment)[:3, 3] for g in geometries if g.dimensions])
     low, high = centres.min(axis=0), centres.max(axis=0)
-    _frame(axes, (low + high) / 2, 0.94 * np.max(high - low) / 2, azimuth + 18.0)
+    _frame(axes, (low + high) / 2, 0.94 * np.max(high - low) / 2, azimuth + 18.0, 1.3)
 
 
 def _frame_close(axes: Any, moment: Approach, azimuth: float) -> None:
-    _frame(axes, (moment.p_WCa + moment.p_WCb) / 2, _half_width(moment), azimuth)
+    _frame(axes, (moment.p_WCa + moment.p_WCb) / 2, _half_width(moment), azimuth, 1.45)
 
 
 def _half_width(moment: Approach) -> float:
     return max(_CLOSE_UP * abs(moment.distance), _CLOSE_UP_LEAST)
 
 
-def _frame(axes: Any, centre: Floats, half: float, azimuth: float) -> None:
+def _frame(axes: Any, centre: Floats, half: float, azimuth: float, zoom: float) -> None:
     """Show a cube of a given half width, without the box of axes around it."""
     for set_limits, middle in zip(
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), centre, strict=True
     ):
         set_limits(middle - half, middle + half)
-    axes.set_box_aspect((1, 1, 1), zoom=1.45)
+    axes.set_box_aspect((1, 1, 1), zoom=zoom)
     axes.view_init(elev=_ELEVATION, azim=azimuth)
     axes.set_axis_off()
 
@@ -159,11 +171,11 @@ def _write_texts(
     kind = 'apart' if moment.distance >= 0.0 else 'deep in each other'
     title = f'Closest approach: {abs(moment.distance) * 1e3:.1f} mm {kind}'
     time = moment.time - recording.start
-    figure.text(0.02, 0.945, title, fontsize=16, weight='bold')
-    figure.text(0.34, 0.945, f'{time:.2f} s after the first result', fontsize=11)
+    figure.text(0.02, 0.94, title, fontsize=20, weight='bold')
+    figure.text(0.44, 0.94, f'{time:.2f} s after the first result', fontsize=14)
     for row, (letter, geometry) in enumerate(zip('AB', pair, strict=True)):
         colour = _colour(geometry, recording.robots)
         text = f'{letter}: {geometry.full_name}'
-        figure.text(0.02, 0.905 - 0.03 * row, text, fontsize=11, color=colour, weight='bold')
-    caption = 'Close-up of A and B: witness points Ca and Cb on their surfaces,\n'
-    figure.text(0.60, 0.90, caption + 'and the unit normal out of B into A (red).', fontsize=11)
+        figure.text(0.02, 0.895 - 0.04 * row, text, fontsize=14, color=colour, weight='bold')
+    caption = 'Close-up: the nearest points Ca and Cb,\nand the normal out of B into A'
+    figure.text(_WINDOW[0], 0.80, caption, fontsize=14)

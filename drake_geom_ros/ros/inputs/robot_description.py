@@ -89,13 +89,13 @@ class RobotInput:
             if not srdf or strict:
                 raise
             robot = self._read(text, '')
-            self._srdf, told = '', f', without its SRDF, which is of another one: {error}'
+            self._srdf, told = '', f', without its SRDF, which belongs to another robot: {error}'
         (source,) = robot.sources
         self._make_ready(robot)
         with self._live.editing() as scene:
             if self._is_in(scene):
                 scene.replace(prepared(self._in_its_place(robot, scene)))
-                done = f'in the place of {self._source!r}'
+                done = f'replaces {self._source!r}'
             else:
                 scene.add(robot)
                 done = 'added'
@@ -126,9 +126,9 @@ class RobotInput:
         """Raise ArgumentError where a source that is not the robot of before has the name."""
         if name in _sources(scene) - {self._source}:
             raise ArgumentError(
-                f'the robot is called {name!r}, and so is a source of the scene: the name is '
-                'taken. Where that is the same robot, take it out of the scene file, or start the '
-                "node with robot_description_topic:=''; where it is another, rename one of them"
+                f'the robot is called {name!r}, but the scene has a source of that name '
+                'already. If it is the same robot, remove it from the scene file, or start the '
+                "node with robot_description_topic:=''; otherwise, rename one of them"
             )
 
 

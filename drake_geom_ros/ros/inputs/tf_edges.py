@@ -78,14 +78,14 @@ def _refusal(transforms: Sequence[Any], rows: Floats, bad: list[int]) -> Refusal
         return Refusal(0, '')
     told = [_fault(*_names(transforms[k]), rows[k]) for k in bad[:_SHOWN]]
     more = f' and {len(bad) - _SHOWN} more' if len(bad) > _SHOWN else ''
-    words = f'{len(bad)} of {len(transforms)} transforms were not taken: '
+    words = f'{len(bad)} of {len(transforms)} transforms were left out: '
     return Refusal(len(bad), words + '; '.join(told) + more)
 
 
 def _fault(parent: str, child: str, row: Floats) -> str:
     """Return what is wrong with a transform, which is none."""
     if not _are_names(parent, child):
-        return f'a transform of {child[:80]!r} in {parent[:80]!r}: both must be named, and differ'
+        return f'{child[:80]!r} in {parent[:80]!r}: both names must be given, and must differ'
     try:
         matrices_from_poses(row[np.newaxis])
     except RuntimeError as error:

@@ -109,7 +109,7 @@ class TfInput:
             count = len(self._edges.keys() | {child for child, _ in fresh})
             if count > _MOST_FRAMES:
                 raise ArgumentError(
-                    f'{len(fresh)} transforms would make {count} TF frames known; at most '
+                    f'{len(fresh)} more transforms would make {count} TF frames; at most '
                     f'{_MOST_FRAMES} are kept'
                 )
 

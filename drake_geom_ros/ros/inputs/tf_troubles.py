@@ -29,7 +29,7 @@ class Claims:
         former, left = self._left.get(child, ('', -math.inf))
         if former == parent and now - left < _BY_TURNS:
             both = ' and '.join(repr(name[:80]) for name in sorted((known, parent)))
-            told = f'the TF frame {child[:80]!r} has two parents by turns, {both}: who sends them?'
+            told = f'the TF frame {child[:80]!r} has two parents in turn: {both}. Stop one sender'
             self._claims[child] = told, now
         self._left[child] = known, now
 
@@ -42,7 +42,7 @@ class Claims:
 def loop_of(names: Iterable[str]) -> str:
     """Return in words that a chain leads back to where it began."""
     loop = ', '.join(sorted(repr(name[:80]) for name in list(names)[:SHOWN]))
-    return f'the chain of these TF frames is a loop: {loop}'
+    return f'these TF frames form a loop: {loop}'
 
 
 def unlinked(
@@ -61,9 +61,9 @@ def unlinked(
         if name is not None and (end := _end(name, edges, ends)):
             lost[end].append(repr(name[:80]))
     return [
-        f'{len(names)} frames come by TF and are not posed: {some_of(names, SHOWN)}; their chain '
-        f'ends in {end[:80]!r}. Missing is a transform from the world frame {world_frame!r} to '
-        f'{end[:80]!r}; or start the node with world_frame:={end[:80]}'
+        f'{len(names)} frames arrive by TF but cannot be posed: {some_of(names, SHOWN)}; their '
+        f'chain ends in {end[:80]!r}. Publish the transform from the world frame {world_frame!r} '
+        f'to {end[:80]!r}, or start the node with world_frame:={end[:80]}'
         for end, names in list(lost.items())[:SHOWN]
     ]
 
@@ -94,8 +94,8 @@ def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
             found[tuple(sources)].append(name[:80])
     return [
         f'{len(shorts)} TF frames are not followed: {some_of([repr(n) for n in shorts], SHOWN)}; '
-        f'frames of the sources {" and ".join(map(repr, sources))} have these names. Where that '
-        "is one robot twice, start the node with robot_description_topic:='' or take it out of "
-        f'the scene file; where there are several, send TF as {f"{sources[0]}/{shorts[0]}"!r}'
+        f'frames of the sources {" and ".join(map(repr, sources))} have these names. If this '
+        "is one robot twice, start the node with robot_description_topic:='' or remove it from "
+        f'the scene file; if they are different robots, send TF as {f"{sources[0]}/{shorts[0]}"!r}'
         for sources, shorts in list(found.items())[:SHOWN]
     ]

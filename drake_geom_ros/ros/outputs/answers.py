@@ -77,7 +77,9 @@ class Answers:
                     break
         self._note(request_id, sent=result == _OK)
         if result not in (_OK, _TIMEOUT):
-            raise RuntimeError(f'an answer of {service.srv_name} was not sent: rcl says {result}')
+            raise RuntimeError(
+                f'an answer of {service.srv_name} was not sent: rcl returned {result}'
+            )
 
     def _note(self, request_id: _RequestId | None, *, sent: bool) -> None:
         """Count an answer, and the requests of the same client that were never seen."""

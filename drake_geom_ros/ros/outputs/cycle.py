@@ -20,9 +20,9 @@ if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
 
 
 _NO_POSES = 'no pose message since the last cycle'
-_STILL_NEAR = 'nothing moved so far that other pairs could have come near'
+_STILL_NEAR = 'nothing moved far enough to bring other pairs near'
 _ALL_COMPILED = 'every kernel of the scene is compiled'
-_NONE_KEPT = 'no pair whose bodies both rest'
+_NONE_KEPT = 'no pair of two resting bodies'
 _NOTHING_LEFT = 'no pair left to compute'
 _OF_A_CYCLE = ('publish ~/penetrations', 'publish ~/signed_distances')
 

@@ -123,8 +123,8 @@ class Diagnostics:
             'lag p50 [ms]': _milliseconds(lags, 0.5),
             'lag worst [ms]': _milliseconds(lags, 1.0),
             'pose messages taken': taken,
-            'pose messages passed over': passed,
-            'most pose messages together': together,
+            'pose messages skipped': passed,
+            'largest batch of pose messages': together,
             'pose messages refused': refused,
             'latest refusal': latest,
             'frames': len(ages),
@@ -134,7 +134,7 @@ class Diagnostics:
             'jumps of the clock': scene.clock_jumps,
             'frames that never had a pose': len(waiting.frames),
             'names of frames that never had a pose': some_of(waiting.frames, _NAMES_IN_VALUE),
-            'pairs left out for them': waiting.pairs,
+            'pairs left out because of them': waiting.pairs,
             'transient filters': _owned(scene.filter_owners),
             'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
@@ -149,7 +149,7 @@ class Diagnostics:
         figures = {
             'service calls answered': counts.answered,
             'service calls not answered': counts.unanswered,
-            'service calls before the first of a client that came': counts.before_first,
+            'service calls missed before the first one of a client': counts.before_first,
         }
         status.values += [KeyValue(key=key, value=str(n)) for key, n in figures.items()]
         lost, self._unanswered_before = (
@@ -179,20 +179,20 @@ def _haste(lags: list[float], passed_over: int) -> list[str]:
     troubles = []
     if lags and (lag := _quantile(lags, 0.5)) > _LONG_LAG:
         troubles.append(
-            f'half of the results came more than {1e3 * lag:.0f} ms after the time of their '
-            'newest pose: poses come late, or more of them than can be taken'
+            f'half of the results were published more than {1e3 * lag:.0f} ms after the stamp '
+            'of their newest pose: poses arrive late, or faster than they can be taken'
         )
     if passed_over:
         troubles.append(
-            f'{passed_over} transform messages were passed over, for more come than can be read; '
-            'of each publisher the newest count'
+            f'{passed_over} transform messages were skipped, because more arrive than can be '
+            'read; the newest of each publisher count'
         )
     return troubles
 
 
 def _owned(owners: dict[int, str]) -> str:
     """Return the transient filters and who asked for them in words."""
-    told = [f'{number} ({owner or "nobody said whose"})' for number, owner in owners.items()]
+    told = [f'{number} ({owner or "no owner given"})' for number, owner in owners.items()]
     return some_of(told, _NAMES_IN_VALUE) or 'none'
 
 

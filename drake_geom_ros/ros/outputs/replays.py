@@ -87,7 +87,7 @@ class Replays:
         return [self._write(finding) for finding in waiting if self._settings()[0]]
 
     def _write(self, finding: _Finding) -> str:
-        told = f'a result of {finding.kinds} breaks the promise of {finding.accuracy}'
+        told = f'a result of {finding.kinds} exceeds the tolerance of level {finding.accuracy}'
 
         def replay() -> Replay:
             return recorded(

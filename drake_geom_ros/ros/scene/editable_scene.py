@@ -119,9 +119,9 @@ class EditableScene(HeldScene):
             return  # some of these may be gone, which costs more to know
         if list(self.filter_owners().values()).count(owner) >= limit:
             raise FilterError(
-                f'the owner {owner!r} has {limit} transient filters, as many as the parameter '
-                'filters_per_owner allows; remove those that are not needed any more '
-                '(remove_filter), or let their leases run out'
+                f'the owner {owner!r} has {limit} transient filters, the most that the parameter '
+                'filters_per_owner allows; remove those that are no longer needed '
+                '(remove_filter), or let their leases expire'
             )
 
     def own(self, filter_id: FilterId, owner: str) -> None:
@@ -137,7 +137,7 @@ class EditableScene(HeldScene):
             number = filter_id.get_value()
             numbers_of.setdefault(self._owners.get(number, ''), []).append(number)
         for owner, numbers in numbers_of.items():
-            self.told.append(f'the lease of {_filters(numbers)} ran out: removed{owned_by(owner)}')
+            self.told.append(f'the lease of {_filters(numbers)} expired: removed{owned_by(owner)}')
         return expired
 
 

@@ -140,8 +140,8 @@ class HeldScene:
         if not names:
             return []
         return [
-            f'{len(names)} frames are posed by {TF} and by {MESSAGES} in turns, and the last one '
-            f'counts: {some_of(names)}; let one of the two stop'
+            f'{len(names)} frames are posed by {TF} and by {MESSAGES} in turn, and the last one '
+            f'counts: {some_of(names)}; stop one of the two'
         ]
 
     def view(self) -> SceneView:

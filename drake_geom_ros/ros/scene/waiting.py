@@ -19,7 +19,7 @@ class Waiting(NamedTuple):
         if not self.frames:
             return ''
         return (
-            f'{self.pairs} pairs are left out, for {len(self.frames)} frames never had a pose: '
+            f'{self.pairs} pairs are left out because {len(self.frames)} frames never had a pose: '
             f'{some_of(self.frames)}'
         )
 

@@ -52,8 +52,8 @@ def _require_room(live: LiveScene, rows: int, size: int, instead: str) -> None:
     """Raise ArgumentError for an answer of ``rows`` of ``size`` [bytes] that is too large."""
     if (megabytes := rows * size / 1e6) > live.most_megabytes:
         raise ArgumentError(
-            f'{rows} rows are an answer of {megabytes:.1f} MB; the parameter max_answer_size '
-            f'allows {live.most_megabytes:g} MB: {instead}'
+            f'an answer of {rows} rows takes {megabytes:.1f} MB, and the parameter '
+            f'max_answer_size allows {live.most_megabytes:g} MB: {instead}'
         )
     if megabytes > _SMALL and (left := free_memory() / 1e6) < (needed := _COPIES * megabytes):
         raise ArgumentError(
@@ -126,7 +126,9 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     limit = _limit('threshold', request.threshold)
     points = np.asarray(request.points, dtype=np.float64)
     if points.size % 3:
-        raise ArgumentError(f'points holds {points.size} numbers; it must hold x y z a point')
+        raise ArgumentError(
+            f'points holds {points.size} numbers; it must hold x y z for each point'
+        )
     view = live.view(request.poses)
     instead = 'ask for fewer points, or with a smaller threshold'
     count, geometries = points.size // 3, view.query.inspector().GetAllGeometryIds(Role.kProximity)

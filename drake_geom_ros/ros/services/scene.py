@@ -22,7 +22,7 @@ def register_source(scene: EditableScene, request: Any, response: Any) -> None:
 def register_frame(scene: EditableScene, request: Any, response: Any) -> None:
     """Register a frame in the world or in another frame."""
     if request.name.strip() in (WORLD, scene.world_frame):
-        raise ArgumentError(f'name is {request.name!r}, which is what the world frame is called')
+        raise ArgumentError(f'name is {request.name!r}, which is the name of the world frame')
     source = scene.names.source(request.source)
     frame = GeometryFrame(request.name, request.frame_group)
     if request.parent in ('', WORLD, scene.world_frame):

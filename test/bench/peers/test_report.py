@@ -68,7 +68,7 @@ def test_a_library_that_was_left_out_has_no_time_and_a_reason():
     assert report.cells(m)[4] == '-'
     assert m.verdicts() == []
     assert report.summary([m]) == [
-        '0 of 0 bars met',
+        '0 of 0 targets met',
         'arms jump all: pydrake left out: raised: no',
     ]
 
@@ -77,7 +77,7 @@ def test_the_summary_tells_what_was_missed_and_where_results_differ():
     slow = measurement('arms', 'near', ours=10, pydrake=20)
     other = Measurement('arms', 'slow', 'all', {'ours': taken(1, 4), 'pydrake': taken(9, 5)})
     assert report.summary([slow, other]) == [
-        '1 of 2 bars met',
+        '1 of 2 targets met',
         'missed: arms robot near: 2x pydrake, to be 4x',
         'arms slow all: another number of results than pydrake in 5 of 5 cycles',
     ]
@@ -102,10 +102,13 @@ def test_the_chart_is_a_picture(tmp_path):
         measurement('arms', 'near', ours=10, pydrake=5),
         measurement('arms', 'all', ours=10),
     ]
-    chart.draw(measurements, tmp_path / 'chart.png')
-    assert (tmp_path / 'chart.png').read_bytes().startswith(b'\x89PNG')
+    for draw in (chart.draw, chart.draw_summary):
+        draw(measurements, tmp_path / 'chart.png')
+        assert (tmp_path / 'chart.png').read_bytes().startswith(b'\x89PNG')
+        (tmp_path / 'chart.png').unlink()
 
 
 def test_without_pydrake_there_is_no_chart(tmp_path):
     chart.draw([measurement(ours=10)], tmp_path / 'chart.png')
+    chart.draw_summary([measurement(ours=10)], tmp_path / 'chart.png')
     assert list(tmp_path.iterdir()) == []

@@ -4,6 +4,7 @@ from evidence.accuracy.records import ours, peer, some
 from matplotlib import image
 
 from drake_geom_ros.evidence.accuracy.diagrams import draw, drawn, level_names
+from drake_geom_ros.evidence.accuracy.level_diagram import draw_levels
 
 
 def test_a_picture_is_written_for_each_query(tmp_path):
@@ -28,4 +29,10 @@ def test_no_error_is_drawn_as_the_spacing_of_floats():
 
 def test_names_of_points_that_lie_close_are_one():
     points = [(1.0, 0.1, 'bound'), (9.0, 1e-15, 'fast'), (10.0, 2e-15, 'exact')]
-    assert level_names(points) == [(1.0, 0.1, 'bound'), (9.0, 1e-15, 'fast, exact')]
+    assert level_names(points) == [(1.0, 0.1, 'bound'), (9.0, 1e-15, 'fast to exact')]
+
+
+def test_the_summary_shows_our_levels(tmp_path):
+    assert draw_levels(some(), tmp_path) == ['levels.png']
+    assert image.imread(tmp_path / 'levels.png')[..., :3].std() > 0.05
+    assert draw_levels([peer('Coal', 0.1)], tmp_path) == []

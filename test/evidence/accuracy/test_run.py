@@ -24,7 +24,8 @@ def said():
 def test_a_run_writes_all_its_files(tmp_path, said):
     assert run.run(tiny(tmp_path / 'new', 'Sphere-Box', 'Point-Box'), said.append) == 0
     assert {path.name for path in (tmp_path / 'new').iterdir()} == {
-        'README.md', 'measurements.csv', 'signed_distance.png', 'points.png', 'penetration.png',
+        'README.md', 'measurements.csv', 'levels.png', 'signed_distance.png',
+        'points.png', 'penetration.png',
     }  # fmt: skip
     assert said[-1].startswith('all ')
     with (tmp_path / 'new/measurements.csv').open() as file:

@@ -59,6 +59,9 @@ def test_the_readme_can_be_read():
         'No time was left for Box-Mesh500.',
         'Coal 10.0 (signed distance)',
         '![Signed distance: error over time](signed_distance.png)',
+        '# Accuracy, and what it costs\n\nChoose `exact`, the default, unless',
+        '`exact` takes 1 to 1 times as long as `fast`',
+        'smaller.\n\n| level | answers |',
         '| exact | 2 | 0 | 1 | 3.00 | 3 |',
         '| MuJoCo | own settings |  |  |  |  | 100 (0) | 1 missed of 1 |',
     ):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from evidence.hard_cases.construct import body, case
 
 from drake_geom_ros.evidence.hard_cases import report
+from drake_geom_ros.evidence.hard_cases.cases import load
 from drake_geom_ros.evidence.hard_cases.judge import Verdict
 
 ONE = replace(case('cubes', body('Box', (1, 1, 1)), body('Sphere', (1,), None, (3, 0, 0))),
@@ -39,3 +40,13 @@ def test_examples_name_the_case_and_what_was_answered():
 def test_failures_are_kept_by_case():
     kept = json.loads(report.failures([ONE, TWO], RESULTS))
     assert kept == {'two': {'Peer': {'signed_distance': 'wrong 4 for 2'}}}
+
+
+def test_the_page_begins_with_its_answer_and_says_what_each_family_is(monkeypatch):
+    monkeypatch.setattr(report, 'version', lambda name: '1.0')
+    usual = [replace(ONE, family='far'), replace(TWO, family='same')]
+    text = report.page(usual, RESULTS)
+    answer = 'Of 2 hard cases of usual size, this project solves 2 (signed distance)'
+    assert text.startswith(f'# Hard cases\n\n{answer}; of the same cases, Peer 1.')
+    assert '| `far` | 1 | bodies 1 km to 10 000 km from the origin |' in text
+    assert {case.family for case in load()} == set(report.FAMILIES)

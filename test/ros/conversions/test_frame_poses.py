@@ -39,7 +39,7 @@ def test_frame_poses_by_name_and_by_id(scene, names):
 @pytest.mark.parametrize(
     ('message', 'words'),
     [
-        (plain_poses(['arm'], rows=[[0] * 7]), "borne by 2: 'left::arm'"),
+        (plain_poses(['arm'], rows=[[0] * 7]), "2 frames share the name 'arm': 'left::arm'"),
         (plain_poses(['nobody'], rows=[[0] * 7]), "no frame 'nobody'"),
         (plain_poses(['n' * 10**6], rows=[[0] * 7]), r'nnn\.\.\.'),
         (plain_poses(['hand'], rows=[[0] * 7], source='nobody'), "no source 'nobody'"),

@@ -29,7 +29,9 @@ def test_short_names_do_where_they_are_unique(names):
     assert names.frame('tool') == names.frame('left::tool')
     assert names.geometry('tool/ball') == names.geometry('left::tool/ball')
     assert names.geometry('world/left floor') == names.geometry('left::world/left floor')
-    with pytest.raises(UnknownNameError, match=r"'hand' is borne by 2: 'left::hand' \(#\d+\)"):
+    with pytest.raises(
+        UnknownNameError, match=r"2 frames share the name 'hand': 'left::hand' \(#\d+\)"
+    ):
         names.frame('hand')
     assert names.frame('hand', 'left') == names.frame('left::hand')
     with pytest.raises(UnknownNameError, match="no frame 'right::tool'"):

@@ -86,7 +86,7 @@ def test_ten_million_numbers_are_refused(client):
     answer = client.call(
         srv.ComputeSignedDistanceToPoint, 'compute_signed_distance_to_point', **request
     )
-    refused(answer, 'rows are an answer of', 'max_answer_size', 'fewer points')
+    refused(answer, 'rows takes', 'max_answer_size', 'fewer points')
     accepted(client.call(srv.HasCollisions, 'has_collisions'))
 
 

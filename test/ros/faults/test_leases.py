@@ -73,7 +73,7 @@ def test_a_filter_outlives_its_owner_by_its_lease(node, owner, client):
     refused(client.call(srv.ApplyFilter, 'apply_filter', **apply), 'transient')
     owner.send_signal(signal.SIGKILL)
     client.wait_for(lambda: not reasons(), 'the filter to vanish')
-    line = f"the lease of transient filter {number} ran out: removed (owner 'owner')"
+    line = f"the lease of transient filter {number} expired: removed (owner 'owner')"
     client.wait_for(lambda: line in node.output(), 'the reason in the log')
     renewal = client.call(srv.RenewFilter, 'renew_filter', filter_id=number, lease=LEASE)
     assert not accepted(renewal).active

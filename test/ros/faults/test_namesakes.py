@@ -50,7 +50,9 @@ def test_both_tell_until_one_is_gone(start, lone_client):
     client.server = NAME
     accepted(client.call(srv.HasCollisions, 'has_collisions'))
     assert second.end() == 0, second.output()
-    client.wait_for(lambda: "node's own again" in first.output(), 'the first one to be alone')
+    client.wait_for(
+        lambda: 'is the only one called' in first.output(), 'the first one to be alone'
+    )
     client.wait_for(lambda: latest().level == DiagnosticStatus.OK, 'the warning to end')
 
 

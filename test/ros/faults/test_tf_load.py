@@ -78,11 +78,11 @@ def test_what_waits_is_merged_and_its_lag_told(node, client):
         """Return the status of the second in which messages were taken together."""
         for status in (s for m in diagnostics for s in m.status if s.name == client.server):
             told = {v.key: v.value for v in status.values}
-            if int(told['most pose messages together']) > 1:
+            if int(told['largest batch of pose messages']) > 1:
                 return status, float(told['lag worst [ms]'])
         return None
 
     status, lag = client.wait_for(merged, 'messages that were taken together')
     assert status.level == DiagnosticStatus.WARN
-    assert 'half of the results came more than' in status.message
+    assert 'half of the results were published more than' in status.message
     assert lag >= 1e3 * PAUSE / 2

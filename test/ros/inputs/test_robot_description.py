@@ -91,7 +91,7 @@ def test_another_text_takes_its_place_and_all_else_stays(scene, robot):
         .ExcludeWithin(GeometrySet([top, leg]))
     )
     version = scene.version
-    assert "place of 'arm'" in robot.take(urdf('arm2', 'base', 'grip', radius=0.2))
+    assert "replaces 'arm'" in robot.take(urdf('arm2', 'base', 'grip', radius=0.2))
     assert scene.version > version
     assert frames(scene) == {'room::table', 'arm2::base', 'arm2::grip'}
     assert scene.query.X_WF(scene.names.frame('table')).translation()[2] == 2.0
@@ -108,7 +108,7 @@ def test_another_text_takes_its_place_and_all_else_stays(scene, robot):
         ('', 'text'),
         ('no robot', '<text>'),
         (urdf('arm', 'base', radius=-1.0), 'radius'),
-        (urdf('room', 'base'), 'taken'),
+        (urdf('room', 'base'), 'has a source of that name'),
         ('<robot name="x"><link name="a"/><link name="a"/></robot>', 'twice'),
     ],
 )
@@ -145,7 +145,7 @@ def test_an_srdf_leaves_out_its_pairs_whether_it_comes_before_or_after(scene, ro
     assert scene.version == version
     # Another one takes its place, as another robot would.
     robot.take(urdf('arm', 'base', 'upper', 'wrist', 'hand'))
-    assert "in the place of 'arm'" in robot.take_semantics(srdf('arm', 'upper', 'hand'))
+    assert "replaces 'arm'" in robot.take_semantics(srdf('arm', 'upper', 'hand'))
     assert not explain(scene, 'base', 'hand')
     assert explain(scene, 'upper', 'hand')
 
@@ -168,7 +168,7 @@ def test_a_robot_that_its_srdf_does_not_fit_comes_without_it(scene, robot):
     robot.take_semantics(srdf('arm', 'base', 'hand'))
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
     told = robot.take(urdf('arm', 'base', 'upper', 'grip'))
-    assert 'without its SRDF, which is of another one: <text>:1: ' in told
+    assert 'without its SRDF, which belongs to another robot: <text>:1: ' in told
     assert not explain(scene, 'base', 'grip')
     assert 'pairs of its SRDF left out' in robot.take_semantics(srdf('arm', 'base', 'grip'))
     assert explain(scene, 'base', 'grip')

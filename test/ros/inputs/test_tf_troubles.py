@@ -6,7 +6,7 @@ from ros.inputs.tf_messages import at, message, take, transform
 def test_a_loop_is_told_while_it_is_there(scene, tf):
     loop = transform('a', 'tool', at(1)), transform('tool', 'a', at(1))
     take(tf, scene, message(*loop), static=False)
-    assert tf.troubles(scene) == ["the chain of these TF frames is a loop: 'a', 'tool'"]
+    assert tf.troubles(scene) == ["these TF frames form a loop: 'a', 'tool'"]
     take(tf, scene, message(transform('world', 'a', at(1))), static=False)
     assert tf.troubles(scene) == []
 
@@ -23,7 +23,7 @@ def test_two_parents_by_turns_are_told_and_a_frame_that_is_handed_over_is_none(s
     send('world')  # and put down
     assert tf.troubles(scene) == []
     send('left/base')
-    told = "the TF frame 'tool' has two parents by turns, 'left/base' and 'world': who sends them?"
+    told = "the TF frame 'tool' has two parents in turn: 'left/base' and 'world'. Stop one sender"
     assert tf.troubles(scene) == [told]
     send('left/base')
     assert tf.troubles(scene) == [told]
@@ -36,8 +36,10 @@ def test_a_chain_that_ends_elsewhere_is_told_with_what_is_missing(scene, tf):
     chain = transform('base_link', 'odom', at(1)), transform('odom', 'tool', at(1))
     take(tf, scene, message(*chain), static=False)
     (told,) = tf.troubles(scene)
-    assert told.startswith("1 frames come by TF and are not posed: 'tool'; their chain ends in")
-    assert "a transform from the world frame 'world' to 'base_link'" in told
+    assert told.startswith(
+        "1 frames arrive by TF but cannot be posed: 'tool'; their chain ends in"
+    )
+    assert "the transform from the world frame 'world' to 'base_link'" in told
     assert told.endswith('world_frame:=base_link')
     take(tf, scene, message(transform('world', 'base_link', at(1))), static=True)
     assert tf.troubles(scene) == []

@@ -27,12 +27,13 @@ def test_a_frame_that_never_had_a_pose_is_warned_of_and_named():
     status, values = status_of({**ages, 's::old': 2.0}, waiting)
     assert status.level == DiagnosticStatus.WARN
     assert status.message.startswith(
-        '12 pairs are left out, for 7 frames never had a pose: s::f0, s::f1, s::f2, s::f3, s::f4 '
+        '12 pairs are left out because 7 frames never had a pose: s::f0, s::f1, s::f2, s::f3, '
+        's::f4 '
     )
     assert '8 of 8 frames are stale' in status.message
     assert values['frames that never had a pose'] == '7'
     assert values['names of frames that never had a pose'].split(', ') == waiting.frames
-    assert values['pairs left out for them'] == '12'
+    assert values['pairs left out because of them'] == '12'
 
 
 def test_without_such_frames_nothing_is_said_of_them():
@@ -40,12 +41,14 @@ def test_without_such_frames_nothing_is_said_of_them():
     assert status.level == DiagnosticStatus.OK
     assert status.message == '3 cycles, 0 pose messages'
     assert values['names of frames that never had a pose'] == ''
-    assert values['frames that never had a pose'] == values['pairs left out for them'] == '0'
+    assert (
+        values['frames that never had a pose'] == values['pairs left out because of them'] == '0'
+    )
 
 
 @pytest.mark.parametrize(
     ('owners', 'said'),
-    [({}, 'none'), ({4: 'planner', 9: ''}, '4 (planner), 9 (nobody said whose)')],
+    [({}, 'none'), ({4: 'planner', 9: ''}, '4 (planner), 9 (no owner given)')],
 )
 def test_transient_filters_are_told_with_their_owners(owners, said):
     assert status_of({}, owners=owners)[1]['transient filters'] == said
@@ -70,17 +73,19 @@ def test_lag_and_what_is_passed_over_are_figures_and_warnings():
     status, values = told()
     assert status.level == DiagnosticStatus.OK
     assert (values['lag p50 [ms]'], values['lag worst [ms]']) == ('30.000', '200.000')
-    assert (values['pose messages taken'], values['most pose messages together']) == ('5', '5')
+    assert (values['pose messages taken'], values['largest batch of pose messages']) == ('5', '5')
     counted.answer(0.512)
     status, values = told()
     assert status.level == DiagnosticStatus.WARN
-    assert status.message.startswith('half of the results came more than 512 ms after the time')
+    assert status.message.startswith(
+        'half of the results were published more than 512 ms after the stamp'
+    )
     counted.take(0.01, 10, 3)
     status, values = told()
     assert status.level == DiagnosticStatus.WARN
-    assert status.message.startswith('3 transform messages were passed over')
-    assert (values['pose messages taken'], values['pose messages passed over']) == ('12', '3')
+    assert status.message.startswith('3 transform messages were skipped')
+    assert (values['pose messages taken'], values['pose messages skipped']) == ('12', '3')
     assert values['lag p50 [ms]'] == 'none'
     status, values = told()
     assert status.level == DiagnosticStatus.OK
-    assert values['pose messages passed over'] == '3'
+    assert values['pose messages skipped'] == '3'

@@ -79,7 +79,7 @@ def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
         filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
         filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
     assert told(live) == [
-        f"the lease of transient filter {planner} ran out: removed (owner 'planner')",
+        f"the lease of transient filter {planner} expired: removed (owner 'planner')",
         f'transient filter {nobody} removed',
     ]
 
@@ -93,8 +93,8 @@ def test_leases_that_end_together_are_told_in_a_line_for_each_owner(live, clock)
         assert len(scene.expire_filters()) == 8
     some = ', '.join(map(str, numbers[:5]))
     assert told(live) == [
-        f"the lease of 7 transient filters ({some} ...) ran out: removed (owner 'planner')",
-        f'the lease of transient filter {other} ran out: removed',
+        f"the lease of 7 transient filters ({some} ...) expired: removed (owner 'planner')",
+        f'the lease of transient filter {other} expired: removed',
     ]
 
 

@@ -19,7 +19,7 @@ geometries:
   - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
   - {name: ball, source: s, frame: nowhere, shape: {type: sphere, radius: 0.1}}
 """
-LEFT_OUT = '2 pairs are left out, for 1 frames never had a pose: s::nowhere'
+LEFT_OUT = '2 pairs are left out because 1 frames never had a pose: s::nowhere'
 WORLD, PARENT = 0, 1
 ANSWER = Guard(logger=None, count=None).answer
 
@@ -169,7 +169,7 @@ def test_an_answer_that_is_too_large_is_refused_before_it_is_computed(monkeypatc
     ):
         answer = ask(live, ABOUT_ALL[name], poses(**given), **fields)
         assert not answer.success
-        assert answer.message.startswith(f'{rows} rows are an answer of 0.0 MB')
+        assert answer.message.startswith(f'an answer of {rows} rows takes 0.0 MB')
 
 
 def test_an_answer_for_which_there_is_no_memory_is_refused(monkeypatch):

@@ -1,0 +1,33 @@
+"""What an import of a name says that pydrake has and this package has not."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import NoReturn
+
+# Names that importlib's bootstrap module may have.
+_IMPORTLIB = ('importlib._bootstrap', '_frozen_importlib')
+
+
+def refuse_missing(module: str) -> Callable[[str], NoReturn]:
+    """Return the ``__getattr__`` of a package that stands for one of pydrake.
+
+    It raises AttributeError, or ImportError where ``from module import name`` asks: importlib then
+    looks whether the package has the name, and would put a text of its own in place of that of an
+    AttributeError.
+    """
+    pydrake = module.replace('drake_geom_ros', 'pydrake', 1)
+
+    def get(name: str) -> NoReturn:
+        text = (
+            f'cannot import name {name!r} from {module!r}. Not every name of {pydrake} is here: '
+            'docs/differences_from_pydrake.md lists what is missing and shows how to port a script'
+        )
+        asker = sys._getframe(1).f_globals.get('__name__')
+        if asker in _IMPORTLIB and name[:1] != '_' and find_spec(f'{module}.{name}') is None:
+            raise ImportError(text, name=module)
+        raise AttributeError(text)
+
+    return get
