@@ -46,7 +46,7 @@ LAYERS = {
     ),
     'batch': (
         ('math', 'geometry', 'scene_files', 'trajectories', 'batch'),
-        ('numpy', 'distributed'),
+        ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
     ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
     'cross_check': (
