@@ -8,15 +8,13 @@ from contextlib import contextmanager
 
 from drake_geom_ros.batch.running import BatchError
 
-_SECONDS = 10.0  # to find a scheduler in
-
 
 @contextmanager
-def cluster_executor(address: str) -> Iterator[Executor]:
+def cluster_executor(address: str, timeout: float = 10.0) -> Iterator[Executor]:
     """Yield an executor of the Dask scheduler at an address, as ``tcp://host:8786``.
 
     Its workers need this package in the same version. Raises BatchError where Dask is not
-    installed, or nobody is at the address.
+    installed, or nobody answers at the address within ``timeout`` [s].
     """
     try:
         from distributed import Client
@@ -26,7 +24,7 @@ def cluster_executor(address: str) -> Iterator[Executor]:
             "pip install distributed, or this package with its extra 'cluster'"
         ) from None
     try:
-        client = Client(address, timeout=_SECONDS, set_as_default=False)
+        client = Client(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError) as error:
         raise BatchError(f'no scheduler at {address}: {error}') from None
     with client:

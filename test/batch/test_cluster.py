@@ -1,5 +1,6 @@
 """A real local cluster: a scheduler and workers, each a process of its own, one of which dies."""
 
+import contextlib
 import importlib.util
 import os
 import re
@@ -7,7 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
+import time
 
 import pytest
 from batch.test_evaluation import same
@@ -44,6 +45,11 @@ class Cluster:
         options = ('--host', '127.0.0.1', '--port', str(port), '--no-dashboard', '--no-show')
         self.scheduler = start(folder, 'dask_scheduler', *options)
         self.processes = [self.scheduler]
+        deadline = time.monotonic() + 100.0
+        while time.monotonic() < deadline:
+            with contextlib.suppress(OSError), socket.create_connection(('127.0.0.1', port), 1.0):
+                break
+            time.sleep(0.2)
 
     def worker(self, path=ROOT):
         options = ('--nthreads', '1', '--no-nanny', '--no-dashboard')
@@ -68,8 +74,8 @@ def cluster(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def asked(cell):
-    """Return the arguments of a batch of fifty blocks, and its results by threads."""
-    given = {'want': 'least', 'states': cell.states(5000), 'joints': cell.joints}
+    """Return the arguments of a batch of twenty blocks, and its results by threads."""
+    given = {'want': 'least', 'states': cell.states(2000), 'joints': cell.joints}
     return {**given, 'block_size': 100}, evaluate(cell.scene_graph, **given)
 
 
@@ -92,9 +98,9 @@ def test_a_worker_that_is_killed_costs_no_result(cell, cluster, asked):
     with cluster_executor(cluster.address) as executor:
         executor.submit(os.getpid).result()
         while len(executor._client.scheduler_info()['workers']) < 3:
-            threading.Event().wait(0.1)
+            time.sleep(0.1)
         found = evaluate(
-            cell.scene_graph, executor=executor, progress=kill, **{**given, 'block_size': 10}
+            cell.scene_graph, executor=executor, progress=kill, **{**given, 'block_size': 20}
         )
     assert victim.wait() == -signal.SIGKILL
     assert same(found, expected)
@@ -103,7 +109,7 @@ def test_a_worker_that_is_killed_costs_no_result(cell, cluster, asked):
 def test_nobody_at_the_address_is_named():
     with (
         pytest.raises(BatchError, match=re.escape('no scheduler at tcp://127.0.0.1:9')),
-        cluster_executor('tcp://127.0.0.1:9'),
+        cluster_executor('tcp://127.0.0.1:9', timeout=1.0),
     ):
         pass
 

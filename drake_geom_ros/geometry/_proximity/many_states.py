@@ -21,14 +21,14 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     PAIR_WIDTH,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs
-from drake_geom_ros.geometry._proximity.pair_gaps import gap_of_balls, gap_of_boxes
 from drake_geom_ros.geometry._proximity.point_phase import point_phase
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.poses import read_poses
 from drake_geom_ros.geometry._proximity.posing import set_poses, update
 from drake_geom_ros.geometry._proximity.records import Memory, Scene
+from drake_geom_ros.geometry._proximity.state_groups import Groups, collect, put_boxes
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
@@ -53,28 +53,6 @@ def _forget(memory, first, last):  # type: ignore[no-untyped-def]
         memory.slacks[s], memory.seen[s] = -math.inf, -1
         for c in range(3):
             memory.answers[s, NORMAL + c] = 0.0
-
-
-@inlined
-def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
-    """Return a lower bound [m] of a signed distance, of bodies that overlap too.
-
-    The depth of convex bodies is no more than the overlap of their shadows on any line, so no
-    more than that of their boxes along an axis or of their balls along the line of the centres.
-    """
-    gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-    if types[i] == HALF_SPACE or types[j] == HALF_SPACE:
-        return gap
-    if gap == 0.0:
-        if types[i] == SOLID or types[j] == SOLID:
-            return -math.inf  # how deep a solid is, its hull does not tell
-        gap, reach = -math.inf, 0.0
-        for k in range(3):
-            p, q = p_WGs[i, k], p_WGs[j, k]
-            sizes = half_extents[i, k] + half_extents[j, k]
-            gap, reach = max(gap, abs(p - q) - sizes), max(reach, abs(p) + abs(q) + sizes)
-        gap -= 4.0 * EPS * reach
-    return max(gap, gap_of_balls(i, j, p_WGs, roundings, outer))
 
 
 @inlined
@@ -136,97 +114,106 @@ def _insert(found, number, answer, numbers, answers):  # type: ignore[no-untyped
 
 @allocating
 def nearest_pairs(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, arguments, scene, posed, pairs, query, stop, found, numbers, out
+    kernels, poses, rows, arguments, scene, posed, pairs, groups, query, stop, found, ids, out
 ):
     """Answer for the nearest pairs of each state (N, n, 7); return how many states are done.
 
-    ``found`` (N,) gets how many pairs there are within the cutoff, at most as many as ``numbers``
-    (N, most) has room for, which gets their numbers among ``pairs``, the nearest first; ``out``
-    (N, most, BATCH_WIDTH) gets their rows. States are done until ``stop`` (1,) is set, or one has
-    a pose that is none.
+    ``found`` (N,) gets how many pairs there are within the cutoff, at most as many as ``ids``
+    (N, most, 2) and ``out`` (N, most, BATCH_WIDTH) have room for: their ids and rows, the nearest
+    first. States are done until ``stop`` (1,) is set, or one has a pose that is none.
 
     A kernel runs for the pair of the least bound first, and then only for those that may be as
     near as what was found. What it is told as a cutoff is that distance: a kernel stops when it
     has certified that a pair is farther away, and changes no digit of a pair that is not.
     """
-    places = Scene(*scene)
-    types, R_WGs, p_WGs, outer = places.types, places.R_WGs, places.p_WGs, places.outer
-    roundings, half_extents = places.roundings, places.half_extents
+    places, groups = Scene(*scene), Groups(*groups)
     gap, cutoff, _ = query
-    total, most = pairs.shape[0], numbers.shape[1]
+    total, most = pairs.shape[0], ids.shape[1]
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts = np.zeros(COUNTS, dtype=np.int64)
-    memory = Memory(
-        np.zeros((1, PAIR_WIDTH)), np.empty(1), np.empty(1, dtype=np.int64), np.zeros(1)
-    )
-    plain = (memory.answers, memory.slacks, memory.seen, memory.gaps)
+    answer = np.zeros((1, PAIR_WIDTH))
+    memory = (answer, np.empty(1), np.empty(1, dtype=np.int64), np.zeros(1))
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     best, kept = np.empty(most, dtype=np.int64), np.empty((most, PAIR_WIDTH))
-    all_slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
-    ids, full = np.empty((most, 2), dtype=np.int64), np.empty((most, BATCH_WIDTH))
+    slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
+    some_ids, full = np.empty((most, 2), dtype=np.int64), np.empty((most, BATCH_WIDTH))
     for s in range(poses.shape[0]):
         if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
             return s
-        below = _most_below(gap, types, p_WGs, roundings, outer)
-        for k in range(total):
-            a, b = pairs[k, 0], pairs[k, 1]
-            bounds[k] = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
-            order[k] = k
-        left, limit, count = total, cutoff, 0
-        while True:
-            left = _take_nearest(order, left, bounds, limit + below)
-            if left == 0:
-                break
-            left -= 1
-            k = order[left]
-            one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
-            _forget(memory, 0, 1)
-            # Bounds alone have no running cutoff: what they report is the middle of an interval.
-            asked = cutoff if math.isinf(gap) else limit
-            query_now = (gap, asked, False)
-            if answer_pairs(
-                kernels, one, slot, plain, scene, 1, query_now, -1, queue, hits, counts
-            ):
-                count = _insert(count, k, memory.answers[0], best, kept)
-                if count == most:
-                    limit = kept[most - 1, DISTANCE]
+        put_boxes(groups, places.types, places.p_WGs, places.half_extents)
+        below = _most_below(gap, places.types, places.p_WGs, places.roundings, places.outer)
+        limit, count = cutoff, 0
+        for turn in range(min(2, groups.gaps.size)):
+            # The two groups that are nearest come first: what they hold leaves out most others.
+            nearest = np.argmin(groups.gaps)
+            span = (nearest, nearest + 1, -1) if turn == 0 else (0, groups.gaps.size, nearest)
+            left = collect(groups, *span, limit + below, pairs, places, order, bounds)
+            while True:
+                left = _take_nearest(order, left, bounds, limit + below) - 1
+                if left < 0:
+                    break
+                k = order[left]
+                one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
+                _forget(Memory(*memory), 0, 1)
+                # Bounds alone have no running cutoff: they report the middle of an interval.
+                asked = (gap, cutoff if math.isinf(gap) else limit, False)
+                if answer_pairs(
+                    kernels, one, slot, memory, scene, 1, asked, -1, queue, hits, counts
+                ):
+                    count = _insert(count, k, answer[0], best, kept)
+                    if count == most:
+                        limit = kept[most - 1, DISTANCE]
         found[s] = count
         for r in range(count):
-            numbers[s, r] = best[r]
             both[r, 0], both[r, 1] = pairs[best[r], 0], pairs[best[r], 1]
-        gather_rows(all_slots[:count], both, all_slots, kept, gap, *posed, ids, full)
+        gather_rows(slots[:count], both, slots, kept, gap, *posed, some_ids, full)
         for r in range(count):
+            ids[s, r, 0], ids[s, r, 1] = some_ids[r, 0], some_ids[r, 1]
             for c in range(BATCH_WIDTH):
                 out[s, r, c] = full[r, c]
     return poses.shape[0]
 
 
+@inlined
+def _list(order, count, pairs, some, memory):  # type: ignore[no-untyped-def]
+    """List the pairs of some numbers, of which nothing is known."""
+    for r in range(count):
+        some[r, 0], some[r, 1] = pairs[order[r], 0], pairs[order[r], 1]
+    _forget(memory, 0, count)
+
+
 @allocating
 def any_overlap(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, arguments, scene, pairs, query, slots, memory, stop, hits, out
+    kernels, poses, rows, arguments, scene, pairs, groups, query, slots, memory, stop, hits, out
 ):
     """Tell of each state (N, n, 7) whether a pair overlaps; return how many states are done.
 
     ``out`` (N,) gets the answers of ``Engine.has_overlap``; each state ends at its first proof.
     """
-    known = Memory(*memory)
+    places, groups, known = Scene(*scene), Groups(*groups), Memory(*memory)
+    asked = (query[0], query[1], query[2])
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
-    counts = np.zeros(COUNTS, dtype=np.int64)
-    first = 0
+    bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
+    counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
+    last = -1
     for s in range(poses.shape[0]):
         if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
             return s
-        _forget(known, 0, slots.size)
-        asked = (query[0], query[1], query[2])
-        count = answer_pairs(
-            kernels, pairs, slots, memory, scene, 1, asked, first, queue, hits, counts
-        )
-        out[s] = count > 0
-        if count > 0:
-            first = hits[0]
+        put_boxes(groups, places.types, places.p_WGs, places.half_extents)
+        everything = (0, groups.gaps.size, -1, 0.0)
+        count = collect(groups, *everything, pairs, places, order, bounds)
+        for r in range(count):
+            if order[r] == last:  # where there was a contact there still is one, mostly
+                order[0], order[r] = last, order[0]
+        _list(order, count, pairs, some, known)
+        out[s] = False
+        if count > 0 and answer_pairs(
+            kernels, some, slots[:count], memory, scene, 1, asked, 0, queue, hits, counts
+        ):
+            out[s], last = True, order[hits[0]]
     return poses.shape[0]
 
 
@@ -240,6 +227,7 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     scene,
     posed,
     pairs,
+    groups,
     query,
     slots,
     memory,
@@ -255,23 +243,28 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     (room, BATCH_WIDTH). States are done from the ``first`` on, until there is no room, ``stop``
     (1,) is set, or one has a pose that is none.
     """
-    known = Memory(*memory)
+    places, groups, known = Scene(*scene), Groups(*groups), Memory(*memory)
+    asked, reach = (query[0], query[1], query[2]), max(query[1], 0.0)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
-    counts = np.zeros(COUNTS, dtype=np.int64)
+    bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
+    counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
     some_ids, full = np.empty_like(pairs), np.empty((pairs.shape[0], BATCH_WIDTH))
     for s in range(first, poses.shape[0]):
         if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
             return s
-        _forget(known, 0, slots.size)
-        asked = (query[0], query[1], query[2])
+        put_boxes(groups, places.types, places.p_WGs, places.half_extents)
+        everything = (0, groups.gaps.size, -1, reach)
+        count = collect(groups, *everything, pairs, places, order, bounds)
+        order[:count].sort()
+        _list(order, count, pairs, some, known)
         count = answer_pairs(
-            kernels, pairs, slots, memory, scene, 1, asked, -1, queue, hits, counts
+            kernels, some, slots[:count], memory, scene, 1, asked, -1, queue, hits, counts
         )
         start = offsets[s]
         if start + count > ids.shape[0]:
             return s
-        gather_rows(hits[:count], pairs, slots, known.answers, query[0], *posed, some_ids, full)
+        gather_rows(hits[:count], some, slots, known.answers, query[0], *posed, some_ids, full)
         for k in range(count):
             ids[start + k, 0], ids[start + k, 1] = some_ids[k, 0], some_ids[k, 1]
             for c in range(BATCH_WIDTH):

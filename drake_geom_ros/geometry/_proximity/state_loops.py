@@ -23,6 +23,7 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     compile_point_kernels,
 )
 from drake_geom_ros.geometry._proximity.records import empty_memory
+from drake_geom_ros.geometry._proximity.state_groups import groups_of
 from drake_geom_ros.geometry._proximity.world import World
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,11 @@ class StateLoops:
         self._world, self._pairs, self._rows = world, pairs, rows
         self._slots = np.arange(len(pairs))
         self._hits = np.zeros(len(pairs), dtype=np.int64)
+        # What hangs on a frame that moves stays together; all else is far apart, mostly.
+        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
+        apart = len(world.frames.ids) + alone
+        _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
+        self._groups = tuple(groups_of(groups, pairs))
         self._memory = empty_memory(np.zeros((len(pairs), PAIR_WIDTH)))
 
     def _compile(self, gap: float) -> None:
@@ -63,6 +69,7 @@ class StateLoops:
             self._world._arguments,
             self._world.scene,
             self._pairs,
+            self._groups,
             (gap, 0.0, True),
             self._slots,
             self._memory,
@@ -81,7 +88,7 @@ class StateLoops:
         """
         self._compile(gap)
         found = np.zeros(len(poses), dtype=np.int64)
-        numbers = np.zeros((len(poses), most), dtype=np.int64)
+        ids = np.zeros((len(poses), most, 2), dtype=np.int64)
         out = np.zeros((len(poses), most, BATCH_WIDTH))
         done = nearest_pairs(
             ADDRESSES,
@@ -91,15 +98,15 @@ class StateLoops:
             self._world.scene,
             self._world.posed,
             self._pairs,
+            self._groups,
             (gap, cutoff, False),
             stop,
             found,
-            numbers,
+            ids,
             out,
         )
         there = np.arange(most) < found[:, None]
-        ids = self._world.geometries.ids[self._pairs[numbers[there]]]
-        return done, found, PairBatch(ids, out[there])
+        return done, found, PairBatch(ids[there], out[there])
 
     def within(
         self, poses: Floats, gap: float, cutoff: float, stop: Indices
@@ -117,6 +124,7 @@ class StateLoops:
                 self._world.scene,
                 self._world.posed,
                 self._pairs,
+                self._groups,
                 (gap, cutoff, False),
                 self._slots,
                 self._memory,
