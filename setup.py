@@ -21,6 +21,8 @@ CORE = [
 # and drake_geom_msgs is built by colcon. What PyPI has of it is in requirements/ros.txt.
 EXTRAS = {
     'robots': ['yourdfpy>=0.0.56'],  # forward kinematics: check and query of a URDF, the player
+    'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
+    'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
     'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
     'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],

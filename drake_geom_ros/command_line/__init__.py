@@ -1,1 +1,1 @@
-"""The command line without ROS: ``query``, ``check``, ``convert`` and ``replay`` on files."""
+"""The command line without ROS: ``query``, ``batch``, ``check``, ``convert`` and ``replay``."""

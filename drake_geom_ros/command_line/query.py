@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
     """Answer and return the exit code; raises GeometryError or OSError for bad input."""
     if (options.what == 'points') != bool(options.points):
         raise SceneFileError('--what points and --points FILE go together', options.scene)
-    points = _read_points(options.points) if options.points else None
+    points = points_of_file(options.points) if options.points else None
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf)
 
@@ -91,7 +91,7 @@ def _limit(text: str) -> float:
     return value
 
 
-def _read_points(path: str) -> NDArray[np.float64]:
+def points_of_file(path: str) -> NDArray[np.float64]:
     """Return the points (m, 3) [m] of a file; raises SceneFileError for what holds none."""
     text = Path(path).read_text(encoding='utf-8')
     try:

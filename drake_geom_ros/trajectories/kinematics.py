@@ -1,24 +1,32 @@
 """Forward kinematics of a URDF tree, vectorised over joints and over configurations."""
 
-from collections.abc import Mapping
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.geometry.joint_trees import JointKind, JointTree
+from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 
-_MOVING = ('revolute', 'continuous', 'prismatic')
+_KINDS = {
+    'revolute': JointKind.REVOLUTE,
+    'continuous': JointKind.REVOLUTE,
+    'prismatic': JointKind.PRISMATIC,
+}
+_MOVING = tuple(_KINDS)
 
 
 class Kinematics:
     """The links of a robot over its independent joints; mimic joints follow their leader.
 
-    ``joined_links`` are the two links of each joint, fixed ones too.
+    ``joined_links`` are the two links of each joint, fixed ones too; ``tree`` is all that a pose
+    of a link depends on, as arrays.
 
     The URDF is parsed by yourdfpy, which keeps every element and loads no mesh when told so. Its
     own forward kinematics walks a graph in Python, one configuration at a time (milliseconds for
-    a dozen links), so the product of the joint transforms is formed here.
+    a dozen links), so that of ``JointTree`` is taken.
     """
 
     def __init__(self, urdf_path: str):
@@ -38,34 +46,26 @@ class Kinematics:
         self.link_names = (_root(robot), *(j.child for j in joints))
         self.joined_links = tuple((j.parent, j.child) for j in joints)
 
-        self._parents = [self.link_names.index(j.parent) for j in joints]
-        self._X_PJ = np.array(
-            [np.eye(4) if j.origin is None else j.origin for j in joints]
-        ).reshape(-1, 4, 4)
-        self._couple(joints, leader)
-        axes = np.array([_unit_axis(j) for j in joints]).reshape(-1, 3)
-        revolute = np.array([j.type in ('revolute', 'continuous') for j in joints], dtype=float)
-        prismatic = np.array([j.type == 'prismatic' for j in joints], dtype=float)
-        self._slides = axes * prismatic[:, None]
-        self._crosses = _cross_matrices(axes * revolute[:, None])
-        self._squares = self._crosses @ self._crosses
+        self.tree = JointTree(
+            leaders=np.array([self._leader(leader[j.name][0]) for j in joints], dtype=np.int64),
+            multipliers=np.array([leader[j.name][1] for j in joints], dtype=float),
+            offsets=np.array([leader[j.name][2] for j in joints], dtype=float),
+            kinds=np.array([_KINDS.get(j.type, JointKind.FIXED) for j in joints], dtype=np.int64),
+            axes=np.array([_unit_axis(j) for j in joints], dtype=float).reshape(-1, 3),
+            X_PJs=_poses_in_parents(joints),
+            parents=np.array([self.link_names.index(j.parent) for j in joints], dtype=np.int64),
+            children=np.arange(1, len(joints) + 1),
+        )
 
-    def _couple(self, joints: list[Any], leader: Mapping[str, tuple[str, float, float]]) -> None:
-        """Set up ``q_all = q @ _coupling + _offset`` from independent joints to all of them."""
-        self._coupling = np.zeros((len(self.joint_names), len(joints)))
-        self._offset = np.zeros(len(joints))
-        for column, joint in enumerate(joints):
-            if joint.type in _MOVING:
-                name, multiplier, offset = leader[joint.name]
-                self._coupling[self.joint_names.index(name), column] = multiplier
-                self._offset[column] = offset
+    def _leader(self, name: str) -> int:
+        """Return which independent joint a name is of; -1 for the empty one of a fixed joint."""
+        return self.joint_names.index(name) if name else -1
 
     def link_transforms(self, q: ArrayLike, X_WB: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return X_WL of every link (..., links, 4, 4) for configurations q (..., joints).
 
         Positions in [m] and angles in [rad], in the order of ``joint_names``; links in the order
         of ``link_names``, the base link B first. ``X_WB`` (4, 4) places it (default: identity).
-        The rotation about a unit axis is Rodrigues' formula, I + sin K + (1 - cos) K^2.
         """
         q = np.asarray(q, dtype=float)
         if q.shape[-1:] != (len(self.joint_names),):
@@ -73,19 +73,10 @@ class Kinematics:
                 f'{self.name}: q must have shape (..., {len(self.joint_names)}), one value each '
                 f'for {", ".join(self.joint_names)}; got {q.shape}'
             )
-        q_all = (q @ self._coupling + self._offset)[..., None]
-        X_JC = np.zeros((*q_all.shape[:-1], 4, 4))
-        X_JC[..., :3, :3] = np.eye(3)
-        X_JC[..., :3, :3] += np.sin(q_all)[..., None] * self._crosses
-        X_JC[..., :3, :3] += (1.0 - np.cos(q_all))[..., None] * self._squares
-        X_JC[..., :3, 3] = q_all * self._slides
-        X_JC[..., 3, 3] = 1.0
-        X_PC = self._X_PJ @ X_JC
-        X_WL = np.empty((*q.shape[:-1], len(self.link_names), 4, 4))
-        X_WL[..., 0, :, :] = np.eye(4) if X_WB is None else X_WB
-        for joint, parent in enumerate(self._parents):
-            X_WL[..., joint + 1, :, :] = X_WL[..., parent, :, :] @ X_PC[..., joint, :, :]
-        return X_WL
+        base = poses_of_matrices(np.eye(4) if X_WB is None else X_WB)
+        rows = q.reshape(math.prod(q.shape[:-1]), q.shape[-1])
+        X_WLs = self.tree.link_poses(rows, base)
+        return matrices_of_poses(X_WLs.reshape(*q.shape[:-1], *X_WLs.shape[1:]))
 
 
 def _parsed(urdf_path: str) -> Any:
@@ -177,8 +168,7 @@ def _unit_axis(joint: Any) -> NDArray[np.float64]:
     return axis / length if length > 0.0 else axis
 
 
-def _cross_matrices(axes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return K (n, 3, 3) with K v = axis x v for axes (n, 3)."""
-    K = np.zeros((len(axes), 3, 3))
-    K[:, 2, 1], K[:, 0, 2], K[:, 1, 0] = axes.T
-    return K - np.swapaxes(K, 1, 2)
+def _poses_in_parents(joints: list[Any]) -> NDArray[np.float64]:
+    """Return X_PJ (m, 7) of each joint in its parent link."""
+    origins = [np.eye(4) if j.origin is None else j.origin for j in joints]
+    return poses_of_matrices(np.array(origins).reshape(-1, 4, 4))

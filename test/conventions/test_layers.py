@@ -44,6 +44,10 @@ LAYERS = {
         ('math', 'geometry', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
     ),
+    'batch': (
+        ('math', 'geometry', 'scene_files', 'trajectories', 'batch'),
+        ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
+    ),
     'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
     'cross_check': (
         ('math', 'geometry', 'replay', 'cross_check', 'evidence', 'evidence/peers'),
@@ -64,7 +68,7 @@ LAYERS = {
     'command_line': (
         (
             *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
-            *('evidence', 'evidence/peers', 'cross_check'),
+            *('batch', 'evidence', 'evidence/peers', 'cross_check'),
         ),
         ('numpy',),
     ),

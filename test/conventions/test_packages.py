@@ -65,7 +65,8 @@ LIBRARIES = {
     'yaml': ('python3-yaml', 'pyyaml'),
     'yourdfpy': ('python3-yourdfpy-pip', 'yourdfpy'),
 }
-OPTIONAL = {'tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath'}  # used where it is there
+# Used where it is there.
+OPTIONAL = {'tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath', 'distributed', 'pyarrow'}
 
 
 def dependencies(name):

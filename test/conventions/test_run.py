@@ -100,6 +100,7 @@ def test_an_unknown_command_is_named():
         ('requirements/lock.txt', [False, True, False, False]),
         ('requirements/peers.txt', [False, False, False, False]),
         ('requirements/mutants.txt', [False, False, False, False]),
+        ('requirements/cluster.txt', [False, False, False, False]),
         ('requirements/ros.txt', [False, True, True, True]),
         ('requirements/build.txt', [False, True, True, True]),
         ('msg_defs/msg/Shape.msg', [False, False, True, True]),

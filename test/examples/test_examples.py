@@ -62,12 +62,11 @@ EXPECTED = {
 }
 
 
-def output(script):
+def output(script, *arguments):
     """Return what a script prints; it must end well."""
     environment = {**os.environ, 'PYTHONPATH': str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, str(script)], env=environment, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, str(script), *arguments]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

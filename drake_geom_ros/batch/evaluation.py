@@ -1,0 +1,158 @@
+"""``evaluate``: many states of a scene, one call."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.batch.joints import Joints
+from drake_geom_ros.batch.questions import Columns, Job, Question
+from drake_geom_ros.batch.results import Results, gathered, with_ids
+from drake_geom_ros.batch.running import (
+    LOCAL_BLOCK,
+    REMOTE_BLOCK,
+    Block,
+    blocks_of,
+    by_executor,
+    by_threads,
+)
+from drake_geom_ros.geometry import ArgumentError, FrameId, SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry.state_queries import PackedScene, default_accuracy
+
+Progress = Callable[[int, int], None]  # states done, and all
+_SECONDS = 1.0  # between two lines of progress
+
+
+def evaluate(
+    scene_graph: SceneGraph | SceneGraphContext,
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None = None,
+    poses: ArrayLike | None = None,
+    want: str = 'least',
+    max_distance: float = math.inf,
+    accuracy: str = '',
+    executor: Executor | None = None,
+    progress: bool | Progress = False,
+    *,
+    states: ArrayLike | None = None,
+    joints: Joints | None = None,
+    count: int = 1,
+    points: ArrayLike | None = None,
+    threads: int = 0,
+    block_size: int = 0,
+) -> Results:
+    """Return what is wanted of each of N states of a scene, as if each was asked about alone.
+
+    States are ``poses`` (N, n, 7), x y z [m] qx qy qz qw, the poses X_PF of the n frames
+    ``frame_ids``, or ``states`` (N, q), the values [rad] or [m] of ``joints``. All other frames
+    stay where they are, in a context of now or, of a scene graph, in a new one.
+
+    ``want`` is one of
+
+    - ``'collision'``: whether any pair overlaps, as HasCollisions tells: a bool array (N,);
+    - ``'least'``: the pair of the least signed distance: ``LeastDistances``;
+    - ``'nearest'``: the ``count`` nearest pairs: ``PairsOfStates``;
+    - ``'within'``: all pairs up to ``max_distance`` [m]: ``PairsOfStates``;
+    - ``'points'``: the distances of all geometries to ``points`` (m, 3) [m] in World:
+      ``PointsOfStates``.
+
+    ``max_distance`` [m] leaves out what is farther away; ``accuracy`` is a level, empty for the
+    default of the scene. Computed by ``threads`` of this process (0: one for each core), or by an
+    ``executor`` of the ``concurrent.futures`` interface, in blocks of ``block_size`` states (0: a
+    good one). ``progress`` writes a line to standard error, or is called with the states done and
+    all. An interrupt ends it at once.
+
+    Raises ArgumentError for what cannot be asked, PoseError for a state that is none and for
+    frames that have no pose, BatchError for workers of another version.
+    """
+    context = context_of(scene_graph)
+    question = Question(
+        want,
+        float(max_distance),
+        accuracy or default_accuracy(context),
+        count,
+        None if points is None else np.atleast_2d(np.asarray(points, dtype=np.float64)),
+    )
+    rows, ids, arms = _states(frame_ids, poses, states, joints)
+    scene, geometry_ids = PackedScene.of(context, ids)
+    job = Job(scene, question, arms)
+    found: dict[Block, Columns] = {}
+    size = block_size or (LOCAL_BLOCK if executor is None else REMOTE_BLOCK)
+    blocks = blocks_of(len(rows), size) or [(0, 0)]
+    for block, columns in computed(job, rows, blocks, executor, progress, threads):
+        found[block] = with_ids(columns, geometry_ids)
+    return gathered(want, [found[block] for block in blocks])
+
+
+def context_of(scene: SceneGraph | SceneGraphContext) -> SceneGraphContext:
+    """Return a context itself, or a new one of a scene graph."""
+    return scene.CreateDefaultContext() if isinstance(scene, SceneGraph) else scene
+
+
+def computed(
+    job: Job,
+    states: Any,
+    blocks: list[Block],
+    executor: Executor | None = None,
+    progress: bool | Progress = False,
+    threads: int = 0,
+) -> Iterator[tuple[Block, Columns]]:
+    """Yield the answers of blocks, in any order; geometries go by their place in the scene."""
+    show = _to_stderr if progress is True else progress
+    total, done = sum(last - first for first, last in blocks), 0
+    shown = time.monotonic()
+    if executor is None:
+        answers = by_threads(job, states, blocks, threads)
+    else:
+        answers = by_executor(job, states, blocks, executor)
+    for block, columns in answers:
+        done += block[1] - block[0]
+        if show and (done == total or time.monotonic() - shown >= _SECONDS):
+            shown = time.monotonic()
+            show(done, total)
+        yield block, columns
+
+
+def _to_stderr(done: int, total: int) -> None:
+    end = '\n' if done == total or not sys.stderr.isatty() else ''
+    print(f'\r{done} of {total} states', end=end, file=sys.stderr, flush=True)
+
+
+def _states(
+    frame_ids: Sequence[FrameId] | NDArray[np.integer] | None,
+    poses: ArrayLike | None,
+    states: ArrayLike | None,
+    joints: Joints | None,
+) -> tuple[NDArray[np.float64], NDArray[np.int64], tuple[Any, ...]]:
+    """Return states, the id values of the frames that they pose, and the arms of joint values."""
+    by_poses = frame_ids is not None and poses is not None
+    by_joints = states is not None and joints is not None
+    if by_poses == by_joints or (frame_ids is None) != (poses is None):
+        raise ArgumentError('states are frame_ids and their poses, or states and their joints')
+    if joints is not None and states is not None:
+        rows = np.asarray(states)
+        if rows.ndim != 2 or rows.shape[1] != joints.count:
+            raise ArgumentError(
+                f'states has the shape {rows.shape}; it must be (N, {joints.count}), one value '
+                f'each for {", ".join(joints.names)}'
+            )
+        return rows, joints.id_values, joints.arms
+    assert frame_ids is not None
+    ids = np.array([id if isinstance(id, int) else _value(id) for id in frame_ids], dtype=np.int64)
+    rows = np.asarray(poses)
+    if rows.ndim != 3 or rows.shape[1:] != (len(ids), 7):
+        raise ArgumentError(
+            f'poses has the shape {rows.shape}; it must be (N, {len(ids)}, 7) for {len(ids)} '
+            'frames, x y z [m] qx qy qz qw'
+        )
+    return rows, ids, ()
+
+
+def _value(id: Any) -> int:
+    return id.get_value() if isinstance(id, FrameId) else int(id)

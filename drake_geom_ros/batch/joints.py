@@ -1,0 +1,115 @@
+"""States as joint values: which robots and joints they are of, and the poses that they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import ArgumentError, FrameId
+from drake_geom_ros.geometry.joint_trees import JointTree
+from drake_geom_ros.scene_files import LoadedScene
+from drake_geom_ros.trajectories.kinematics import Kinematics
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """A robot as workers need it: its joints, its base X_WB (7,), and which links are frames."""
+
+    tree: JointTree
+    X_WB: Floats
+    links: Indices
+    columns: Indices  # of the joint values of a state, one for each value of the tree
+    at_rest: Floats  # what a value is that has no column, which is -1 then
+
+    def poses(self, states: Floats) -> Floats:
+        """Return X_WL (N, links, 7) of the links that are frames, for joint values (N, q)."""
+        values = np.where(self.columns < 0, self.at_rest, states[:, self.columns])
+        return self.tree.link_poses(values, self.X_WB)[:, self.links]
+
+
+class Joints:
+    """The joints that the columns of states (N, ``count``) are of, by ``robot::joint``.
+
+    ``lower`` and ``upper`` (count,) are their limits [rad] or [m], infinite where there is none.
+    Joints without a column stay at 0, or at their limit nearest to 0.
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        lower: Floats,
+        upper: Floats,
+        ids: Indices,
+        arms: tuple[Arm, ...],
+    ) -> None:
+        self.names = tuple(names)
+        self.lower, self.upper = lower, upper
+        self.id_values = ids  # (n,) of the frames that the robots pose
+        self.arms = arms
+
+    @property
+    def count(self) -> int:
+        """The number of columns."""
+        return len(self.names)
+
+    @property
+    def frame_ids(self) -> list[FrameId]:
+        """The frames whose poses ``poses`` returns."""
+        return [FrameId(value) for value in self.id_values.tolist()]
+
+    def poses(self, states: NDArray[np.float64]) -> Floats:
+        """Return the poses (N, n, 7), x y z [m] qx qy qz qw, of ``frame_ids`` in states (N, q)."""
+        return poses_of_arms(self.arms, np.asarray(states, dtype=np.float64))
+
+    @classmethod
+    def of(cls, loaded: LoadedScene, names: Sequence[str] | None = None) -> Joints:
+        """Return the joints of a scene's robots; those of ``names``, in this order, where given.
+
+        Raises ArgumentError for a name that no joint has, or that is given twice, and for a scene
+        without robots.
+        """
+        robots = {r.name: r for r in loaded.robots.values() if r.urdf is not None}
+        known = {name: Kinematics(str(robot.urdf)) for name, robot in robots.items()}
+        every = [f'{name}::{joint}' for name, k in known.items() for joint in k.joint_names]
+        if not every:
+            raise ArgumentError('joint values were given, but the scene has no robot with joints')
+        chosen = every if names is None else list(names)
+        for name in chosen:
+            if name not in every or chosen.count(name) > 1:
+                raise ArgumentError(
+                    f'joint {name!r} is not one of the scene, or is named twice; '
+                    f'there are {", ".join(every)}'
+                )
+        arms: list[Arm] = []
+        ids: list[int] = []
+        limits: dict[str, tuple[float, float]] = {}
+        for name, kinematics in known.items():
+            own = [f'{name}::{joint}' for joint in kinematics.joint_names]
+            limits |= dict(
+                zip(own, zip(kinematics.lower, kinematics.upper, strict=True), strict=True)
+            )
+            links = [
+                k for k, link in enumerate(kinematics.link_names) if (name, link) in loaded.frames
+            ]
+            ids += [loaded.frames[name, kinematics.link_names[k]].get_value() for k in links]
+            arm = Arm(
+                kinematics.tree,
+                robots[name].X_WB.ToArray(),
+                np.array(links, dtype=np.int64),
+                np.array([chosen.index(j) if j in chosen else -1 for j in own], dtype=np.int64),
+                np.clip(0.0, kinematics.lower, kinematics.upper),
+            )
+            arms.append(arm)
+        lower, upper = np.array([limits[name] for name in chosen]).T
+        return cls(chosen, lower, upper, np.array(ids, dtype=np.int64), tuple(arms))
+
+
+def poses_of_arms(arms: tuple[Arm, ...], states: Floats) -> Floats:
+    """Return the poses (N, n, 7) of all links that are frames, for joint values (N, q)."""
+    return np.concatenate([arm.poses(states) for arm in arms], axis=1)

@@ -1,0 +1,162 @@
+"""What is asked of each state, and the job that a worker does: a question about a scene."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.batch.joints import Arm, poses_of_arms
+from drake_geom_ros.geometry import (
+    ACCURACY_LEVELS,
+    ArgumentError,
+    PointDistanceResults,
+    PoseError,
+)
+from drake_geom_ros.geometry.state_queries import (
+    Found,
+    PackedScene,
+    StateError,
+    StateQueries,
+    pose_gradients,
+)
+
+Floats = NDArray[np.float64]
+Columns = dict[str, NDArray[Any]]
+
+WANTS = ('collision', 'least', 'nearest', 'within', 'points')
+_OF_PAIRS = (
+    *('distance', 'error_bound', 'method'),
+    *('nhat_BA_W', 'is_nhat_BA_W_unique', 'p_WCa', 'p_WCb'),
+)
+_OF_POINTS = ('point_index', 'distance', 'error_bound', 'grad_W', 'is_grad_W_unique', 'p_GN')
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is wanted of each state: one of ``WANTS``.
+
+    ``collision`` whether a pair overlaps; ``least`` the pair of the least signed distance;
+    ``nearest`` the ``count`` nearest pairs; ``within`` all pairs; ``points`` the distances to
+    points (m, 3) [m] in World. All but the first leave out what is farther than ``max_distance``
+    [m]. Raises ArgumentError for what cannot be asked.
+    """
+
+    want: str
+    max_distance: float = math.inf
+    accuracy: str = 'exact'
+    count: int = 1
+    points: Floats | None = None
+
+    def __post_init__(self) -> None:
+        if self.want not in WANTS:
+            raise ArgumentError(f'want={self.want!r} must be one of {", ".join(WANTS)}')
+        if self.accuracy not in ACCURACY_LEVELS:
+            allowed = ', '.join(ACCURACY_LEVELS)
+            raise ArgumentError(f'accuracy={self.accuracy!r} must be one of {allowed}')
+        if math.isnan(self.max_distance):
+            raise ArgumentError('max_distance must be a distance in metres or infinity, not NaN')
+        if self.count < 1 or (self.count != 1 and self.want != 'nearest'):
+            raise ArgumentError(f'count={self.count} must be >= 1, and goes with nearest')
+        if (self.want == 'points') != (self.points is not None):
+            raise ArgumentError("want='points' and points go together")
+        if self.points is not None:
+            shape = self.points.shape
+            if self.points.ndim != 2 or shape[1] != 3 or not np.isfinite(self.points).all():
+                raise ArgumentError(f'points must be (m, 3), all finite; the shape is {shape}')
+
+    @property
+    def is_ragged(self) -> bool:
+        """Whether states have answers of any number."""
+        return self.want in ('nearest', 'within', 'points')
+
+    @property
+    def words(self) -> str:
+        """The question in one line, the same for the same question."""
+        points = b'' if self.points is None else np.ascontiguousarray(self.points).tobytes()
+        named = hashlib.sha256(points).hexdigest()[:16] if points else 'none'
+        return (
+            f'{self.want} max_distance={self.max_distance!r} accuracy={self.accuracy} '
+            f'count={self.count} points={named}'
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A scene, a question, and the arms whose joint values states are; without any, poses.
+
+    What it holds is arrays and numbers, so that it may go to another process.
+    """
+
+    scene: PackedScene
+    question: Question
+    arms: tuple[Arm, ...] = ()
+
+    @cached_property
+    def digest(self) -> str:
+        """A name for the content."""
+        found = hashlib.sha256(f'{self.scene.digest} {self.question.words}'.encode())
+        for arm in self.arms:
+            trees = [getattr(arm.tree, field.name) for field in fields(arm.tree)]
+            for array in (*trees, arm.X_WB, arm.links, arm.columns, arm.at_rest):
+                found.update(np.ascontiguousarray(array).tobytes())
+        return found.hexdigest()
+
+    def answer(
+        self, queries: StateQueries, states: Floats, stop: NDArray[np.int64], first: int = 0
+    ) -> Columns:
+        """Return the answers of states, by column; geometries by their place in the scene.
+
+        ``counts`` (N,) are there where states have answers of any number. Raises PoseError for a
+        state that is none, by its number, that of the first being ``first``.
+        """
+        poses = poses_of_arms(self.arms, states) if self.arms else states
+        try:
+            return self._answer(queries, np.ascontiguousarray(poses, dtype=np.float64), stop)
+        except StateError as error:
+            number = first + error.number
+            raise PoseError(f'State {number} was refused: {error}') from None
+
+    def _answer(self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64]) -> Columns:
+        asked = self.question
+        if asked.want == 'collision':
+            return {'collision': queries.has_collisions(poses, asked.accuracy, stop)}
+        if asked.want == 'points':
+            assert asked.points is not None
+            points = np.ascontiguousarray(asked.points, dtype=np.float64)
+            return _columns(queries.points(poses, points, asked.max_distance, stop))
+        if asked.want == 'within':
+            return _columns(queries.within(poses, asked.accuracy, asked.max_distance, stop))
+        limits = asked.accuracy, asked.max_distance, asked.count
+        found = _columns(queries.nearest(poses, *limits, stop))
+        return found if asked.want == 'nearest' else _one_each(found)
+
+
+def _columns(found: Found) -> Columns:
+    """Return what was found as arrays of their own."""
+    counts, results = found
+    if isinstance(results, PointDistanceResults):
+        columns = {name: getattr(results, name).copy() for name in _OF_POINTS}
+        return {'counts': counts, 'id_G': results.id_G, **columns}
+    columns = {name: getattr(results, name).copy() for name in _OF_PAIRS}
+    ids = {'id_A': results.id_A.copy(), 'id_B': results.id_B.copy()}
+    return {'counts': counts, **ids, **columns, 'gradient': pose_gradients(results)}
+
+
+def _one_each(columns: Columns) -> Columns:
+    """Return one row a state of columns that have none or one."""
+    there = columns.pop('counts') > 0
+    every = {}
+    for name, values in columns.items():
+        every[name] = np.zeros((len(there), *values.shape[1:]), dtype=values.dtype)
+        if name in ('id_A', 'id_B'):
+            every[name][:] = -1  # no place
+        if name == 'distance':
+            every[name][:] = np.inf
+        every[name][there] = values
+    return every

@@ -1,0 +1,119 @@
+"""Results to files, .npz or Parquet, block by block: memory stays flat however many states.
+
+Geometries are written as their place in ``geometries``, the names of all of them, or -1 where a
+state has no pair; in Parquet as the names themselves. ``scene``, ``question`` and ``versions`` say
+where the answers come from.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from drake_geom_ros.batch.questions import Columns
+from drake_geom_ros.batch.running import BatchError
+
+Blocks = Callable[[], Iterable[Columns]]  # the columns of each block, in order, as often as asked
+SUFFIXES = ('.npz', '.parquet')
+_PLACES = {'id_A': 'geometry_a', 'id_B': 'geometry_b', 'id_G': 'geometry'}
+
+
+def check_suffix(path: Path) -> None:
+    """Raise BatchError for a name that no format belongs to, or one that is not installed."""
+    if path.suffix not in SUFFIXES:
+        raise BatchError(f'{path}: results are written as one of {", ".join(SUFFIXES)}')
+    if path.suffix == '.parquet':
+        _parquet()
+
+
+def write(path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]) -> None:
+    """Write blocks of columns to a file, which is there only when it is whole."""
+    unfinished = path.with_name(path.name + '.unfinished')
+    (_write_npz if path.suffix == '.npz' else _write_parquet)(unfinished, blocks, names, about)
+    unfinished.replace(path)
+
+
+def _write_npz(path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]) -> None:
+    lengths: dict[str, int] = {}
+    kinds: dict[str, NDArray[Any]] = {}
+    for block in blocks():
+        for name, values in block.items():
+            lengths[name] = lengths.get(name, 0) + len(values)
+            kinds.setdefault(name, values[:0])
+    with zipfile.ZipFile(path, 'w') as file:
+        _put(file, 'geometries', [np.array(names)], len(names))
+        for key, text in about.items():
+            _put(file, key, [np.array([text])], 1)
+        for name, length in lengths.items():
+            if name == 'counts':
+                counts = [block['counts'] for block in blocks()]
+                offsets = np.concatenate(([0], np.cumsum(np.concatenate(counts))))
+                _put(file, 'offsets', [offsets], len(offsets))
+            else:
+                columns = (block[name] for block in blocks())
+                _put(file, _PLACES.get(name, name), columns, length)
+
+
+def _put(file: zipfile.ZipFile, name: str, pieces: Iterable[NDArray[Any]], length: int) -> None:
+    """Write an array of so many rows that comes in pieces."""
+    with file.open(f'{name}.npy', 'w', force_zip64=True) as stream:
+        for number, piece in enumerate(pieces):
+            if number == 0:
+                header = npy.header_data_from_array_1_0(piece)
+                npy.write_array_header_2_0(stream, {**header, 'shape': (length, *piece.shape[1:])})
+            stream.write(np.ascontiguousarray(piece).tobytes())
+
+
+def _parquet() -> Any:
+    try:
+        import pyarrow.parquet
+    except ImportError as error:
+        raise BatchError(
+            f'Parquet takes pyarrow, which cannot be imported ({error}): pip install pyarrow, or '
+            "this package with its extra 'parquet'"
+        ) from None
+    return pyarrow
+
+
+def _write_parquet(
+    path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]
+) -> None:
+    pyarrow, writer, first = _parquet(), None, 0
+    try:
+        for block in blocks():
+            states = len(next(iter(block.values())))
+            rows = np.arange(first, first + states)
+            if 'counts' in block:
+                rows = np.repeat(rows, block.pop('counts'))
+            first += states
+            columns = {'state': pyarrow.array(rows)}
+            for name, values in block.items():
+                columns[_PLACES.get(name, name)] = _column(pyarrow, name, values, names)
+            table = pyarrow.table(columns).replace_schema_metadata(dict(about))
+            writer = writer or pyarrow.parquet.ParquetWriter(path, table.schema)
+            writer.write_table(table)
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _column(pyarrow: Any, name: str, values: NDArray[Any], names: Sequence[str]) -> Any:
+    if name in _PLACES:
+        places = pyarrow.array(values.astype(np.int32), mask=values < 0)
+        return pyarrow.DictionaryArray.from_arrays(places, pyarrow.array(list(names)))
+    if values.ndim == 2:
+        flat = pyarrow.array(np.ascontiguousarray(values).reshape(-1))
+        return pyarrow.FixedSizeListArray.from_arrays(flat, values.shape[1])
+    return pyarrow.array(values)
+
+
+def about(scene: str, question: str, versions: Mapping[str, str]) -> dict[str, str]:
+    """Return what a file says of its answers."""
+    return {'scene': scene, 'question': question, 'versions': json.dumps(dict(versions))}

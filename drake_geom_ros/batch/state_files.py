@@ -1,0 +1,81 @@
+"""States from files: joint values or poses, as .npy, .npz or .csv."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.scene_files import SceneFileError
+
+SUFFIXES = ('.npy', '.npz', '.csv')
+
+
+class States(NamedTuple):
+    """Rows (N, q) of joint values or (N, n, 7) of poses, and the names that go with them.
+
+    Names are of joints, ``robot::joint``, or of frames, ``source::frame``; None where the file has
+    none: all joints of the scene then.
+    """
+
+    rows: NDArray[np.float64]
+    names: tuple[str, ...] | None
+
+    @property
+    def are_poses(self) -> bool:
+        """Whether the rows are poses of frames."""
+        return self.rows.ndim == 3
+
+
+def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
+    """Return the states of a file; ``names`` stand for those that it has not.
+
+    ``.npy`` holds the rows alone, and is not read but mapped: memory stays flat. ``.npz`` holds
+    ``states`` and, if need be, ``joints``, their names; or ``poses`` and ``frames``. ``.csv`` has
+    a header of the joints' names. Raises SceneFileError for what is not of this form.
+    """
+    path, own = Path(path), None if names is None else tuple(names)
+    if path.suffix not in SUFFIXES:
+        raise SceneFileError(f'a file of states ends with one of {", ".join(SUFFIXES)}', str(path))
+    try:
+        if path.suffix == '.npy':
+            rows: Any = np.load(path, mmap_mode='r')
+        elif path.suffix == '.npz':
+            rows, own = _from_npz(path, own)
+        else:
+            rows, own = _from_csv(path)
+    except (OSError, ValueError, KeyError) as error:
+        raise SceneFileError(f'cannot be read as states: {error}', str(path)) from None
+    is_poses = rows.ndim == 3 and rows.shape[2] == 7
+    if rows.dtype != np.float64 or not (rows.ndim == 2 or is_poses):
+        raise SceneFileError(
+            'states must be float64, joint values (N, q) or poses (N, n, 7); there are '
+            f'{rows.dtype} {rows.shape}',
+            str(path),
+        )
+    if own is None and is_poses:
+        raise SceneFileError('poses need the names of their frames: --names', str(path))
+    if own is not None and len(own) != rows.shape[1]:
+        raise SceneFileError(f'{len(own)} names for {rows.shape[1]} columns', str(path))
+    return States(rows, own)
+
+
+def _from_npz(path: Path, names: tuple[str, ...] | None) -> tuple[Any, tuple[str, ...] | None]:
+    with np.load(path) as file:
+        rows, key = (file['poses'], 'frames') if 'poses' in file else (file['states'], 'joints')
+        return rows, tuple(file[key].tolist()) if key in file else names
+
+
+def _from_csv(path: Path) -> tuple[Any, tuple[str, ...]]:
+    with path.open(newline='', encoding='utf-8') as file:
+        reader = csv.reader(file)
+        names = tuple(next(reader, ()))
+        rows = [[float(value) for value in row] for row in reader]
+    for number, row in enumerate(rows):
+        if len(row) != len(names):
+            raise ValueError(f'row {number + 2} has {len(row)} values, the header {len(names)}')
+    return np.array(rows).reshape(-1, len(names)), names

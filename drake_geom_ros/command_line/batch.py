@@ -1,0 +1,151 @@
+"""``batch``: one question about many states of a scene, into a file."""
+
+import argparse
+import hashlib
+import math
+import sys
+import time
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.batch import WANTS, Joints, Question, cluster_executor
+from drake_geom_ros.batch.evaluation import computed
+from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.batch.questions import Job
+from drake_geom_ros.batch.result_files import about, check_suffix, write
+from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, cores
+from drake_geom_ros.batch.state_files import States, read_states
+from drake_geom_ros.batch.summary import Summary
+from drake_geom_ros.batch.worker import version
+from drake_geom_ros.command_line.query import points_of_file
+from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
+from drake_geom_ros.geometry.state_queries import PackedScene
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError, load_scene
+
+INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
+_BLOCKS_A_CORE = 8  # at least, where states are few: all cores have work until the end
+_PIECE = 1 << 20  # bytes of a file that are hashed at once
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'batch',
+        help='ask about many states of a scene, on all cores or a cluster',
+        description='Answers one question about each of many states of a scene: joint values of '
+        'its robots, or poses of frames. What is done is kept beside the output until all is.',
+    )
+    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('states', metavar='STATES', help='.npy, .npz or .csv: see docs/batches.md')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument(
+        '--names', nargs='+', metavar='NAME', help='joints or frames that the columns are of'
+    )
+    parser.add_argument('--what', choices=WANTS, default='least', help='(default: least)')
+    parser.add_argument('--points', metavar='FILE', help='points for --what points, as for query')
+    parser.add_argument(
+        '--count', type=int, default=1, metavar='K', help='pairs for --what nearest (default: 1)'
+    )
+    parser.add_argument(
+        '--max-distance',
+        type=float,
+        default=math.inf,
+        metavar='D',
+        help='leave out what is farther apart [m] (default: inf)',
+    )
+    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument('--output', required=True, metavar='FILE', help='.npz or .parquet')
+    parser.add_argument('--picture', metavar='FILE', help='a histogram of the distances')
+    parser.add_argument(
+        '--scheduler', metavar='ADDRESS', help="of Dask's workers, as tcp://host:8786"
+    )
+    parser.add_argument('--resume', action='store_true', help='go on with a run that was cut off')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Answer and return the exit code; raises GeometryError or OSError for bad input."""
+    output = Path(options.output)
+    check_suffix(output)
+    scene_graph = SceneGraph()
+    loaded = load_scene(options.scene, scene_graph, srdf=options.srdf)
+    states = read_states(options.states, options.names)
+    points = points_of_file(options.points) if options.points else None
+    question = Question(
+        options.what, options.max_distance, options.accuracy, options.count, points
+    )
+    job, names = _job(scene_graph, loaded, states, question)
+    start = time.perf_counter()
+    size = max(1, min(REMOTE_BLOCK, math.ceil(len(states.rows) / (_BLOCKS_A_CORE * cores()))))
+    task = {
+        'job': job.digest,
+        'states': _digest(Path(options.states)),
+        'version': version(),
+        'question': question.words,
+    }
+    parts = Parts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
+    missing = parts.begin(options.resume)
+    _say(f'{len(parts.blocks) - len(missing)} of {len(parts.blocks)} blocks are there', options)
+    scheduler = options.scheduler
+    with cluster_executor(scheduler) if scheduler else nullcontext() as executor:
+        try:
+            for block, columns in computed(job, states.rows, missing, executor, progress=True):
+                parts.put(block, columns)
+        except KeyboardInterrupt:
+            print(f'interrupted; --resume goes on with {parts.folder}', file=sys.stderr)
+            return INTERRUPTED
+    said = about(job.scene.digest, question.words, {'drake_geom_ros': version()})
+    write(output, lambda: map(parts.get, parts.blocks), names, said)
+    summary = Summary(map(parts.get, parts.blocks))
+    if options.picture:
+        summary.draw(Path(options.picture), f'{Path(options.scene).stem}: {question.want}')
+    parts.remove()
+    print(*summary.lines(), f'seconds {time.perf_counter() - start:.2f}', sep='\n')
+    return 0
+
+
+def _say(text: str, options: argparse.Namespace) -> None:
+    if options.resume:
+        print(text, file=sys.stderr)
+
+
+def _job(
+    scene_graph: SceneGraph, loaded: LoadedScene, states: States, question: Question
+) -> tuple[Job, list[str]]:
+    """Return the job, and the names of the scene's geometries by their place in it."""
+    arms: tuple[Any, ...] = ()
+    if states.are_poses:
+        known = {f'{source}::{frame}': id for (source, frame), id in loaded.frames.items()}
+        unknown = [name for name in states.names or () if name not in known]
+        if unknown:
+            raise SceneFileError(
+                f'the scene has no frame {unknown[0]!r}; there are {", ".join(known)}', '<states>'
+            )
+        ids = np.array([known[name].get_value() for name in states.names or ()], dtype=np.int64)
+    else:
+        joints = Joints.of(loaded, states.names)
+        if joints.count != states.rows.shape[1]:
+            raise SceneFileError(
+                f'{states.rows.shape[1]} columns for {joints.count} joints: '
+                f'{", ".join(joints.names)}; --names says which of them there are',
+                '<states>',
+            )
+        ids, arms = joints.id_values, joints.arms
+    scene, geometry_ids = PackedScene.of(scene_graph.CreateDefaultContext(), ids)
+    named = {
+        id.get_value(): f'{source}::{frame}/{name}'
+        for (source, frame, name), id in loaded.geometries.items()
+    }
+    return Job(scene, question, arms), [named[id] for id in geometry_ids.tolist()]
+
+
+def _digest(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    digest = hashlib.sha256()
+    with path.open('rb') as file:
+        while piece := file.read(_PIECE):
+            digest.update(piece)
+    return digest.hexdigest()

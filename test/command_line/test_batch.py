@@ -1,0 +1,170 @@
+"""``batch``: files in, files out, and a run that is cut off goes on where it was."""
+
+import importlib.util
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.batch import Joints, evaluate
+from drake_geom_ros.batch.parts import Parts
+from drake_geom_ros.command_line.program import main
+from drake_geom_ros.geometry import SceneGraph
+from drake_geom_ros.scene_files import load_scene
+
+SCENE = Path(__file__).parents[1] / 'batch/cell.yaml'
+
+
+@pytest.fixture(scope='module')
+def loaded():
+    scene_graph = SceneGraph()
+    return scene_graph, load_scene(SCENE, scene_graph)
+
+
+@pytest.fixture(scope='module')
+def states(loaded):
+    joints = Joints.of(loaded[1])
+    lower, upper = joints.lower.clip(-3), joints.upper.clip(max=3)
+    return np.random.default_rng(5).uniform(lower, upper, (200, joints.count))
+
+
+@pytest.fixture
+def ask(tmp_path, states):
+    np.save(tmp_path / 'states.npy', states)
+
+    def run(*options, file='states.npy', output='out.npz'):
+        files = str(SCENE), str(tmp_path / file), '--output', str(tmp_path / output)
+        return main(['batch', *files, *options])
+
+    return run
+
+
+def names_of(loaded, id_values):
+    names = {
+        id.get_value(): f'{source}::{frame}/{name}'
+        for (source, frame, name), id in loaded[1].geometries.items()
+    }
+    return [names[id] for id in id_values.tolist()]
+
+
+def test_the_file_holds_what_evaluate_returns(ask, tmp_path, loaded, states, capsys):
+    assert ask('--what', 'within', '--max-distance', '0.1') == 0
+    expected = evaluate(
+        *(loaded[0], None, None, 'within', 0.1), states=states, joints=Joints.of(loaded[1])
+    )
+    with np.load(tmp_path / 'out.npz') as found:
+        for name in ('offsets', 'distance', 'error_bound', 'gradient', 'p_WCa', 'method'):
+            np.testing.assert_array_equal(found[name], getattr(expected, name))
+        names = found['geometries'][found['geometry_a']].tolist()
+        assert names == names_of(loaded, expected.id_A)
+        assert found['question'][0].startswith('within max_distance=0.1')
+        assert 'sources' in json.loads(found['versions'][0])['drake_geom_ros']
+        assert len(found['scene'][0]) == 64
+    assert capsys.readouterr().out.startswith('states 200\n')
+    assert not (tmp_path / 'out.npz.parts').exists()
+
+
+def test_states_come_as_csv_and_npz_too(ask, tmp_path, loaded, states):
+    joints = Joints.of(loaded[1])
+    with (tmp_path / 'states.csv').open('w') as file:
+        file.write(','.join(joints.names) + '\n')
+        np.savetxt(file, states, delimiter=',', fmt='%.17g')
+    np.savez(tmp_path / 'named.npz', states=states[:, ::-1], joints=joints.names[::-1])
+    frames = {id: f'{source}::{frame}' for (source, frame), id in loaded[1].frames.items()}
+    posed = [frames[id] for id in joints.frame_ids]
+    np.savez(tmp_path / 'posed.npz', poses=joints.poses(states), frames=posed)
+    files = []
+    for name in ('states.npy', 'states.csv', 'named.npz', 'posed.npz'):
+        assert ask(file=name, output=f'{name}.npz') == 0
+        files.append(dict(np.load(tmp_path / f'{name}.npz')))
+    for other in files[1:]:
+        for name in ('distance', 'geometry_a', 'gradient'):
+            np.testing.assert_array_equal(other[name], files[0][name])
+
+
+def test_a_run_that_was_cut_off_goes_on(ask, tmp_path, monkeypatch, capsys):
+    put, kept = Parts.put, []
+
+    def interrupted(self, block, columns):
+        if len(kept) == 5:
+            raise KeyboardInterrupt
+        kept.append(block)
+        put(self, block, columns)
+
+    monkeypatch.setattr(Parts, 'put', interrupted)
+    assert ask() == 130
+    assert '--resume' in capsys.readouterr().err
+    monkeypatch.setattr(Parts, 'put', put)
+    assert ask() == 2
+    assert 'parts of an earlier run' in capsys.readouterr().err
+    assert ask('--accuracy', 'fast', '--resume') == 2
+    assert 'of another job' in capsys.readouterr().err
+    assert ask('--resume') == 0
+    assert '5 of 16 blocks are there' in capsys.readouterr().err
+    assert ask(output='whole.npz') == 0
+    resumed, whole = np.load(tmp_path / 'out.npz'), np.load(tmp_path / 'whole.npz')
+    for name in whole:
+        np.testing.assert_array_equal(resumed[name], whole[name])
+
+
+def test_a_block_that_was_half_written_is_done_again(ask, tmp_path, monkeypatch):
+    remove, task = Parts.remove, []
+    monkeypatch.setattr(Parts, 'remove', lambda self: task.append(self))
+    assert ask() == 0
+    monkeypatch.setattr(Parts, 'remove', remove)
+    first = sorted(task[0].folder.glob('*.npz'))[0]
+    first.with_suffix('.unfinished').write_bytes(first.read_bytes()[:100])
+    first.unlink()
+    whole = np.load(tmp_path / 'out.npz')['distance']
+    assert ask('--resume') == 0
+    np.testing.assert_array_equal(np.load(tmp_path / 'out.npz')['distance'], whole)
+
+
+@pytest.mark.skipif(not importlib.util.find_spec('pyarrow'), reason='pyarrow is not installed')
+@pytest.mark.parametrize('what', ['least', 'within', 'collision', 'points'])
+def test_parquet_holds_the_same(ask, tmp_path, what):
+    import pyarrow.parquet
+
+    options = ['--what', what, '--max-distance', '0.1']
+    if what == 'points':
+        (tmp_path / 'points.csv').write_text('x,y,z\n0,0,1\n0.5,0,0.2\n')
+        options += ['--points', str(tmp_path / 'points.csv')]
+    assert ask(*options) == 0
+    assert ask(*options, output='out.parquet') == 0
+    table = pyarrow.parquet.read_table(tmp_path / 'out.parquet')
+    with np.load(tmp_path / 'out.npz') as plain:
+        assert table.schema.metadata[b'question'].decode() == plain['question'][0]
+        for name in ('distance', 'error_bound', 'gradient', 'collision', 'grad_W'):
+            if name in plain:
+                found = np.array(table[name].to_pylist())
+                np.testing.assert_array_equal(found.reshape(plain[name].shape), plain[name])
+        if 'offsets' in plain:
+            counts = np.bincount(table['state'].to_numpy(), minlength=200)
+            np.testing.assert_array_equal(counts, np.diff(plain['offsets']))
+        place = 'geometry' if what == 'points' else 'geometry_a'
+        if place in plain:
+            names = [*plain['geometries'].tolist(), None]
+            assert table[place].to_pylist() == [names[k] for k in plain[place]]
+
+
+def test_a_picture_of_the_distances(ask, tmp_path):
+    assert ask('--picture', str(tmp_path / 'clearances.png')) == 0
+    assert (tmp_path / 'clearances.png').read_bytes().startswith(b'\x89PNG')
+
+
+def test_bad_input_is_said_in_a_line(ask, tmp_path, capsys):
+    np.save(tmp_path / 'short.npy', np.zeros((2, 3)))
+    np.save(tmp_path / 'posed.npy', np.zeros((2, 3, 7)))
+    (tmp_path / 'rows.csv').write_text('arm::turn\n1\n2,3\n')
+    for options, keywords, words in (
+        ([], {'file': 'short.npy'}, '3 columns for 4 joints'),
+        (['--names', 'arm::x', 'b', 'c'], {'file': 'short.npy'}, "'arm::x' is not one of"),
+        ([], {'file': 'posed.npy'}, '--names'),
+        (['--names', 'a', 'b', 'c'], {'file': 'posed.npy'}, "no frame 'a'"),
+        ([], {'file': 'rows.csv'}, 'row 3 has 2 values'),
+        ([], {'output': 'out.txt'}, '.parquet'),
+        (['--what', 'points'], {}, 'points'),
+    ):
+        assert ask(*options, **keywords) == 2
+        assert words in capsys.readouterr().err
