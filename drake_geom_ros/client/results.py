@@ -41,8 +41,8 @@ class _Pair:
 class SignedDistance(_Pair):
     """The signed distance [m] of two geometries; ``|distance - truth| <= error_bound``.
 
-    Names are ``frame/geometry``. ``p_ACa`` and ``p_BCb`` (3,) [m] are the nearest points, each in its
-    geometry's frame; ``nhat_BA_W`` (3,) the unit normal out of B into A, in the world.
+    ``p_ACa`` and ``p_BCb`` (3,) [m] are the nearest points, each in its geometry's frame;
+    ``nhat_BA_W`` (3,) is the unit normal out of B into A, in the world.
     """
 
     distance: float

@@ -95,4 +95,4 @@ def page(hunt: Hunt, command: str) -> str:
     broken = sum(hunt.broken.values())
     told = f'`{command}`: {hunt.judged} pairs judged, laws broken {broken} times.\n\n'
     laws = table(['law', 'what must hold'], [(f'`{law}`', IN_WORDS[law]) for law in LAWS])
-    return f"{NOTE}{told}{table(('shapes', *LAWS), rows)}\n\n## The laws\n\n{laws}"
+    return f'{NOTE}{told}{table(("shapes", *LAWS), rows)}\n\n## The laws\n\n{laws}'

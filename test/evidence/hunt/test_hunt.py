@@ -126,5 +126,7 @@ def test_the_page_has_every_law_and_pair(one_round):
     page = report.page(hunt, './run hunt')
     assert all(f' {law} ' in page for law in LAWS)
     assert f'{hunt.judged} pairs judged' in page
-    rows = [line[2:].split(' | ')[0] for line in page.splitlines() if line.startswith('| ')]
+    pairs, laws = page.split('## The laws')
+    assert all(f'| `{law}` |' in laws for law in LAWS)
+    rows = [line[2:].split(' | ')[0] for line in pairs.splitlines() if line.startswith('| ')]
     assert rows == ['shapes', '---', *sorted({key.kinds for key in hunt.worst})]
