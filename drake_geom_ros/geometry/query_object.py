@@ -174,7 +174,8 @@ class QueryObject:
         )
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
         unsure = level == 'bound' or budget > 0.0
-        return PenetrationResults(batch.penetrating() if unsure else batch)
+        found = batch.penetrating() if unsure else batch
+        return PenetrationResults(found, context._posed_shapes(world))
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -212,12 +213,11 @@ class QueryObject:
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
         world = context._posed_world()
-        return SignedDistanceResults(
-            context._engine.signed_distances(
-                *(world, context._filters, self._level(accuracy), reach),
-                time_budget=_checked_budget(time_budget),
-            )
+        batch = context._engine.signed_distances(
+            *(world, context._filters, self._level(accuracy), reach),
+            time_budget=_checked_budget(time_budget),
         )
+        return SignedDistanceResults(batch, context._posed_shapes(world))
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -278,7 +278,7 @@ class QueryObject:
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
-        return SignedDistanceResults(batch)
+        return SignedDistanceResults(batch, context._posed_shapes(world))
 
     def FindCollisionCandidates(
         self, *, accuracy: str | None = None
@@ -327,8 +327,9 @@ class QueryObject:
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
         world = context._posed_world()
-        points = np.ascontiguousarray(np.atleast_2d(p_WQs))
-        return PointDistanceResults(context._engine.point_distances(world, points, reach))
+        points = np.array(np.atleast_2d(p_WQs), order='C')  # the results keep it
+        batch = context._engine.point_distances(world, points, reach)
+        return PointDistanceResults(batch, context._posed_shapes(world), points)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.batches import (
     P_ACA,
@@ -23,6 +23,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     PairBatch,
     PointBatch,
 )
+from drake_geom_ros.geometry._proximity.derivatives import Posed
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -41,6 +42,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_UNIQUE,
 )
 from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.query_gradients import PairGradients, PointGradients
 from drake_geom_ros.geometry.query_records import (
     PenetrationAsPointPair,
     SignedDistancePair,
@@ -115,8 +117,12 @@ def _vector(row: Floats, column: int) -> Floats:
     return row[column : column + 3].copy()
 
 
-class _PairSequence(ResultSequence[Record, PairBatch]):
-    """What both pair results share: ids, normals, bounds and methods."""
+class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
+    """What both pair results share: ids, normals, bounds, methods and derivatives."""
+
+    def __init__(self, batch: PairBatch, scene: Posed) -> None:
+        super().__init__(batch)
+        self._scene = scene
 
     @property
     def id_A(self) -> NDArray[np.int64]:
@@ -174,6 +180,15 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
         """Penetration depths (k,) [m], positive."""
         return -self._rows[:, DISTANCE]
 
+    @property
+    def gradients(self) -> Floats:
+        """Derivatives (k, 12) of the depths: minus those of the signed distances."""
+        return -self._derivatives()[0]
+
+    def depth_jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
+        """Return the derivatives (k, n) of the depths, as ``distance_jacobian`` of distances."""
+        return self._jacobian(J_As, J_Bs)
+
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]
         id_A, id_B = self._batch.ids[k].tolist()
@@ -197,12 +212,34 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
         One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.penetrating())
+        return PenetrationResults(self._batch.penetrating(), self._scene)
 
     @property
     def distance(self) -> Floats:
         """Signed distances (k,) [m]."""
         return self._rows[:, DISTANCE]
+
+    @property
+    def gradients(self) -> Floats:
+        """Derivatives (k, 12) of the distances by the motions of A's frame and of B's.
+
+        The first six numbers are by the spatial velocity V_WFa = [w_WFa, v_WFao] of the frame Fa
+        that carries A, angular before linear, in World axes, the linear part that of the frame's
+        origin [m/rad, -]; the other six by V_WFb likewise: ``gradients[k] @ [V_WFa, V_WFb]`` is
+        the rate of distance k [m/s]. For geometry on the world frame it is that frame's motion.
+        Where ``is_gradient_unique`` is False it is a member of Clarke's generalised gradient: that
+        of the witness points and the normal in the row. It is as exact as the normal, which
+        depends on the accuracy level.
+        """
+        return self._derivatives()[0]
+
+    def distance_jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
+        """Return the derivatives (k, n) of the distances by n coordinates, from frame Jacobians.
+
+        ``J_As`` and ``J_Bs`` (k, 6, n), or (6, n) for all pairs, are d(V_WF)/d(qdot) of the frames
+        that carry A and B, in the layout of ``gradients``. Raises ArgumentError for other shapes.
+        """
+        return self._jacobian(J_As, J_Bs)
 
     @property
     def is_nhat_BA_W_unique(self) -> NDArray[np.bool_]:
@@ -237,8 +274,13 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
         )
 
 
-class PointDistanceResults(ResultSequence[SignedDistanceToPoint, PointBatch]):
+class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint, PointBatch]):
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
+
+    def __init__(self, batch: PointBatch, scene: Posed, p_WQs: Floats) -> None:
+        super().__init__(batch)
+        self._scene = scene
+        self._p_WQs = p_WQs
 
     @property
     def id_G(self) -> NDArray[np.int64]:

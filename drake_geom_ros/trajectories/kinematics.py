@@ -78,6 +78,28 @@ class Kinematics:
         X_WLs = self.tree.link_poses(rows, base)
         return matrices_of_poses(X_WLs.reshape(*q.shape[:-1], *X_WLs.shape[1:]))
 
+    def link_jacobians(self, q: ArrayLike, X_WB: ArrayLike | None = None) -> NDArray[np.float64]:
+        """Return J_WL of every link (..., links, 6, joints): its spatial velocity is J_WL @ qdot.
+
+        Spatial velocities are [w_WL, v_WLo], angular before linear, in World axes, the linear part
+        that of the link's origin: what ``SignedDistanceResults.jacobian_by_frames`` takes. Joints
+        in the order of ``joint_names``, links in that of ``link_names``, arguments as of
+        ``link_transforms``.
+        """
+        X_WLs, tree = self.link_transforms(q, X_WB), self.tree
+        p_WLs = X_WLs[..., :3, 3]
+        Js = np.zeros((*X_WLs.shape[:-2], 6, len(self.joint_names)))
+        for joint, (parent, link) in enumerate(zip(tree.parents, tree.children, strict=True)):
+            # The parent's velocity at the child's origin, and the joint's own.
+            arms = (p_WLs[..., link, :] - p_WLs[..., parent, :])[..., None]
+            Js[..., link, :, :] = Js[..., parent, :, :]
+            Js[..., link, 3:, :] += np.cross(Js[..., parent, :3, :], arms, axis=-2)
+            if tree.kinds[joint] != JointKind.FIXED:
+                axis_W = X_WLs[..., link, :3, :3] @ (tree.multipliers[joint] * tree.axes[joint])
+                part = slice(0, 3) if tree.kinds[joint] == JointKind.REVOLUTE else slice(3, 6)
+                Js[..., link, part, tree.leaders[joint]] += axis_W
+        return Js
+
 
 def _parsed(urdf_path: str) -> Any:
     """Return the robot of a URDF. Only now its parser is imported: it takes long, as trimesh."""

@@ -74,6 +74,10 @@ CLOSED_FORM_ROUNDING = 32.0 * EPS
 # Sine above which two normals are told apart when it is asked whether the normal is unique.
 DISTINCT_NORMALS = 2.0**-20
 
+# Stiffness [-], relative to the pair's extent, below which a turn of the normal costs nothing: the
+# direction of a gap this short has lost so much to rounding that it is off by DISTINCT_NORMALS.
+SOFT = EPS / DISTINCT_NORMALS
+
 # Gap, relative to the pair's extent, below which the normal of two cores is taken from the
 # separating axis instead of the gap vector, whose direction then has lost 10 bits or more.
 SHORT_GAP = 2.0**-10

@@ -1,0 +1,146 @@
+"""Derivatives of whole results by the motions of frames, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch
+from drake_geom_ros.geometry._proximity.derivatives import Posed, gradients_of_pairs, places_of
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
+from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.ids import FrameId
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+
+class PairGradients:
+    """The part of a sequence of pairs that is about derivatives, computed when first asked for."""
+
+    _batch: PairBatch
+    _scene: Posed
+    _derived: tuple[PairBatch, tuple[Floats, Booleans]] | None = None
+
+    @property
+    def gradients(self) -> Floats:
+        """Derivatives (k, 12) of what the results report."""
+        raise NotImplementedError
+
+    @property
+    def is_gradient_unique(self) -> Booleans:
+        """Whether each gradient (k,) is the only one: the distance has a derivative there.
+
+        False where normals are equally good, where faces or edges lie parallel, where corners
+        touch, for answers from bounds alone, and for solids, of which nobody has looked whether
+        another part is as near. Rounding decides for what is so by less than about 1e-6 rad.
+        """
+        return self._derivatives()[1]
+
+    @property
+    def frame_id_A(self) -> Indices:
+        """Id values (k,) of the frames that carry A."""
+        return self._frames()[:, 0]
+
+    @property
+    def frame_id_B(self) -> Indices:
+        """Id values (k,) of the frames that carry B."""
+        return self._frames()[:, 1]
+
+    def jacobian_by_frames(self, J_WFs: Mapping[FrameId, ArrayLike]) -> Floats:
+        """Return the derivatives (k, n) of what is reported by n coordinates, such as joints.
+
+        ``J_WFs`` maps frames to their Jacobians d(V_WF)/d(qdot) (6, n), in the layout of
+        ``gradients``; frames that are not in it stay where they are. Raises ArgumentError for
+        other shapes and for an empty mapping.
+        """
+        if not J_WFs:
+            raise ArgumentError('jacobian_by_frames: J_WFs is empty; give at least one frame.')
+        Js = {frame.get_value(): np.asarray(J, dtype=float) for frame, J in J_WFs.items()}
+        shapes = {J.shape for J in Js.values()}
+        width = next(iter(shapes))
+        if len(shapes) > 1 or len(width) != 2 or width[0] != 6:
+            raise ArgumentError(
+                f'jacobian_by_frames: Jacobians have the shapes {shapes}, not (6, n)'
+            )
+        known = np.array(sorted(Js), dtype=np.int64)
+        stacked = np.stack([*(Js[int(frame)] for frame in known), np.zeros(width)])
+        frames = self._frames()
+        at = np.searchsorted(known, frames).clip(max=len(known) - 1)
+        at[known[at] != frames] = len(known)
+        return self._jacobian(stacked[at[:, 0]], stacked[at[:, 1]])
+
+    def _derivatives(self) -> tuple[Floats, Booleans]:
+        """Return gradients of the distances and which are unique; one compiled call."""
+        if self._derived is None or self._derived[0] is not self._batch:
+            found = gradients_of_pairs(self._scene, self._batch.ids, self._batch.rows)
+            self._derived = self._batch, found
+        return self._derived[1]
+
+    def _frames(self) -> Indices:
+        places = places_of(self._scene, self._batch.ids)
+        frames: Indices = self._scene.frame_ids[self._scene.frames[places]]
+        return frames
+
+    def _jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
+        gradients = self.gradients
+        Js = [_checked(J, len(gradients)) for J in (J_As, J_Bs)]
+        if Js[0].shape[-1] != Js[1].shape[-1]:
+            raise ArgumentError(
+                f'Jacobians of {Js[0].shape[-1]} and of {Js[1].shape[-1]} coordinates were given; '
+                'both must be of the same ones.'
+            )
+        by_A, by_B = gradients[:, None, :6] @ Js[0], gradients[:, None, 6:] @ Js[1]
+        total: Floats = (by_A + by_B)[:, 0]
+        return total
+
+
+class PointGradients:
+    """The part of distances to points that is about derivatives."""
+
+    _batch: PointBatch
+    _scene: Posed
+    _p_WQs: Floats
+
+    @property
+    def gradients(self) -> Floats:
+        """Derivatives (k, 6) of the distances by the motion of the frame F that carries G.
+
+        By its spatial velocity V_WF = [w_WF, v_WFo], angular before linear, in World axes
+        [m/rad, -]: to move G one way is to move the point the other way. That by the point's own
+        position is ``grad_W``. Where ``is_grad_W_unique`` is False it belongs to that member.
+        """
+        grads = self._batch.rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
+        frames = self._scene.frames[places_of(self._scene, self._batch.ids)]
+        p_FQs = self._p_WQs[self._batch.points] - self._scene.p_WFs[frames]
+        return -np.hstack((np.cross(p_FQs, grads), grads))
+
+    def distance_jacobian(self, J_Gs: ArrayLike, J_Qs: ArrayLike | None = None) -> Floats:
+        """Return the derivatives (k, n) of the distances by n coordinates.
+
+        ``J_Gs`` (k, 6, n), or (6, n) for all, are d(V_WF)/d(qdot) of the frames that carry G, in
+        the layout of ``gradients``; ``J_Qs`` (k, 3, n) or (3, n) are those of the points, which
+        stay where they are without. Raises ArgumentError for other shapes.
+        """
+        count = len(self._batch.rows)
+        total: Floats = (self.gradients[:, None] @ _checked(J_Gs, count))[:, 0]
+        if J_Qs is None:
+            return total
+        grads = self._batch.rows[:, None, POINT_GRADIENT : POINT_GRADIENT + 3]
+        of_points: Floats = total + (grads @ _checked(J_Qs, count, 3))[:, 0]
+        return of_points
+
+
+def _checked(J: ArrayLike, count: int, height: int = 6) -> Floats:
+    """Return a Jacobian as (k, height, n), or (height, n); raises ArgumentError for others."""
+    matrix = np.asarray(J, dtype=float)
+    fits = matrix.ndim in (2, 3) and matrix.shape[-2] == height
+    if not fits or (matrix.ndim == 3 and len(matrix) != count):
+        raise ArgumentError(
+            f'A Jacobian of shape {matrix.shape} was given for {count} results; it must be '
+            f'({count}, {height}, n) or ({height}, n).'
+        )
+    return matrix

@@ -1,0 +1,145 @@
+"""Two shapes on frames that move: the derivative of their distance by differences."""
+
+import itertools
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    FramePoseVector,
+    GeometryFrame,
+    GeometryInstance,
+    HalfSpace,
+    MeshData,
+    ProximityProperties,
+    SceneGraph,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+
+HULL = Convex.FromMeshData(
+    MeshData(random_directions(np.random.default_rng(5), 24) * [0.2, 0.15, 0.1], ())
+)
+SHAPES = {
+    'sphere': Sphere(0.12),
+    'box': Box(0.3, 0.2, 0.4),
+    'capsule': Capsule(0.08, 0.3),
+    'cylinder': Cylinder(0.1, 0.3),
+    'ellipsoid': Ellipsoid(0.1, 0.15, 0.2),
+    'half_space': HalfSpace(),
+    'convex': HULL,
+}
+BLOCK = np.array(list(itertools.product((-0.1, 0.1), (-0.1, 0.1), (-0.2, 0.2))))
+LATTICE_SHAPES = {
+    'sphere': Sphere(0.1),
+    'box': Box(0.2, 0.2, 0.4),
+    'capsule': Capsule(0.1, 0.2),
+    'cylinder': Cylinder(0.1, 0.2),
+    'ellipsoid': Ellipsoid(0.1, 0.1, 0.2),
+    'half_space': HalfSpace(),
+    'convex': Convex.FromMeshData(MeshData(BLOCK, ())),
+}
+QUARTERS = Rotation.create_group('O').as_matrix()
+PAIRS = [
+    (a, b)
+    for k, a in enumerate(SHAPES)
+    for b in list(SHAPES)[k:]
+    if (a, b) != ('half_space', 'half_space')
+]
+
+
+def moved(X, V, t):
+    """Return the pose after the spatial velocity V = [w, v] for the time t, to first order."""
+    R = Rotation.from_rotvec(t * np.asarray(V[:3])).as_matrix() @ X.rotation().matrix()
+    return RigidTransform(RotationMatrix(R), X.translation() + t * np.asarray(V[3:]))
+
+
+class MovingPair:
+    """Shapes A and B, each off the origin of its frame, and a context of them."""
+
+    def __init__(self, A, B, X_FaA=None, X_FbB=None):
+        self.graph = graph = SceneGraph()
+        self.source = graph.RegisterSource('s')
+        self.frames, self.geometries = [], []
+        offsets = [X_FaA or RigidTransform([0.1, -0.2, 0.3]), X_FbB or RigidTransform([0, 0.2, 0])]
+        for name, shape, X_FG in zip('AB', (A, B), offsets, strict=True):
+            self.frames.append(graph.RegisterFrame(self.source, GeometryFrame(name)))
+            instance = GeometryInstance(X_FG, shape, name)
+            instance.set_proximity_properties(ProximityProperties())
+            geometry = graph.RegisterGeometry(self.source, self.frames[-1], instance)
+            self.geometries.append(geometry)
+        self.context = graph.CreateDefaultContext()
+        self.query = graph.get_query_output_port().Eval(self.context)
+        self.pose(RigidTransform(), RigidTransform())
+
+    def pose(self, X_WA, X_WB):
+        """Pose both frames."""
+        self.poses = X_WA, X_WB
+        vector = FramePoseVector(dict(zip(self.frames, self.poses, strict=True)))
+        self.graph.get_source_pose_port(self.source).FixValue(self.context, vector)
+        return self
+
+    def ask(self, **options):
+        """Return the results of the one pair."""
+        return self.query.signed_distance_of_pair(*self.geometries, **options)
+
+    def bring_to(self, distance):
+        """Move B along the normal until the bodies are as far apart."""
+        found = self.ask()
+        step = (found.distance[0] - distance) * found.nhat_BA_W[0]
+        X_WB = self.poses[1]
+        return self.pose(self.poses[0], RigidTransform(X_WB.rotation(), X_WB.translation() + step))
+
+    def after(self, V, t):
+        """Pose both after the spatial velocities V (12,) for the time t; back by ``pose``."""
+        X_WA, X_WB = self.poses
+        self.pose(moved(X_WA, V[:6], t), moved(X_WB, V[6:], t))
+        found = self.ask()
+        self.pose(X_WA, X_WB)
+        return found
+
+    def remainder(self, gradient, V, t):
+        """Return how far a gradient (12,) is off in foretelling the distance after time t [m]."""
+        now, then = self.ask().distance[0], self.after(V, t).distance[0]
+        return abs(then - now - t * (gradient @ V))
+
+    def foretells(self, gradient, V, t=1e-4):
+        """Tell whether what a gradient leaves over falls with the square of the time.
+
+        That is Taylor's test: a wrong gradient leaves over what falls with the time itself, and so
+        does any where there is a kink. Distances are exact to 1e-10 m at the worst.
+        """
+        return all(
+            self.remainder(gradient, V, 0.1 * s) <= 0.03 * self.remainder(gradient, V, s) + 1e-10
+            for s in (t, -t)
+        )
+
+
+def random_pair(rng, names, distance):
+    """Return a pair at random poses, brought to a distance."""
+    pair = MovingPair(*(SHAPES[name] for name in names))
+    X_WA, X_WB = (RigidTransform(RotationMatrix(random_rotation(rng)), p) for p in 2 * [[0, 0, 0]])
+    direction = random_directions(rng, 1)[0]
+    if 'half_space' in names:
+        sign = 1.0 if names[0] == 'half_space' else -1.0
+        direction = sign * (X_WA if sign > 0 else X_WB).rotation().matrix()[:, 2]
+    pair.pose(X_WA, RigidTransform(X_WB.rotation(), 2.0 * direction))
+    # Out of an overlap bodies come by a face or by crossing edges, not by corners alone.
+    return pair.bring_to(0.05).bring_to(-0.01 if distance == 0.0 else distance).bring_to(distance)
+
+
+def lattice_pair(names, turns, place):
+    """Return a pair of blunt shapes, turned by right angles, whose sizes are multiples of 0.1 m.
+
+    So features lie parallel, in line and concentric. ``turns`` are two numbers below 24, and B is
+    at ``place``, three whole numbers, in steps of 0.1 m from A.
+    """
+    pair = MovingPair(*(LATTICE_SHAPES[name] for name in names), *2 * [RigidTransform()])
+    X_WA, X_WB = (RigidTransform(RotationMatrix(QUARTERS[k])) for k in turns)
+    return pair.pose(X_WA, RigidTransform(X_WB.rotation(), 0.1 * np.array(place)))
