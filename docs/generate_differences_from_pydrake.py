@@ -55,7 +55,9 @@ _IN_WORDS = """
 - Every answer has an `error_bound`, and every query takes `accuracy`: see [concepts](concepts.md).
 - A file that was pickled with pydrake contains objects of pydrake.
 - Error texts differ; they say what was asked and what is allowed.
-- There is one scalar type, float: `SceneGraph_[float]`.
+- The scalar types are float and AutoDiffXd: there is no `SceneGraph_[Expression]`. AutoDiffXd is
+  answered for all pairs of shapes, and where a point or normal has no derivative asking for it
+  raises: see [derivatives](derivatives.md).
 - There is no systems framework: a SceneGraph is not a LeafSystem, and its ports have only
   `FixValue` and `Eval`. Also missing are `pydrake.geometry.optimization` and the names that served
   pictures in 2020 (`pydrake.geometry.render`, `ConnectDrakeVisualizer`,

@@ -31,6 +31,8 @@ class SceneGraphContext:
     with ``partial``, leave out what hangs on it.
     """
 
+    scalar = 'float'  # of the poses: a query object is of the same
+
     def __init__(
         self, model: Model, filters: FilterState, accuracy: str, partial: bool = False
     ) -> None:
@@ -50,7 +52,7 @@ class SceneGraphContext:
 
     def copy(self) -> SceneGraphContext:
         """Return a context that shares nothing that either could change."""
-        other = SceneGraphContext.__new__(SceneGraphContext)
+        other = SceneGraphContext.__new__(type(self))
         other._model = self._model.copy()
         other._filters = self._filters.copy()
         other._accuracy = self._accuracy
@@ -76,7 +78,7 @@ class SceneGraphContext:
         world = self._up_to_date_world()
         if self._snapshot is None or self._snapshot.versions != self._model.versions:
             self._snapshot = self._model.copy()
-        other = SceneGraphContext.__new__(SceneGraphContext)
+        other = SceneGraphContext.__new__(type(self))
         other.__dict__.update(self.__dict__)
         other._model = self._snapshot
         other._filters = self._filters.copy()

@@ -1,5 +1,17 @@
-"""The templates of pydrake.geometry, each with the one scalar type that there is."""
+"""The templates of pydrake.geometry: of floats, and those that queries need of AutoDiffXd."""
 
+from drake_geom_ros.autodiffutils import AutoDiffXd
+from drake_geom_ros.geometry.autodiff.context import (
+    SceneGraphAutoDiffXd,
+    SceneGraphInspectorAutoDiffXd,
+)
+from drake_geom_ros.geometry.autodiff.poses import FramePoseVectorAutoDiffXd
+from drake_geom_ros.geometry.autodiff.query_object import QueryObjectAutoDiffXd
+from drake_geom_ros.geometry.autodiff.records import (
+    PenetrationAsPointPairAutoDiffXd,
+    SignedDistancePairAutoDiffXd,
+    SignedDistanceToPointAutoDiffXd,
+)
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.plane import Plane
 from drake_geom_ros.geometry.polygon_mesh import PolygonSurfaceMesh
@@ -26,3 +38,11 @@ SignedDistanceToPoint_ = ScalarTemplate(SignedDistanceToPoint)
 SurfaceMesh_ = ScalarTemplate(SurfaceMesh)
 SurfaceVertex_ = ScalarTemplate(SurfaceVertex)
 TriangleSurfaceMesh_ = ScalarTemplate(TriangleSurfaceMesh)
+
+FramePoseVector_.add(AutoDiffXd, FramePoseVectorAutoDiffXd)
+PenetrationAsPointPair_.add(AutoDiffXd, PenetrationAsPointPairAutoDiffXd)
+QueryObject_.add(AutoDiffXd, QueryObjectAutoDiffXd)
+SceneGraph_.add(AutoDiffXd, SceneGraphAutoDiffXd)
+SceneGraphInspector_.add(AutoDiffXd, SceneGraphInspectorAutoDiffXd)
+SignedDistancePair_.add(AutoDiffXd, SignedDistancePairAutoDiffXd)
+SignedDistanceToPoint_.add(AutoDiffXd, SignedDistanceToPointAutoDiffXd)

@@ -97,6 +97,8 @@ class SceneGraph:
         [0.0, 0.0, 1.0]
     """
 
+    _context_type = SceneGraphContext
+
     def __init__(self, *, accuracy: str = 'exact') -> None:
         """``accuracy`` is that of queries which name none: bound, fast, balanced or exact."""
         self._model = Model()
@@ -302,11 +304,20 @@ class SceneGraph:
         Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
         queries raise PoseError, which names the frames, until each frame was given one.
         """
-        return SceneGraphContext(self._model.copy(), self._filters.copy(), self._default_accuracy)
+        model, filters = self._model.copy(), self._filters.copy()
+        return self._context_type(model, filters, self._default_accuracy)
 
     def Clone(self) -> SceneGraph:
         """Return a scene of its own, with the same ids, filters and default accuracy."""
-        other = SceneGraph(accuracy=self._default_accuracy)
+        other = type(self)(accuracy=self._default_accuracy)
+        other._model, other._filters = self._model.copy(), self._filters.copy()
+        return other
+
+    def ToAutoDiffXd(self) -> SceneGraph:
+        """Return a scene of its own for poses of AutoDiffXd, with the same ids and filters."""
+        from drake_geom_ros.geometry.autodiff.context import SceneGraphAutoDiffXd
+
+        other = SceneGraphAutoDiffXd(accuracy=self._default_accuracy)
         other._model, other._filters = self._model.copy(), self._filters.copy()
         return other
 
@@ -317,7 +328,7 @@ class SceneGraph:
         ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
         on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
         """
-        return SceneGraphContext(self._model, self._filters, self._default_accuracy, partial)
+        return self._context_type(self._model, self._filters, self._default_accuracy, partial)
 
     def get_source_pose_port(self, source_id: SourceId) -> SourcePosePort:
         """Return the port that takes the poses of a source's frames.

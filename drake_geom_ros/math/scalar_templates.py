@@ -8,7 +8,10 @@ _T = TypeVar('_T')
 
 
 class ScalarTemplate(Generic[_T]):
-    """A class by its scalar type, as pydrake names it; there is one, for ``float``.
+    """A class by its scalar type, as pydrake names it: for ``float``, and for what was added.
+
+    ``drake_geom_ros.autodiffutils`` adds classes for its AutoDiffXd, which pydrake's stands for,
+    too.
 
     >>> from drake_geom_ros.math import RigidTransform, RigidTransform_
     >>> RigidTransform_[float] is RigidTransform
@@ -16,13 +19,25 @@ class ScalarTemplate(Generic[_T]):
     """
 
     def __init__(self, instantiation: type[_T]) -> None:
-        self._instantiation = instantiation
+        self._name = f'{instantiation.__name__}_'
+        self._instantiations: dict[str, Any] = {'float': instantiation}
+
+    def add(self, scalar: type, instantiation: type) -> None:
+        """Make a class the one for a scalar type."""
+        self._instantiations[scalar.__name__] = instantiation
 
     def __getitem__(self, scalar: Any) -> type[_T]:
-        """Return the class for a scalar type; raises RuntimeError for any but float."""
-        if scalar not in (float, (float,)):
-            raise RuntimeError(f'{self!r} was asked for {scalar!r}; there is {self!r}[float] only')
-        return self._instantiation
+        """Return the class for a scalar type; raises RuntimeError for one that there is not."""
+        asked = scalar[0] if isinstance(scalar, tuple) and len(scalar) == 1 else scalar
+        name = getattr(asked, '__name__', '')
+        # By name, for pydrake's AutoDiffXd is known without pydrake.
+        home = getattr(asked, '__module__', '').partition('.')[0]
+        known = asked is float or (name != 'float' and home in ('drake_geom_ros', 'pydrake'))
+        if not known or name not in self._instantiations:
+            there = ', '.join(f'{self!r}[{known}]' for known in self._instantiations)
+            raise RuntimeError(f'{self!r} was asked for {scalar!r}; there is {there} only')
+        found: type[_T] = self._instantiations[name]
+        return found
 
     def __repr__(self) -> str:
-        return f'{self._instantiation.__name__}_'
+        return self._name

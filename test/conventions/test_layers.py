@@ -33,9 +33,13 @@ ROS_ROOMS = {
 LAYERS = {
     '': (('command_line',), ()),
     'math': (('math',), ('numpy',)),
+    'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'geometry/_proximity': (('math', 'geometry/_proximity'), ('numpy', 'numba', 'llvmlite')),
-    'geometry': (('math', 'common', 'geometry', 'geometry/_proximity'), ('numpy',)),
+    'geometry': (
+        ('math', 'common', 'autodiffutils', 'geometry', 'geometry/_proximity'),
+        ('numpy',),
+    ),
     'scene_files': (
         ('math', 'common', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),

@@ -4,6 +4,7 @@ import pytest
 
 import drake_geom_ros.geometry
 import drake_geom_ros.math
+from drake_geom_ros.autodiffutils import AutoDiffXd
 
 # CORE_API.md, "What must be there", in its order.
 PYDRAKES = """
@@ -56,15 +57,20 @@ def test_math():
 
 
 @pytest.mark.parametrize('module', [drake_geom_ros.geometry, drake_geom_ros.math])
-def test_templates_have_the_one_scalar_type(module):
+def test_templates_have_their_scalar_types(module):
     names = [name for name in module.__all__ if name.endswith('_')]
     assert len(names) in (3, 12)
     for name in names:
         template = getattr(module, name)
         assert template[float] is getattr(module, name[:-1])
         assert repr(template) == name
-        with pytest.raises(RuntimeError, match=r'\[float\] only'):
+        with pytest.raises(RuntimeError, match=rf'there is {name}\[float\].* only'):
             template[complex]
+        if any(word in name for word in ('Mesh', 'Vertex', 'Plane')):
+            with pytest.raises(RuntimeError, match=r'\[float\] only'):
+                template[AutoDiffXd]
+        else:
+            assert template[AutoDiffXd].__name__ == f'{name[:-1]}AutoDiffXd'
 
 
 def test_every_name_exists_and_says_what_it_is():

@@ -47,6 +47,14 @@ Indices = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 
+class Features(NamedTuple):
+    """What is extreme along the normals of k pairs, of A and of B; see ``kernels.features``."""
+
+    axes: Floats  # (k, 2, 3) unit vectors u, v at right angles to the normal
+    numbers: Floats  # (k, 2, 6) those of a ``Feature``
+    inside: Booleans  # (k, 2) whether the witness point is inside the edge or face
+
+
 class Posed(NamedTuple):
     """The shapes and where they were when a query was answered, for what is asked of it later."""
 
@@ -144,7 +152,7 @@ def _extent(numbers):  # type: ignore[no-untyped-def]
 def pair_features(rows, places, scene, axes, features, inside):  # type: ignore[no-untyped-def]
     """Fill ``features`` (k, 2, 6) of A and B and whether the witnesses are ``inside`` (k, 2).
 
-    They are told in axes u, v as ``_axes`` gives for n = nhat_BA_W, which ``axes`` (k, 2, 3) get.
+    Those are told in two axes at right angles to nhat_BA_W, which ``axes`` (k, 2, 3) get.
     """
     for k in range(places.shape[0]):
         numbers = row(rows, k)
@@ -239,3 +247,12 @@ def gradients_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> tuple[Floats
     for array in (gradients, unique):
         array.setflags(write=False)
     return gradients, unique
+
+
+def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
+    """Return what is extreme along the normals of rows (k, BATCH_WIDTH) of pairs (k, 2)."""
+    k = len(ids)
+    found = Features(np.empty((k, 2, 3)), np.empty((k, 2, 6)), np.empty((k, 2), dtype=np.bool_))
+    shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
+    pair_features(_read_only(rows), places_of(scene, ids), shapes, *found)
+    return found

@@ -1,0 +1,1 @@
+"""Queries about poses that carry derivatives: the instantiations for AutoDiffXd."""

@@ -1,0 +1,142 @@
+"""A scene whose poses carry derivatives, its contexts and ports."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.autodiffutils import AutoDiffXd
+from drake_geom_ros.geometry._proximity.world import World
+from drake_geom_ros.geometry.autodiff.poses import FramePoseVectorAutoDiffXd
+from drake_geom_ros.geometry.autodiff.query_object import QueryObjectAutoDiffXd
+from drake_geom_ros.geometry.context import SceneGraphContext
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.ids import SourceId
+from drake_geom_ros.geometry.instances import checked_type
+from drake_geom_ros.geometry.scene_graph import SceneGraph
+from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
+
+Floats = NDArray[np.float64]
+Poses = FramePoseVector | FramePoseVectorAutoDiffXd
+
+
+class SceneGraphContextAutoDiffXd(SceneGraphContext):
+    """A context of ``SceneGraph_[AutoDiffXd]``: poses, and how they move for each variable."""
+
+    scalar = 'AutoDiffXd'
+    _velocities: dict[int, Floats] | None = None  # V_PF (6, n) by the frame's id value
+    _number: Any = AutoDiffXd  # the type of the numbers that poses came in
+
+    def copy(self) -> SceneGraphContextAutoDiffXd:
+        """Return a context that shares nothing that either could change."""
+        other = super().copy()
+        assert isinstance(other, SceneGraphContextAutoDiffXd)
+        other._velocities, other._number = self._velocities, self._number
+        return other
+
+    def SetFramePoses(self, source_id: SourceId, poses: Poses) -> None:
+        """Pose all frames of a source, or none, as SceneGraphContext does."""
+        values, velocities = _taken_apart(poses)
+        super().SetFramePoses(source_id, values)
+        self._take(poses, values, velocities)
+
+    def UpdateFramePoses(self, poses: Poses) -> None:
+        """Pose the frames that ``poses`` names; those of floats are constants."""
+        values, velocities = _taken_apart(poses)
+        super().UpdateFramePoses(values)
+        self._take(poses, values, velocities)
+
+    def _take(self, poses: Poses, values: FramePoseVector, velocities: dict[int, Floats]) -> None:
+        frames = values.id_values().tolist()
+        kept = {id: V for id, V in (self._velocities or {}).items() if id not in frames}
+        self._velocities = {**kept, **velocities}
+        if isinstance(poses, FramePoseVectorAutoDiffXd):
+            self._number = poses._scalar()
+
+    def _spatial_velocities(self, world: World) -> Floats:
+        """Return V_WF (nf, 6, n) of all frames, each by its row, for the n variables.
+
+        Raises PoseError where poses are of different variables.
+        """
+        known = self._velocities or {}
+        sizes = {V.shape[1] for V in known.values()} - {0}
+        if len(sizes) > 1:
+            raise PoseError(
+                f'Poses of frames have derivatives by {sorted(sizes)} variables; all must be by '
+                'the same ones, see InitializeAutoDiffTuple.'
+            )
+        count = len(world.frames.ids)
+        V_WFs = np.zeros((count, 6, sizes.pop() if sizes else 0))
+        for row in range(1, count):
+            parent = int(world.frames.parents[row])
+            w_WP, p_PF_W = V_WFs[parent, :3], world.p_WFs[row] - world.p_WFs[parent]
+            V_WFs[row] = V_WFs[parent]
+            V_WFs[row, 3:] += np.cross(w_WP, p_PF_W[:, None], axis=0)
+            V_PF = known.get(int(world.frames.ids[row]))
+            if V_PF is not None and V_PF.shape[1]:
+                R_WP = world.R_WFs[parent]
+                V_WFs[row] += np.concatenate((R_WP @ V_PF[:3], R_WP @ V_PF[3:]))
+        return V_WFs
+
+
+def _taken_apart(poses: Poses) -> tuple[FramePoseVector, dict[int, Floats]]:
+    if isinstance(poses, FramePoseVectorAutoDiffXd):
+        return poses._taken_apart()
+    return poses, {}
+
+
+class SceneGraphInspectorAutoDiffXd(SceneGraphInspector):
+    """The inspector of a ``SceneGraph_[AutoDiffXd]``: what it tells has no derivatives."""
+
+
+class SourcePosePortAutoDiffXd:
+    """Takes the poses of one source's frames."""
+
+    def __init__(self, source_id: SourceId) -> None:
+        self._source_id = source_id
+
+    def FixValue(
+        self, context: SceneGraphContextAutoDiffXd, value: FramePoseVectorAutoDiffXd
+    ) -> None:
+        """Pose all frames of the source in a context, or none."""
+        checked_type(context, SceneGraphContextAutoDiffXd, 'FixValue: context')
+        checked_type(value, FramePoseVectorAutoDiffXd, 'FixValue: value')
+        context.SetFramePoses(self._source_id, value)
+
+
+class QueryPortAutoDiffXd:
+    """Gives the query object of a context."""
+
+    def Eval(self, context: SceneGraphContextAutoDiffXd) -> QueryObjectAutoDiffXd:
+        """Return a live query object: one that sees later poses of the context."""
+        return QueryObjectAutoDiffXd(
+            checked_type(context, SceneGraphContextAutoDiffXd, 'Eval: context')
+        )
+
+
+class SceneGraphAutoDiffXd(SceneGraph):
+    """A ``SceneGraph`` whose frames have poses of AutoDiffXd; see ``docs/derivatives.md``.
+
+    Everything is registered as in any scene. Values are answered by the same engine, and all
+    pairs of shapes have derivatives.
+    """
+
+    _context_type = SceneGraphContextAutoDiffXd
+
+    def model_inspector(self) -> SceneGraphInspectorAutoDiffXd:
+        """Return the inspector of this scene's model."""
+        return SceneGraphInspectorAutoDiffXd(self._model, self._filters)
+
+    def get_source_pose_port(  # type: ignore[override]
+        self, source_id: SourceId
+    ) -> SourcePosePortAutoDiffXd:
+        """Return the port that takes the poses of a source's frames, with derivatives."""
+        self._model.source_name(source_id)
+        return SourcePosePortAutoDiffXd(source_id)
+
+    def get_query_output_port(self) -> QueryPortAutoDiffXd:  # type: ignore[override]
+        """Return the port that gives the query object of a context."""
+        return QueryPortAutoDiffXd()

@@ -1,0 +1,170 @@
+"""Derivatives of points and normals of results, computed for the records that are asked for them.
+
+Where the normal turns with the motion only by curvature that is known they exist; see
+``witnesses``.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.autodiffutils.arrays import autodiff_array
+from drake_geom_ros.geometry._proximity.batches import (
+    BATCH_WIDTH,
+    P_ACA,
+    P_BCB,
+    P_FACA,
+    P_FBCB,
+)
+from drake_geom_ros.geometry._proximity.derivatives import Features, features_of_pairs, places_of
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    NORMAL,
+    UNIQUE,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.tolerances import SOFT
+from drake_geom_ros.geometry.autodiff.witnesses import Motion, Side, motion_of, side_of
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.query_results import (
+    PenetrationResults,
+    PointDistanceResults,
+    SignedDistanceResults,
+)
+
+Floats = NDArray[np.float64]
+_BORDER = 'a nearest point lies on the border of an edge or face, where its motion has a kink'
+
+
+class PairWitnesses:
+    """Knows how the witness points and normals of pairs move with the frames."""
+
+    def __init__(
+        self, found: SignedDistanceResults | PenetrationResults, V_WFs: Floats, number: Any
+    ) -> None:
+        self._found, self._number = found, number
+        self._ids, self._rows = found._batch.ids, found._batch.rows
+        self._places = places_of(found._scene, self._ids)
+        frames = found._scene.frames[self._places]
+        self.velocities = V_WFs[frames[:, 0]], V_WFs[frames[:, 1]]
+
+    @cached_property
+    def _features(self) -> Features:
+        return features_of_pairs(self._found._scene, self._ids, self._rows)
+
+    def in_bodies(self, k: int) -> dict[str, Any]:
+        """Return nhat_BA_W, p_ACa, p_BCb of pair k; raises GeometryError without derivatives."""
+        row, motion, _ = self._motion(k)
+        scene, (a, b) = self._found._scene, self._places[k]
+        return {
+            'nhat_BA_W': self._numbers(row, NORMAL, motion.nhat),
+            'p_ACa': self._numbers(row, P_ACA, scene.R_WGs[a].T @ motion.of_a),
+            'p_BCb': self._numbers(row, P_BCB, scene.R_WGs[b].T @ motion.of_b),
+        }
+
+    def in_world(self, k: int) -> dict[str, Any]:
+        """Return nhat_BA_W, p_WCa, p_WCb of pair k; raises GeometryError without derivatives."""
+        row, motion, (v_a, v_b) = self._motion(k)
+        return {
+            'nhat_BA_W': self._numbers(row, NORMAL, motion.nhat),
+            'p_WCa': self._numbers(row, WITNESS_A, v_a + motion.of_a),
+            'p_WCb': self._numbers(row, WITNESS_B, v_b + motion.of_b),
+        }
+
+    def _numbers(self, row: Floats, column: int, rates: Floats) -> Any:
+        return autodiff_array(row[column : column + 3], rates, self._number)
+
+    def _motion(self, k: int) -> tuple[Floats, Motion, tuple[Floats, Floats]]:
+        """Return a row, how its points and normal move, and the velocities of the material."""
+        row, features = self._rows[k], self._features
+        V_A, V_B = self.velocities[0][k], self.velocities[1][k]
+        if V_A.shape[1] == 0:  # constants
+            none = np.zeros((3, 0))
+            return row, Motion(none, none, none), (none, none)
+        if why := self._why_not(k):
+            raise GeometryError(f'The derivatives of points and normal were asked for, but {why}.')
+        n, U = row[NORMAL : NORMAL + 3], features.axes[k].T
+        v_a, v_b = (
+            V[3:] + np.cross(V[:3], row[at : at + 3, None], axis=0)
+            for V, at in ((V_A, P_FACA), (V_B, P_FBCB))
+        )
+        A = side_of(features.numbers[k, 0], U, n, V_A[:3], v_a)
+        B = side_of(features.numbers[k, 1], U, n, V_B[:3], v_b)
+        return row, motion_of(row[DISTANCE], n, U, A, B), (v_a, v_b)
+
+    def _why_not(self, k: int) -> str:
+        """Return why pair k has no derivatives but those of the distance, or nothing."""
+        types = self._found._scene.types[self._places[k]].tolist()
+        if self._found.method[k] == BOUND_ONLY:
+            return 'bounds alone answered: ask for another accuracy'
+        if SOLID in types and HALF_SPACE not in types:
+            return (
+                "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
+            )
+        if not self._rows[k, UNIQUE]:
+            return 'the normal is not the only one'
+        if not self._found.is_gradient_unique[k]:
+            return 'the nearest points, or the normal where bodies touch, are not the only ones'
+        return '' if self._features.inside[k].all() else _BORDER
+
+
+class PointWitnesses:
+    """Knows how the nearest points and gradients of distances to points move."""
+
+    def __init__(
+        self, found: PointDistanceResults, V_WFs: Floats, v_Qs: Floats, number: Any
+    ) -> None:
+        self._found, self._number = found, number
+        scene = found._scene
+        self._places = places_of(scene, found.id_G)
+        self._p_FQs = found._p_WQs[found.point_index] - scene.p_WFs[scene.frames[self._places]]
+        self.velocities: Floats = V_WFs[scene.frames[self._places]]
+        self.of_points: Floats = v_Qs[found.point_index]
+
+    @cached_property
+    def _features(self) -> Features:
+        """Those of G, as if it were met by itself: only B's side is looked at."""
+        found, rows = self._found, np.zeros((len(self._places), BATCH_WIDTH))
+        rows[:, NORMAL : NORMAL + 3], rows[:, P_BCB : P_BCB + 3] = found.grad_W, found.p_GN
+        return features_of_pairs(found._scene, np.column_stack((found.id_G, found.id_G)), rows)
+
+    def nearest(self, k: int) -> dict[str, Any]:
+        """Return grad_W and p_GN of answer k; raises GeometryError where they have none."""
+        found, V = self._found, self.velocities[k]
+        n, place = found.grad_W[k], self._places[k]
+        motion = Motion(*3 * [np.zeros((3, 0))])
+        if V.shape[1]:
+            motion = self._motion(k, n)
+        of_N = found._scene.R_WGs[place].T @ motion.of_b
+        return {
+            'grad_W': autodiff_array(n, motion.nhat, self._number),
+            'p_GN': autodiff_array(found.p_GN[k], of_N, self._number),
+        }
+
+    def _motion(self, k: int, n: Floats) -> Motion:
+        found, V, phi = self._found, self.velocities[k], float(self._found.distance[k])
+        features, p_FN = self._features, self._p_FQs[k] - phi * n
+        why = ''
+        if found._scene.types[self._places[k]] == SOLID:
+            why = "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
+        elif not found.is_grad_W_unique[k]:
+            why = 'the gradient is not the only one'
+        elif not features.inside[k, 1]:
+            why = _BORDER
+        U = features.axes[k].T
+        none = np.zeros((2, self.of_points.shape[-1]))
+        Q = Side(np.zeros((2, 0)), np.zeros((2, 2)), none, U.T @ self.of_points[k])
+        v_N = V[3:] + np.cross(V[:3], p_FN[:, None], axis=0)
+        G = side_of(features.numbers[k, 1], U, n, V[:3], v_N)
+        stiff = np.abs(np.linalg.eigvalsh(phi * np.eye(2) + G.M))
+        if not why and not G.D.size and stiff.min() <= SOFT * (abs(phi) + np.linalg.norm(p_FN)):
+            why = 'the point lies where the gradient turns at once: on a corner or an axis'
+        if why:
+            raise GeometryError(f'The derivatives of p_GN and grad_W were asked for, but {why}.')
+        return motion_of(phi, n, U, Q, G)

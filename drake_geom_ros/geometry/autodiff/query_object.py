@@ -1,0 +1,212 @@
+"""The queries about poses that carry derivatives."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.autodiffutils.arrays import (
+    autodiff_array,
+    derivatives_of,
+    scalar_type,
+    values_of,
+)
+from drake_geom_ros.autodiffutils.autodiff import is_autodiff
+from drake_geom_ros.geometry.autodiff.derived import PairWitnesses, PointWitnesses
+from drake_geom_ros.geometry.autodiff.poses import with_derivatives
+from drake_geom_ros.geometry.autodiff.records import (
+    PenetrationAsPointPairAutoDiffXd,
+    SignedDistancePairAutoDiffXd,
+    SignedDistanceToPointAutoDiffXd,
+)
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.query_object import QueryObject
+
+if TYPE_CHECKING:
+    from drake_geom_ros.autodiffutils.transforms import RigidTransformAutoDiffXd
+    from drake_geom_ros.geometry.autodiff.context import SceneGraphContextAutoDiffXd
+    from drake_geom_ros.geometry.query_results import PenetrationResults, SignedDistanceResults
+    from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
+
+Floats = NDArray[np.float64]
+
+
+class QueryObjectAutoDiffXd:
+    """Answers queries about a context of ``SceneGraph_[AutoDiffXd]``, with derivatives.
+
+    Values are those of ``QueryObject``; distances and depths have the derivatives of
+    ``gradients``, for every pair of shapes. One that is made of nothing answers no query.
+    """
+
+    def __init__(self, context: SceneGraphContextAutoDiffXd | None = None) -> None:
+        self._maybe_context = context
+        self._values = QueryObject(context)
+
+    def __copy__(self) -> QueryObjectAutoDiffXd:
+        return QueryObjectAutoDiffXd(self._context.copy())
+
+    def __deepcopy__(self, memo: dict[int, object]) -> QueryObjectAutoDiffXd:
+        return self.__copy__()
+
+    @property
+    def _context(self) -> SceneGraphContextAutoDiffXd:
+        if self._maybe_context is None:
+            raise GeometryError(
+                'A default QueryObject was asked a query, and it belongs to no scene: take one '
+                'from the query output port of a SceneGraph_[AutoDiffXd].'
+            )
+        return self._maybe_context
+
+    def inspector(self) -> SceneGraphInspector:
+        """Return the inspector of this context's model."""
+        from drake_geom_ros.geometry.autodiff.context import SceneGraphInspectorAutoDiffXd
+
+        return SceneGraphInspectorAutoDiffXd(self._context._model, self._context._filters)
+
+    # Where things are.
+
+    def GetPoseInWorld(self, id: FrameId | GeometryId) -> RigidTransformAutoDiffXd:
+        """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
+        return self.X_WG(id) if isinstance(id, GeometryId) else self.X_WF(id)
+
+    def GetPoseInParent(self, frame_id: FrameId) -> RigidTransformAutoDiffXd:
+        """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
+        return self.X_PF(frame_id)
+
+    def X_WF(self, id: FrameId) -> RigidTransformAutoDiffXd:
+        """Return the pose of a frame in the world; raises for an id that is not here."""
+        X_WF = self._values.X_WF(id)
+        world, row = self._context._placed_frame(id)
+        V_WF = self._context._spatial_velocities(world)[row]
+        return with_derivatives(X_WF, V_WF, self._context._number)
+
+    def X_PF(self, id: FrameId) -> RigidTransformAutoDiffXd:
+        """Return the pose of a frame in its parent; raises for an id that is not here."""
+        V_PF = (self._context._velocities or {}).get(id.get_value(), np.zeros((6, 0)))
+        return with_derivatives(self._values.X_PF(id), V_PF, self._context._number)
+
+    def X_WG(self, id: GeometryId) -> RigidTransformAutoDiffXd:
+        """Return the pose of a geometry in the world; raises for an id that is not here."""
+        record = self._context._model.geometry(id)
+        X_WG: RigidTransformAutoDiffXd = self.X_WF(record.frame_id) @ record.X_FG
+        return X_WG
+
+    # Pairs.
+
+    def ComputePointPairPenetration(
+        self, *, accuracy: str | None = None
+    ) -> list[PenetrationAsPointPairAutoDiffXd]:
+        """Return the unfiltered pairs that overlap, as QueryObject does."""
+        found = self._values.ComputePointPairPenetration(accuracy=accuracy)
+        depths, witnesses = self._of_pairs(found, found.depth)
+        return [
+            PenetrationAsPointPairAutoDiffXd(
+                id_A=GeometryId(int(found.id_A[k])),
+                id_B=GeometryId(int(found.id_B[k])),
+                depth=depths[k],
+                is_gradient_unique=bool(found.is_gradient_unique[k]),
+                error_bound=float(found.error_bound[k]),
+                method=int(found.method[k]),
+            )._completed_by(partial(witnesses.in_world, k))
+            for k in range(len(found))
+        ]
+
+    def ComputeSignedDistancePairwiseClosestPoints(
+        self, max_distance: float = math.inf, *, accuracy: str | None = None
+    ) -> list[SignedDistancePairAutoDiffXd]:
+        """Return the unfiltered pairs within ``max_distance`` [m], as QueryObject does."""
+        asked = self._values.ComputeSignedDistancePairwiseClosestPoints
+        return self._distances(asked(max_distance, accuracy=accuracy))
+
+    def ComputeSignedDistancePairClosestPoints(
+        self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
+    ) -> SignedDistancePairAutoDiffXd:
+        """Return the signed distance of two geometries, as QueryObject does."""
+        asked = self._values.signed_distance_of_pair
+        return self._distances(asked(geometry_id_A, geometry_id_B, accuracy=accuracy))[0]
+
+    def FindCollisionCandidates(self) -> list[tuple[GeometryId, GeometryId]]:
+        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids."""
+        return self._values.FindCollisionCandidates()
+
+    def HasCollisions(self) -> bool:
+        """Return whether ComputePointPairPenetration would report a pair."""
+        return self._values.HasCollisions()
+
+    def _distances(self, found: SignedDistanceResults) -> list[SignedDistancePairAutoDiffXd]:
+        """Return the records of results."""
+        distances, witnesses = self._of_pairs(found, found.distance)
+        return [
+            SignedDistancePairAutoDiffXd(
+                id_A=GeometryId(int(found.id_A[k])),
+                id_B=GeometryId(int(found.id_B[k])),
+                distance=distances[k],
+                is_nhat_BA_W_unique=bool(found.is_nhat_BA_W_unique[k]),
+                is_gradient_unique=bool(found.is_gradient_unique[k]),
+                error_bound=float(found.error_bound[k]),
+                method=int(found.method[k]),
+            )._completed_by(partial(witnesses.in_bodies, k))
+            for k in range(len(found))
+        ]
+
+    def _of_pairs(
+        self, found: SignedDistanceResults | PenetrationResults, values: Floats
+    ) -> tuple[Any, PairWitnesses]:
+        """Return what is reported as numbers with derivatives, and who knows of the points."""
+        V_WFs = self._context._spatial_velocities(self._context._up_to_date_world())
+        witnesses = PairWitnesses(found, V_WFs, self._context._number)
+        J_As, J_Bs = witnesses.velocities
+        rates = found._jacobian(J_As, J_Bs)
+        return autodiff_array(values, rates, self._context._number), witnesses
+
+    # Points.
+
+    def ComputeSignedDistanceToPoint(
+        self, p_WQ: Any, threshold: float = math.inf, *, accuracy: str | None = None
+    ) -> list[SignedDistanceToPointAutoDiffXd]:
+        """Return the signed distances from all geometries to a point, or to points (m, 3).
+
+        Points may be of floats: they stay where they are then. Otherwise as QueryObject does.
+        """
+        points = np.asarray(p_WQ)
+        asked = self._values.ComputeSignedDistanceToPoint
+        found = asked(values_of(points), threshold, accuracy=accuracy)
+        V_WFs = self._context._spatial_velocities(self._context._up_to_date_world())
+        v_Qs = derivatives_of(points.reshape(-1, 3))
+        V_WFs, v_Qs = _of_the_same(V_WFs, v_Qs)
+        moving = any(map(is_autodiff, points.astype(object).ravel()))
+        number = scalar_type(points) if moving else self._context._number
+        witnesses = PointWitnesses(found, V_WFs, v_Qs, number)
+        rates = found.distance_jacobian(witnesses.velocities, witnesses.of_points)
+        distances = autodiff_array(found.distance, rates, number)
+        return [
+            SignedDistanceToPointAutoDiffXd(
+                id_G=GeometryId(int(found.id_G[k])),
+                distance=distances[k],
+                is_grad_W_unique=bool(found.is_grad_W_unique[k]),
+                error_bound=float(found.error_bound[k]),
+                method=int(found.method[k]),
+                point_index=int(found.point_index[k]),
+            )._completed_by(partial(witnesses.nearest, k))
+            for k in range(len(found))
+        ]
+
+
+def _of_the_same(V_WFs: Floats, v_Qs: Floats) -> tuple[Floats, Floats]:
+    """Return both with as many variables, constants being of any."""
+    n, m = V_WFs.shape[-1], v_Qs.shape[-1]
+    if n and m and n != m:
+        raise ArgumentError(
+            f'ComputeSignedDistanceToPoint: poses have derivatives by {n} variables and p_WQ by '
+            f'{m}; both must be by the same ones, see InitializeAutoDiffTuple.'
+        )
+    if not n:
+        V_WFs = np.zeros((*V_WFs.shape[:-1], m))
+    if not m:
+        v_Qs = np.zeros((*v_Qs.shape[:-1], n))
+    return V_WFs, v_Qs

@@ -1,0 +1,79 @@
+"""What queries say of a pair, or of a geometry and a point, in numbers with derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from drake_geom_ros.geometry.ids import GeometryId
+
+
+class _Record:
+    """Named values; points and normals are computed when one of them is first asked for.
+
+    Their derivatives may not exist where those of the distance do: asking raises then.
+    """
+
+    _NAMES: ClassVar[tuple[str, ...]] = ()
+    _witnesses: Callable[[], dict[str, Any]] | None = None
+
+    def __init__(self, **values: Any) -> None:
+        for name, value in values.items():
+            if name not in self._NAMES:
+                raise TypeError(f'{type(self).__name__} has {", ".join(self._NAMES)}; not {name}')
+            setattr(self, name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name in self._NAMES and self._witnesses is not None:
+            vars(self).update(self._witnesses())
+            return vars(self)[name]
+        raise AttributeError(f'{type(self).__name__} has no {name}')
+
+    def _completed_by(self, witnesses: Callable[[], dict[str, Any]]) -> Any:
+        """Leave the rest to a function, and return this record."""
+        self._witnesses = witnesses
+        return self
+
+
+class SignedDistancePairAutoDiffXd(_Record):
+    """A ``SignedDistancePair`` of AutoDiffXd: distance, p_ACa, p_BCb and nhat_BA_W are such.
+
+    ``is_gradient_unique`` tells whether the distance has a derivative; else one of the generalised
+    gradient is given. Asking for points and the normal raises GeometryError, which says why, where
+    they have no derivatives. The error bound is one of the distance's value.
+    """
+
+    _NAMES = (
+        *('id_A', 'id_B', 'distance', 'p_ACa', 'p_BCb', 'nhat_BA_W', 'is_nhat_BA_W_unique'),
+        *('is_gradient_unique', 'error_bound', 'method'),
+    )
+    id_A: GeometryId
+    id_B: GeometryId
+
+
+class PenetrationAsPointPairAutoDiffXd(_Record):
+    """A ``PenetrationAsPointPair`` of AutoDiffXd: depth, p_WCa, p_WCb and nhat_BA_W are such.
+
+    As for ``SignedDistancePair_[AutoDiffXd]`` the depth always has derivatives, and asking for the
+    others may raise GeometryError.
+    """
+
+    _NAMES = (
+        *('id_A', 'id_B', 'depth', 'p_WCa', 'p_WCb', 'nhat_BA_W'),
+        *('is_gradient_unique', 'error_bound', 'method'),
+    )
+    id_A: GeometryId
+    id_B: GeometryId
+
+
+class SignedDistanceToPointAutoDiffXd(_Record):
+    """A ``SignedDistanceToPoint`` of AutoDiffXd: distance, p_GN and grad_W are such.
+
+    The distance always has derivatives, and asking for the others may raise GeometryError.
+    """
+
+    _NAMES = (
+        *('id_G', 'distance', 'p_GN', 'grad_W', 'is_grad_W_unique'),
+        *('error_bound', 'method', 'point_index'),
+    )
+    id_G: GeometryId
