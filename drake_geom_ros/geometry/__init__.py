@@ -7,6 +7,7 @@ from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
 from drake_geom_ros.geometry.bounding_boxes import Aabb, Obb
+from drake_geom_ros.geometry.closing import ClosingSpeeds, closing_speeds
 from drake_geom_ros.geometry.collision_filter_declaration import (
     CollisionFilterDeclaration,
     CollisionFilterScope,
@@ -190,6 +191,8 @@ __all__ = [
     'PenetrationResults',
     'SignedDistanceResults',
     'PointDistanceResults',
+    'ClosingSpeeds',
+    'closing_speeds',
     'Effects',
     'ACCURACY_LEVELS',
     'ACCURACY_GAPS',

@@ -224,6 +224,11 @@ class ConfiguredNode:
         profile = sensor_data()
         kind, topic = messages.FramePoses, '~/frame_poses'
         self._surface.subscription(kind, topic, take_poses, profile, groups.stream)
+        if values.closing_speeds:
+            with self.live.editing() as scene:
+                scene.watch_motion(values.stale_after)
+            twists = messages.FrameTwists, '~/frame_twists', self._stream.take_twists
+            self._listen(*twists, profile, groups.stream)
         points = PointQueries(
             self.live,
             self._point_publisher,

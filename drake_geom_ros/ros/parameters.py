@@ -49,6 +49,7 @@ class NodeParameters:
     replay_dir: str = ''
     replay_limit: int = 20
     cross_check: float = 0.0
+    closing_speeds: bool = False
     service_depth: int = 1000
     max_answer_size: float = 64.0
     watchdog: float = 60.0
@@ -115,6 +116,10 @@ TEXTS = {
     'cross_check': (
         'Cycles per second [Hz] of which python-fcl, in its own process, checks a sample of the '
         'pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
+    ),
+    'closing_speeds': (
+        '~/signed_distances tells how fast pairs come together and when they meet, from '
+        '~/frame_twists or from the last two stamped poses of a frame.'
     ),
     'service_depth': (
         'Largest number of waiting calls, and of answers being sent, of each service; further '

@@ -43,6 +43,11 @@ class PoseStream:
             self._posed(scene, scene.take_poses(message, waited), start)
         self._diagnostics.take(time.perf_counter() - start)
 
+    def take_twists(self, message: Any) -> None:
+        """Take a FrameTwists; raises RuntimeError to refuse it."""
+        with self._live.editing() as scene:
+            scene.take_twists(message)
+
     def hear_transforms(self, tf: TfInput, static: bool, message: Any, waited: float) -> Refusal:
         """Take a TFMessage that came ``waited`` [s] ago; return what was not taken of it."""
         with self._live.editing():

@@ -56,7 +56,16 @@ persistent filters wait until the history is gone
 transient 2 removed                    [[2, 3], [3, 4]] depths [0.2]
 persistent: all allowed again          [[0, 1], [1, 2], [2, 3], [3, 4]] depths [0.2]
 """
+# The ball is at 0.6 (cos 0.5, sin 0.5), the edge of the box at (0.7, 0.65): the distance is
+# hypot(0.17345, 0.362345) - 0.1, and its derivatives are those of that formula.
+AUTODIFF_GRADIENTS = """\
+distance     [0.30172] [[-0.350738, 0.43177]]
+normal       [-0.43177  -0.901984  0.      ] [[-1.093035, -2.02523], [0.523224, 0.969456], [0.0, 0.0]]
+point to box [0.40172] [[-0.350738, 0.43177]]
+position     [0.52655  0.287655 0.05    ] [[-0.287655, 0.0], [0.52655, 0.0], [0.0, 0.0]]
+"""  # noqa: E501
 EXPECTED = {
+    'autodiff_gradients.py': AUTODIFF_GRADIENTS,
     'register_and_query.py': REGISTER_AND_QUERY,
     'transient_filters.py': TRANSIENT_FILTERS,
 }
@@ -74,6 +83,24 @@ def output(script, *arguments):
 @pytest.mark.parametrize('name', EXPECTED)
 def test_it_tells_the_truth(name):
     assert output(EXAMPLES / name) == EXPECTED[name]
+
+
+def test_a_body_descends_out_of_its_collision():
+    told = output(EXAMPLES / 'out_of_a_collision.py').splitlines()
+    assert told[0].startswith('step 0: 2 contacts, -0.06')
+    assert told[-1] == 'out of collision: True'
+    assert len(told) < 30
+
+
+def test_a_path_is_found_at_its_clearance(tmp_path):
+    pytest.importorskip('matplotlib')
+    picture = tmp_path / 'path.png'
+    assert output(EXAMPLES / 'around_obstacles.py', str(picture)).splitlines() == [
+        'straight: -0.170 m of the posts at the nearest',
+        'planned: 0.050 m of the posts at the nearest',
+        'found: True',
+    ]
+    assert picture.stat().st_size > 10_000
 
 
 @pytest.mark.skipif(not importlib.util.find_spec('pydrake'), reason='pydrake is not installed')

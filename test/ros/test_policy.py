@@ -60,6 +60,7 @@ def node(tmp_path):
         name=NAME,
         use_tf=has_tf,
         use_sim_time=True,
+        closing_speeds=True,
     )
     yield process
     assert process.end() == 0, process.output()

@@ -1,4 +1,4 @@
-"""FramePoses messages to poses of frames, no ROS import."""
+"""FramePoses and FrameTwists messages to what they say of frames, no ROS import."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.ros.conversions.names import NameTable
 
 _POSE_WIDTH = 7
+_TWIST_WIDTH = 6
 
 
 class FramePosesReader:
-    """Reads FramePoses messages of one version of a scene.
+    """Reads FramePoses and FrameTwists messages of one version of a scene.
 
     A stream names the same frames again and again, so the look-up of a list of names is kept.
     """
@@ -25,12 +26,6 @@ class FramePosesReader:
 
     def read(self, message: Any) -> FramePoseVector:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
-        world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
-        if frame_id not in ('', world_frame):
-            raise ArgumentError(
-                f'header.frame_id is {frame_id[:80]!r}; it must be the world frame, '
-                f'{world_frame!r}, or empty'
-            )
         frames = self._frames(message)
         poses = np.asarray(message.poses, dtype=np.float64)
         if poses.size != _POSE_WIDTH * len(frames):
@@ -40,8 +35,25 @@ class FramePosesReader:
             )
         return FramePoseVector.FromArrays(frames, poses.reshape(-1, _POSE_WIDTH))
 
+    def read_twists(self, message: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the ids (n,) of frames and V_WF (n, 6) of a FrameTwists; raises RuntimeError."""
+        frames = self._frames(message)
+        twists = np.asarray(message.twists, dtype=np.float64)
+        if twists.size != _TWIST_WIDTH * len(frames) or not np.isfinite(twists).all():
+            raise ArgumentError(
+                f'twists holds {twists.size} numbers for {len(frames)} frames; it must hold '
+                f'{_TWIST_WIDTH} finite ones a frame: wx wy wz vx vy vz'
+            )
+        return frames, twists.reshape(-1, _TWIST_WIDTH)
+
     def _frames(self, message: Any) -> NDArray[np.int64]:
         """Return the ids (n,) of the frames that a message names, in its order."""
+        world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
+        if frame_id not in ('', world_frame):
+            raise ArgumentError(
+                f'header.frame_id is {frame_id[:80]!r}; it must be the world frame, '
+                f'{world_frame!r}, or empty'
+            )
         if len(message.frame_names) and len(message.frame_ids):
             raise ArgumentError('frame_names and frame_ids are both given; exactly one must be')
         # Names and ids apart: a frame may be named as the id of another.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import (
+    ClosingSpeeds,
     PenetrationResults,
     PointDistanceResults,
     SignedDistanceResults,
@@ -49,6 +50,13 @@ def _fill_pairs(message: Any, results: PenetrationResults | SignedDistanceResult
     message.nhat_ba_w = floats(results.nhat_BA_W)
     message.error_bound = floats(results.error_bound)
     message.method = uint8s(results.method)
+
+
+def fill_closing_speeds(message: Any, speeds: ClosingSpeeds) -> None:
+    """Fill the closing speeds of a SignedDistancePairs message."""
+    message.has_closing_speed = speeds.known.tolist()
+    message.closing_speed = floats(speeds.speed)
+    message.time_to_contact = floats(speeds.time_to_contact)
 
 
 def fill_point_distances(

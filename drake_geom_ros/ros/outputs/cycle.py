@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from drake_geom_ros.geometry import METHODS, Effects
 from drake_geom_ros.ros.conversions.fields import floats
-from drake_geom_ros.ros.conversions.results import fill_penetrations, fill_signed_distances
+from drake_geom_ros.ros.conversions.results import (
+    fill_closing_speeds,
+    fill_penetrations,
+    fill_signed_distances,
+)
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside, Effect
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
@@ -118,7 +122,10 @@ class Cycle:
             fill_penetrations(self._messages['penetrations'], distances.penetrations())
             published[0] = self._publish('penetrations', moment)
         if wanted['signed_distances']:
-            fill_signed_distances(self._messages['signed_distances'], distances, max_distance)
+            message = self._messages['signed_distances']
+            fill_signed_distances(message, distances, max_distance)
+            if (speeds := scene.closing_speeds(distances)) is not None:
+                fill_closing_speeds(message, speeds)
             published[1] = self._publish('signed_distances', moment)
         if self.cross_check is not None:
             self.cross_check.look_at(scene, distances, reach)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import (
+    ArgumentError,
     FilterError,
     FilterId,
     FrameId,
@@ -16,9 +17,10 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
-from drake_geom_ros.ros.scene.clocks import Since
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
 
 
@@ -107,6 +109,18 @@ class EditableScene(HeldScene):
         if posed:
             self._ages.note(posed, stamp)
             self.feeders.note(feeder, posed.keys())
+            if self._twists is not None:
+                self._twists.note_poses(poses, _stamps(posed, stamp, feeder))
+
+    def take_twists(self, message: Any) -> None:
+        """Take a FrameTwists whole; raises RuntimeError where its stamp says no time."""
+        self._refresh()
+        frames, twists = self._reader.read_twists(message)
+        stamp = stamp_of(message.header.stamp)
+        if not stamp:
+            raise ArgumentError('header.stamp is 0; twists belong to the poses of their time')
+        if self._twists is not None:
+            self._twists.note_twists(frames, twists, stamp)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
@@ -139,6 +153,17 @@ class EditableScene(HeldScene):
         for owner, numbers in numbers_of.items():
             self.told.append(f'the lease of {_filters(numbers)} expired: removed{owned_by(owner)}')
         return expired
+
+
+def _stamps(posed: Mapping[int, Since], stamp: Any, feeder: str) -> dict[int, int]:
+    """Return the stamps [ns] of poses; those that hold for good bear none.
+
+    All of a message bear the same one; transforms have one each, which ``posed`` knows.
+    """
+    moving = {value: since for value, since in posed.items() if since != ALWAYS}
+    if feeder == MESSAGES:
+        return dict.fromkeys(moving, stamp_of(stamp))
+    return {value: int(since.held * 1e9) for value, since in moving.items()}
 
 
 def _filters(numbers: list[int]) -> str:

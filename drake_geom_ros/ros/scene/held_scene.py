@@ -6,13 +6,16 @@ import math
 from typing import Any
 
 from drake_geom_ros.geometry import (
+    ClosingSpeeds,
     FramePoseVector,
     GeometryId,
     QueryObject,
     SceneGraph,
     SceneGraphContext,
     SceneGraphInspector,
+    SignedDistanceResults,
     SourceId,
+    closing_speeds,
 )
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
@@ -21,6 +24,7 @@ from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
 from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
+from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
     RobotDescription,
@@ -43,6 +47,7 @@ class HeldScene:
         """``clocks`` tell the ages of poses; ``version`` is that of an empty scene."""
         self.world_frame = world_frame
         self._clocks = clocks
+        self._longest_gap: float | None = None
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
@@ -57,6 +62,9 @@ class HeldScene:
         self.feeders = Feeders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
         self._owners: dict[int, str] = {}
+        self._twists: FrameTwists | None = None
+        if self._longest_gap is not None:
+            self._twists = FrameTwists(self._longest_gap)
 
     @property
     def version(self) -> int:
@@ -116,6 +124,18 @@ class HeldScene:
         """Return which scene and poses an answer of now is for."""
         oldest = self._ages.oldest(self.names)
         return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
+
+    def watch_motion(self, longest_gap: float) -> None:
+        """Keep the twists of frames from now on: see ``FrameTwists``."""
+        self._longest_gap, self._twists = longest_gap, FrameTwists(longest_gap)
+        # Of no pair at all: what it takes is compiled now, and not in the first cycle.
+        self.closing_speeds(self.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf))
+
+    def closing_speeds(self, distances: SignedDistanceResults) -> ClosingSpeeds | None:
+        """Return how fast pairs come together at the twists of now; None: nobody watches."""
+        if self._twists is None:
+            return None
+        return closing_speeds(distances, self._twists.in_world(self.query, self._ages.static()))
 
     def tell_effects(self, *, detailed: bool) -> None:
         """Have queries tell the seconds of the cache apart, which costs them microseconds."""

@@ -61,6 +61,9 @@ class Asked:
     def tell_effects(self, *, detailed):
         self._scene.tell_effects(detailed=detailed)
 
+    def closing_speeds(self, distances):
+        return self._scene.closing_speeds(distances)
+
     @property
     def query(self):
         self.times += 1

@@ -1,0 +1,105 @@
+"""Closing speeds on the real middleware: by poses, by twists, and only where asked for."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from drake_geom_msgs import msg
+from ros.harness import Client, start_node
+from ros.scene_calls import add_pair, poses
+
+START = 1_000_000_000  # [s]
+
+
+@pytest.fixture(scope='module')
+def node(tmp_path_factory):
+    log = tmp_path_factory.mktemp('closing') / 'log'
+    process = start_node(log, name='closing', closing_speeds=True, max_distance=10.0)
+    yield process
+    process.end()
+
+
+@pytest.fixture
+def client(node):
+    client = Client('/closing')
+    yield client
+    client.close()
+    assert node.popen.poll() is None, f'the node died:\n{node.output()}'
+
+
+def send(publisher, milliseconds, x):
+    """Pose b at x [m] and a at the origin, at a time."""
+    message = poses(['a', 'b'], [(0, 0, 0), (x, 0, 0)], source='pair')
+    message.header.stamp.sec = START + milliseconds // 1000
+    message.header.stamp.nanosec = milliseconds % 1000 * 10**6
+    publisher.publish(message)
+
+
+def twists(milliseconds, v):
+    message = msg.FrameTwists(source='pair', frame_names=['a', 'b'])
+    message.header.stamp.sec = START + milliseconds // 1000
+    message.header.stamp.nanosec = milliseconds % 1000 * 10**6
+    message.twists = [0.0] * 9 + [v, 0.0, 0.0]
+    return message
+
+
+def answer_for(client, heard, x, known):
+    """Return the answer for b at x that does, or does not, know the speed."""
+
+    def found():
+        return next(
+            (
+                each
+                for each in reversed(heard)
+                if len(each.distance) == 1
+                and math.isclose(each.distance[0], x - 0.3, abs_tol=1e-9)
+                and list(each.has_closing_speed) == [known]
+            ),
+            None,
+        )
+
+    return client.wait_for(found, f'an answer for x = {x} where the speed is known: {known}')
+
+
+def test_speeds_come_from_poses_and_from_twists_that_are_not_older(client):
+    heard = client.listen(msg.SignedDistancePairs, 'signed_distances')
+    add_pair(client, 'pair')
+    publisher = client.publisher(msg.FramePoses, 'frame_poses')
+    teller = client.publisher(msg.FrameTwists, 'frame_twists')
+
+    send(publisher, 0, 1.3)
+    first = answer_for(client, heard, 1.3, known=False)
+    assert np.isnan([first.closing_speed[0], first.time_to_contact[0]]).all()
+
+    send(publisher, 100, 1.25)
+    by_poses = answer_for(client, heard, 1.25, known=True)
+    assert by_poses.closing_speed[0] == pytest.approx(0.5)
+    assert by_poses.time_to_contact[0] == pytest.approx(0.95 / 0.5)
+
+    # So long after, poses tell nothing, until somebody else does.
+    send(publisher, 20_000, 1.1)
+    answer_for(client, heard, 1.1, known=False)
+    teller.publish(twists(20_000, 0.25))
+    client.spin_until(time.monotonic() + 0.5)
+    send(publisher, 20_000, 1.1)
+    told = answer_for(client, heard, 1.1, known=True)
+    assert told.closing_speed[0] == pytest.approx(-0.25)
+    assert told.time_to_contact[0] == math.inf
+
+
+def test_without_the_parameter_nobody_listens_and_nothing_is_said(tmp_path):
+    process, client = start_node(tmp_path / 'log', name='still', max_distance=10.0), None
+    try:
+        client = Client('/still')
+        heard = client.listen(msg.SignedDistancePairs, 'signed_distances')
+        add_pair(client, 'pair')
+        send(client.publisher(msg.FramePoses, 'frame_poses'), 0, 0.35)
+        answer = client.wait_for(lambda: heard and heard[-1], 'an answer')
+        fields = (answer.has_closing_speed, answer.closing_speed, answer.time_to_contact)
+        assert [len(field) for field in fields] == [0, 0, 0]
+        assert '/still/frame_twists' not in dict(client.node.get_topic_names_and_types())
+    finally:
+        if client is not None:
+            client.close()
+        process.end()
