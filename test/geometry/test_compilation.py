@@ -44,8 +44,10 @@ with event.install_recorder('numba:compile') as recorder:
         query.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
         query.ComputePointPairPenetration(accuracy=level, time_budget=1e-9)
         query.HasCollisions(accuracy=level)
+        _ = query.ComputeSignedDistancePairwiseClosestPoints(accuracy=level).gradients
+        _ = query.ComputePointPairPenetration(accuracy=level).gradients
     query.FindCollisionCandidates()
-    query.ComputeSignedDistanceToPoint(np.zeros((3, 3)))
+    _ = query.ComputeSignedDistanceToPoint(np.zeros((3, 3))).gradients
     manager.RemoveDeclaration(filters[0])
 print(len(recorder.buffer), len(kernels), len(query.ComputeSignedDistanceToPoint([0, 0, 9])))
 """

@@ -19,7 +19,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB, P_FACA, P_FBCB
+from drake_geom_ros.geometry._proximity.batches import (
+    BATCH_WIDTH,
+    P_ACA,
+    P_BCB,
+    P_FACA,
+    P_FBCB,
+)
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -256,3 +262,12 @@ def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
     shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
     pair_features(_read_only(rows), places_of(scene, ids), shapes, *found)
     return found
+
+
+def compile_derivatives() -> None:
+    """Compile all of this file, or load it from the cache."""
+    none, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
+    scene = Posed(*(nobody, nobody, nobody, none, nobody, np.zeros((0, 3, 3)), nobody, none))
+    pairs, rows = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
+    gradients_of_pairs(scene, pairs, rows)
+    features_of_pairs(scene, pairs, rows)

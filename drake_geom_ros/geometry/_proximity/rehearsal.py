@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import Tell, compilation
+from drake_geom_ros.geometry._proximity.derivatives import compile_derivatives
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.filter_log import EXCLUDE_BETWEEN
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
@@ -28,6 +29,8 @@ from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, 
 def compile_everything(tell: Tell | None = None) -> list[str]:
     """Compile all that any scene may need, or load it from the cache; return the kernels."""
     rehearse(tell)
+    with compilation(tell, 'derivatives of distances', 1, 1):
+        compile_derivatives()
     return compile_rows(np.arange(len(ALL_ROWS)), tell) + compile_point_kernels(
         np.array(list(POINT_KERNELS)), tell
     )

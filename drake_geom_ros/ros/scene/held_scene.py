@@ -128,7 +128,7 @@ class HeldScene:
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
         self._longest_gap, self._twists = longest_gap, FrameTwists(longest_gap)
-        # Of no pair at all: what it takes is compiled now, and not in the first cycle.
+        # Of no pair at all: what it takes is there now, and not in the first cycle only.
         self.closing_speeds(self.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf))
 
     def closing_speeds(self, distances: SignedDistanceResults) -> ClosingSpeeds | None:
