@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.compiled import Tell
-from drake_geom_ros.geometry._proximity.derivatives import Posed, posed
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.pose_rounding import TURN, shift_of, taken_roundings
@@ -46,7 +45,6 @@ class SceneGraphContext:
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
         self._waiting_pairs: tuple[object, int] = None, 0
-        self._last_posed: tuple[World, int, Posed] | None = None
         if model.first_X_PFs:
             self.UpdateFramePoses(FramePoseVector(model.first_X_PFs))
 
@@ -63,7 +61,6 @@ class SceneGraphContext:
         other._world = self._up_to_date_world().copy()
         other._snapshot = None
         other._waiting_pairs = None, 0
-        other._last_posed = None
         return other
 
     def Clone(self) -> SceneGraphContext:
@@ -174,13 +171,6 @@ class SceneGraphContext:
                 'SceneGraph.SetFirstPoses(poses).'
             )
         return world
-
-    def _posed_shapes(self, world: World) -> Posed:
-        """Return the shapes of this context's world and where they are now, copied once a pose."""
-        last = self._last_posed
-        if last is None or last[0] is not world or last[1] != world.revision:
-            last = self._last_posed = world, world.revision, posed(world)
-        return last[2]
 
     def _placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
         """Return the world and the row of a frame in it.

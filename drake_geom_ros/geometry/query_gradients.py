@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch
-from drake_geom_ros.geometry._proximity.derivatives import Posed, gradients_of_pairs, places_of
+from drake_geom_ros.geometry._proximity.derivatives import (
+    Moment,
+    Posed,
+    gradients_of_pairs,
+    places_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId
@@ -22,7 +27,7 @@ class PairGradients:
     """The part of a sequence of pairs that is about derivatives, computed when first asked for."""
 
     _batch: PairBatch
-    _scene: Posed
+    _moment: Moment
     _derived: tuple[PairBatch, tuple[Floats, Booleans]] | None = None
 
     @property
@@ -80,9 +85,13 @@ class PairGradients:
             self._derived = self._batch, found
         return self._derived[1]
 
+    @property
+    def _scene(self) -> Posed:
+        return self._moment.posed()
+
     def _frames(self) -> Indices:
-        places = places_of(self._scene, self._batch.ids)
-        frames: Indices = self._scene.frame_ids[self._scene.frames[places]]
+        scene = self._scene
+        frames: Indices = scene.frame_ids[scene.frames[places_of(scene, self._batch.ids)]]
         return frames
 
     def _jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
@@ -102,8 +111,13 @@ class PointGradients:
     """The part of distances to points that is about derivatives."""
 
     _batch: PointBatch
-    _scene: Posed
-    _p_WQs: Floats
+    _moment: Moment
+    _p_WQs: Floats  # (m, 3) [m]
+    _p_WFs: Floats  # (nf, 3) [m]
+
+    @property
+    def _scene(self) -> Posed:
+        return self._moment.posed()
 
     @property
     def gradients(self) -> Floats:
@@ -114,8 +128,9 @@ class PointGradients:
         position is ``grad_W``. Where ``is_grad_W_unique`` is False it belongs to that member.
         """
         grads = self._batch.rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
-        frames = self._scene.frames[places_of(self._scene, self._batch.ids)]
-        p_FQs = self._p_WQs[self._batch.points] - self._scene.p_WFs[frames]
+        scene = self._scene
+        frames = scene.frames[places_of(scene, self._batch.ids)]
+        p_FQs = self._p_WQs[self._batch.points] - self._p_WFs[frames]
         return -np.hstack((np.cross(p_FQs, grads), grads))
 
     def distance_jacobian(self, J_Gs: ArrayLike, J_Qs: ArrayLike | None = None) -> Floats:

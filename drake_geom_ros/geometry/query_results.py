@@ -23,7 +23,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     PairBatch,
     PointBatch,
 )
-from drake_geom_ros.geometry._proximity.derivatives import Posed
+from drake_geom_ros.geometry._proximity.derivatives import Moment
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -120,9 +120,9 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, batch: PairBatch, scene: Posed) -> None:
+    def __init__(self, batch: PairBatch, moment: Moment) -> None:
         super().__init__(batch)
-        self._scene = scene
+        self._moment = moment
 
     @property
     def id_A(self) -> NDArray[np.int64]:
@@ -212,7 +212,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
         One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.penetrating(), self._scene)
+        return PenetrationResults(self._batch.penetrating(), self._moment)
 
     @property
     def distance(self) -> Floats:
@@ -277,10 +277,10 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint, PointBatch]):
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
-    def __init__(self, batch: PointBatch, scene: Posed, p_WQs: Floats) -> None:
+    def __init__(self, batch: PointBatch, moment: Moment, p_WQs: Floats) -> None:
         super().__init__(batch)
-        self._scene = scene
-        self._p_WQs = p_WQs
+        self._moment, self._p_WQs = moment, p_WQs
+        self._p_WFs = moment.world.p_WFs.copy()
 
     @property
     def id_G(self) -> NDArray[np.int64]:

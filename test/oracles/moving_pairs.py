@@ -63,7 +63,8 @@ def moved(X, V, t):
 class MovingPair:
     """Shapes A and B, each off the origin of its frame, and a context of them."""
 
-    def __init__(self, A, B, X_FaA=None, X_FbB=None):
+    def __init__(self, A, B, X_FaA=None, X_FbB=None, solid=False):
+        """``solid``: a mesh counts as the body within its surface, not as its hull."""
         self.graph = graph = SceneGraph()
         self.source = graph.RegisterSource('s')
         self.frames, self.geometries = [], []
@@ -71,7 +72,10 @@ class MovingPair:
         for name, shape, X_FG in zip('AB', (A, B), offsets, strict=True):
             self.frames.append(graph.RegisterFrame(self.source, GeometryFrame(name)))
             instance = GeometryInstance(X_FG, shape, name)
-            instance.set_proximity_properties(ProximityProperties())
+            properties = ProximityProperties()
+            if solid:
+                properties.AddProperty('mesh', 'solid', True)
+            instance.set_proximity_properties(properties)
             geometry = graph.RegisterGeometry(self.source, self.frames[-1], instance)
             self.geometries.append(geometry)
         self.context = graph.CreateDefaultContext()

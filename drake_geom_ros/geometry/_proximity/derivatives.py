@@ -71,16 +71,29 @@ class Posed(NamedTuple):
     frames: Indices  # (n,) rows of the frames
     R_WGs: Floats  # (n, 3, 3)
     frame_ids: Indices  # (nf,)
-    p_WFs: Floats  # (nf, 3) [m]
 
 
-def posed(world: World) -> Posed:
-    """Return the shapes of a world and copies of where they are."""
-    table = world.geometries
-    return Posed(
-        *(table.ids, table.types, table.starts, table.pool, table.frames),
-        *(world.R_WGs.copy(), world.frames.ids, world.p_WFs.copy()),
-    )
+class Moment(NamedTuple):
+    """A world, whose tables never change, and the orientations (n, 3, 3) of one moment of it.
+
+    Every query keeps one, so it is no more than that.
+    """
+
+    world: World
+    R_WGs: Floats
+
+    def posed(self) -> Posed:
+        """Return the shapes as they were then."""
+        table = self.world.geometries
+        return Posed(
+            *(table.ids, table.types, table.starts, table.pool, table.frames),
+            *(self.R_WGs, self.world.frames.ids),
+        )
+
+
+def moment_of(world: World) -> Moment:
+    """Return the moment of now, which no later one reaches."""
+    return Moment(world, world.R_WGs.copy())
 
 
 @inlined
@@ -267,7 +280,7 @@ def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
 def compile_derivatives() -> None:
     """Compile all of this file, or load it from the cache."""
     none, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
-    scene = Posed(*(nobody, nobody, nobody, none, nobody, np.zeros((0, 3, 3)), nobody, none))
+    scene = Posed(nobody, nobody, nobody, none, nobody, np.zeros((0, 3, 3)), nobody)
     pairs, rows = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
     gradients_of_pairs(scene, pairs, rows)
     features_of_pairs(scene, pairs, rows)

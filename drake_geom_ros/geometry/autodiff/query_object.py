@@ -24,7 +24,7 @@ from drake_geom_ros.geometry.autodiff.records import (
     SignedDistanceToPointAutoDiffXd,
 )
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
-from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.query_object import QueryObject
 
 if TYPE_CHECKING:
@@ -124,11 +124,19 @@ class QueryObjectAutoDiffXd:
         return self._distances(asked(max_distance, accuracy=accuracy))
 
     def ComputeSignedDistancePairClosestPoints(
-        self, geometry_id_A: GeometryId, geometry_id_B: GeometryId, *, accuracy: str | None = None
+        self,
+        geometry_id_A: GeometryId | None = None,
+        geometry_id_B: GeometryId | None = None,
+        *,
+        accuracy: str | None = None,
+        id_A: GeometryId | None = None,
+        id_B: GeometryId | None = None,
     ) -> SignedDistancePairAutoDiffXd:
         """Return the signed distance of two geometries, as QueryObject does."""
+        first = only_id('geometry_id_A', geometry_id_A, id_A)
+        second = only_id('geometry_id_B', geometry_id_B, id_B)
         asked = self._values.signed_distance_of_pair
-        return self._distances(asked(geometry_id_A, geometry_id_B, accuracy=accuracy))[0]
+        return self._distances(asked(first, second, accuracy=accuracy))[0]
 
     def FindCollisionCandidates(self) -> list[tuple[GeometryId, GeometryId]]:
         """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids."""

@@ -149,7 +149,9 @@ def test_other_questions_are_answered_as_for_floats():
     assert query.FindCollisionCandidates() == [tuple(pair.geometries)]
     assert query.inspector().num_geometries() == 2
     one = query.ComputeSignedDistancePairClosestPoints(*pair.geometries)
-    assert one.distance == pair.ask().distance[0]
+    a, b = pair.geometries
+    older = query.ComputeSignedDistancePairClosestPoints(id_A=b, id_B=a)
+    assert one.distance == older.distance == pair.ask().distance[0]
     baked = copy.copy(query)
     for geometry in pair.geometries:
         expected = pair.query.X_WG(geometry).GetAsMatrix34()
