@@ -15,7 +15,7 @@ from drake_geom_ros.geometry._proximity.derivatives import (
     places_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
-from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId
 
 Floats = NDArray[np.float64]
@@ -27,7 +27,7 @@ class PairGradients:
     """The part of a sequence of pairs that is about derivatives, computed when first asked for."""
 
     _batch: PairBatch
-    _moment: Moment
+    _moment: Moment | None
     _derived: tuple[PairBatch, tuple[Floats, Booleans]] | None = None
 
     @property
@@ -87,7 +87,7 @@ class PairGradients:
 
     @property
     def _scene(self) -> Posed:
-        return self._moment.posed()
+        return _posed(self._moment)
 
     def _frames(self) -> Indices:
         scene = self._scene
@@ -111,13 +111,13 @@ class PointGradients:
     """The part of distances to points that is about derivatives."""
 
     _batch: PointBatch
-    _moment: Moment
+    _moment: Moment | None
     _p_WQs: Floats  # (m, 3) [m]
     _p_WFs: Floats  # (nf, 3) [m]
 
     @property
     def _scene(self) -> Posed:
-        return self._moment.posed()
+        return _posed(self._moment)
 
     @property
     def gradients(self) -> Floats:
@@ -147,6 +147,16 @@ class PointGradients:
         grads = self._batch.rows[:, None, POINT_GRADIENT : POINT_GRADIENT + 3]
         of_points: Floats = total + (grads @ _checked(J_Qs, count, 3))[:, 0]
         return of_points
+
+
+def _posed(moment: Moment | None) -> Posed:
+    """Return the shapes as they were when the query was answered."""
+    if moment is None:
+        raise GeometryError(
+            'Derivatives of results of many states were asked for, which keep no orientations: '
+            'ask a QueryObject of the state in question.'
+        )
+    return moment.posed()
 
 
 def _checked(J: ArrayLike, count: int, height: int = 6) -> Floats:

@@ -120,7 +120,8 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, batch: PairBatch, moment: Moment) -> None:
+    def __init__(self, batch: PairBatch, moment: Moment | None = None) -> None:
+        """Without a ``moment``, of pairs of many states, there are no derivatives."""
         super().__init__(batch)
         self._moment = moment
 
@@ -277,10 +278,14 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint, PointBatch]):
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
-    def __init__(self, batch: PointBatch, moment: Moment, p_WQs: Floats) -> None:
+    def __init__(
+        self, batch: PointBatch, moment: Moment | None = None, p_WQs: Floats | None = None
+    ) -> None:
+        """Without a ``moment``, of points in many states, there are no derivatives."""
         super().__init__(batch)
-        self._moment, self._p_WQs = moment, p_WQs
-        self._p_WFs = moment.world.p_WFs.copy()
+        self._moment = moment
+        if moment is not None and p_WQs is not None:
+            self._p_WQs, self._p_WFs = p_WQs, moment.world.p_WFs.copy()
 
     @property
     def id_G(self) -> NDArray[np.int64]:

@@ -13,8 +13,10 @@ from drake_geom_ros.geometry import (
     Box,
     Capsule,
     Cylinder,
+    GeometryError,
     HalfSpace,
     Mesh,
+    SignedDistanceResults,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
@@ -169,6 +171,13 @@ def test_depths_have_the_opposite_sign_and_results_outlive_the_pose():
     J = np.random.default_rng(0).normal(size=(2, 1, 6, 3))
     np.testing.assert_array_equal(contacts.depth_jacobian(*J), -distances.distance_jacobian(*J))
     assert contacts.is_gradient_unique.all()
+
+
+def test_results_of_many_states_have_none():
+    found = random_pair(np.random.default_rng(2), ('box', 'capsule'), 0.05).ask()
+    of_states = SignedDistanceResults(found._batch)
+    with pytest.raises(GeometryError, match='results of many states'):
+        _ = of_states.gradients
 
 
 def test_no_pairs_have_no_gradients():

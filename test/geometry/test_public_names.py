@@ -31,7 +31,7 @@ OURS = """
     ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
-    RoleError PoseError FilterError MeshFileError
+    RoleError PoseError FilterError MeshFileError compile_all_kernels kernel_cache
 """
 # Names of the page that only later work will fill: left out, not stubbed.
 LATER = """
