@@ -12,7 +12,10 @@ from types import ModuleType
 from typing import Any
 
 TARGET = Path(__file__).resolve().parent / 'python_api.md'
-MODULES = ('geometry', 'math', 'common', 'common.value', 'common.eigen_geometry', 'client')
+MODULES = (
+    *('geometry', 'geometry.render', 'sensors'),
+    *('math', 'common', 'common.value', 'common.eigen_geometry', 'client'),
+)
 _INTRODUCTION = """# The Python API
 
 Generated from the docstrings by `python docs/generate_python_api.py`; a test keeps it up to date.

@@ -23,6 +23,8 @@ PYDRAKES = """
     FramePoseVector_ PenetrationAsPointPair_ QueryObject_ SceneGraph_ SceneGraphInspector_
     SignedDistancePair_ SignedDistanceToPoint_ SurfaceMesh_ SurfaceVertex_
     Plane_ PolygonSurfaceMesh_ TriangleSurfaceMesh_
+    ColorRenderCamera DepthRenderCamera RenderCameraCore ClippingRange DepthRange
+    RenderLabel RenderEngine
 """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
 OURS = """
@@ -30,6 +32,7 @@ OURS = """
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError
+    MakeRenderEngineExact RenderEngineExact RenderEngineExactParams RenderedImages
 """
 # Names of the page that only later work will fill: left out, not stubbed.
 LATER = """
