@@ -98,12 +98,13 @@ def test_one_body_of_any_size_seen_full(kind, size):
 
 
 @pytest.mark.parametrize('kind', [kind for kind in KINDS if kind != 'half_space'])
-def test_bodies_far_away(kind):
-    """A body of 1 m, 1e6 m away, over all of the image."""
+@pytest.mark.parametrize(('size', 'distance'), [(1.0, 1e6), (1e-3, 2e4)])
+def test_bodies_far_away(kind, size, distance):
+    """A body over all of the image, a million and more times its size away."""
     random = np.random.default_rng(3)
-    bodies = [(random_shape(random, kind), random_pose(random, 0.1))]
-    X_WC = looking([6e5, -8e5, 1e3], [0, 0, 0])
-    cam = camera(16, 12, fov_y=5e-7, near=1.0)
+    bodies = [(random_shape(random, kind, size), random_pose(random, 0.1 * size))]
+    X_WC = looking(np.array([0.6, -0.8, 0.01]) * distance, [0, 0, 0])
+    cam = camera(16, 12, fov_y=0.5 * size / distance, near=1.0)
     made = check(bodies, cam, X_WC, [(u, v) for u in range(1, 16, 2) for v in range(1, 12, 2)])
     assert (made.label.data == 0).sum() > 10
 
