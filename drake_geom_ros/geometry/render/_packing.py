@@ -27,6 +27,15 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+# Colours of frames where nobody gave any: of one lightness, the world's the palest.
+_PALETTE = tuple(
+    Rgba(r, g, b)
+    for r, g, b in (
+        *((0.78, 0.76, 0.72), (0.90, 0.56, 0.28), (0.36, 0.62, 0.84), (0.47, 0.72, 0.43)),
+        *((0.84, 0.45, 0.46), (0.66, 0.54, 0.80), (0.86, 0.76, 0.36), (0.42, 0.70, 0.70)),
+    )
+)
+
 
 class Packed(NamedTuple):
     """The bodies that a renderer shows, by ascending id, and where they are fixed."""
@@ -78,7 +87,7 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
     bodies = Bodies(
         kinds=np.array([kind for kind, _ in shapes], dtype=np.int64),
         shapes=np.array([numbers for _, numbers in shapes]).reshape(-1, 3),
-        colours=np.array([_colour(record, params) for record in records]).reshape(-1, 3),
+        colours=np.array([_colour(r, params, rows[r.frame_id]) for r in records]).reshape(-1, 3),
         labels=labels,
         is_labelled=labels != int(RenderLabel.kDoNotRender),
         vertex_starts=starts,
@@ -139,13 +148,13 @@ def _numbered(given: list[int]) -> list[int]:
     return [next(free, without[0]) if label in without else label for label in given]
 
 
-def _colour(record: GeometryRecord, params: RenderEngineExactParams) -> Floats:
-    """Return red, green and blue (3,) of a geometry."""
+def _colour(record: GeometryRecord, params: RenderEngineExactParams, frame: int) -> Floats:
+    """Return red, green and blue (3,) of a geometry on the frame of a row."""
     # What has a part in distances only has no colour in that role.
     others = (Role.kPerception, Role.kIllustration) if params.role is Role.kProximity else ()
     diffuse = _property(record, (params.role, *others), 'phong', 'diffuse')
     if diffuse is None:
-        diffuse = params.default_diffuse
+        diffuse = params.default_diffuse or _PALETTE[frame % len(_PALETTE)]
     if not isinstance(diffuse, Rgba):
         values = np.asarray(diffuse, dtype=np.float64)
         if values.shape not in ((3,), (4,)):

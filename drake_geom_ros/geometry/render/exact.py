@@ -29,7 +29,8 @@ class RenderEngineExactParams:
     - ``default_label``: of geometry without ('label', 'id'); kUnspecified refuses such geometry.
     - ``number_geometries``: geometry without a label gets one instead, the lowest that is free,
       in the order of ids; ``QueryObject.render_legend`` tells them.
-    - ``default_diffuse``, ``default_clear_color``: colours of what names none, and of nothing.
+    - ``default_diffuse``: the colour of what names none; None gives each frame a colour.
+    - ``default_clear_color``: that of nothing.
     - ``color_samples``: samples along each side of a pixel of colour images, from 1 to 8; depth
       and label are those of the pixel's middle.
     - ``edges``: draw edges dark.
@@ -38,7 +39,7 @@ class RenderEngineExactParams:
 
     default_label: RenderLabel = RenderLabel.kDontCare
     number_geometries: bool = False
-    default_diffuse: Rgba = field(default_factory=lambda: Rgba(0.9, 0.7, 0.2))
+    default_diffuse: Rgba | None = field(default_factory=lambda: Rgba(0.9, 0.7, 0.2))
     default_clear_color: Rgba = field(default_factory=lambda: Rgba(0.8, 0.9, 1.0))
     color_samples: int = 1
     edges: bool = True

@@ -1,0 +1,131 @@
+"""Cameras of scene files: plain values to descriptions and back, and to what takes images."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from drake_geom_ros.geometry import (
+    ClippingRange,
+    DepthRange,
+    DepthRenderCamera,
+    MakeRenderEngineExact,
+    RenderCameraCore,
+    RenderEngineExactParams,
+    Role,
+    SceneGraph,
+    SceneGraphContext,
+)
+from drake_geom_ros.scene_files.description import (
+    WORLD,
+    CameraDescription,
+    Member,
+)
+from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.yaml_text import Document
+from drake_geom_ros.scene_files.yaml_values import plain_pose, pose_of
+from drake_geom_ros.sensors import CameraInfo
+
+# What a camera ``shows``: the renderer's name, and the role of the geometry.
+RENDERERS = {
+    'perception': ('exact', Role.kPerception),
+    'proximity': ('exact_proximity', Role.kProximity),
+}
+DEFAULT_FOV_Y = 0.8  # [rad]
+# A part of the name of a topic.
+_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
+_DEFAULTS = CameraDescription.__dataclass_fields__
+
+
+def read_cameras(document: Document, names: NameTable) -> tuple[CameraDescription, ...]:
+    """Return the cameras of a document; raises SceneFileError for one that cannot be."""
+    cameras: dict[str, CameraDescription] = {}
+    for index, plain in enumerate(document.value.get('cameras', ())):
+        path = ('cameras', index)
+        where = document.at(*path)
+        if plain['name'] in cameras:
+            raise where.error(f'camera {plain["name"]!r} is there twice')
+        frame = plain.get('frame', WORLD)
+        member = names.find(frame, document.at(*path, 'frame') if 'frame' in plain else where)
+        if member.geometry is not None:
+            raise document.at(*path, 'frame').error(f'{frame!r} is a geometry; give a frame')
+        try:
+            camera = CameraDescription(
+                plain['name'],
+                member.source,
+                member.frame,
+                pose_of(plain.get('pose')),
+                _intrinsics(plain),
+                (plain.get('near', _default('range')[0]), plain.get('far', _default('range')[1])),
+                plain.get('rate', _default('rate')),
+                tuple(dict.fromkeys(plain.get('images', _default('images')))),
+                plain.get('shows', _default('shows')),
+                where,
+            )
+            check_camera(camera)
+        except RuntimeError as error:
+            raise where.error(str(error)) from error
+        cameras[camera.name] = camera
+    return tuple(cameras.values())
+
+
+def check_camera(camera: CameraDescription) -> None:
+    """Raise RuntimeError for a name that no topic may have, and a range that is none."""
+    if not _NAME.fullmatch(camera.name):
+        raise RuntimeError(
+            f'camera name {camera.name!r} must begin with a letter and hold letters, digits and '
+            'underscores only: topics are named after it'
+        )
+    camera_of(camera)
+
+
+def plain_camera(camera: CameraDescription, names: NameTable) -> dict[str, Any]:
+    """Return the plain form of a camera, which gives back the very same numbers."""
+    on_world = camera.frame == WORLD
+    frame = None if on_world else names.name(Member(camera.source, camera.frame))
+    k = camera.intrinsics
+    plain = {
+        'name': camera.name,
+        'frame': frame,
+        'pose': plain_pose(camera.X_FC) or None,
+        'size': [k.width(), k.height()],
+        'intrinsics': [k.focal_x(), k.focal_y(), k.center_x(), k.center_y()],
+        'near': camera.range[0],
+        'far': camera.range[1],
+        'rate': camera.rate,
+        'images': list(camera.images),
+        'shows': camera.shows,
+    }
+    return {key: value for key, value in plain.items() if value is not None}
+
+
+def camera_of(camera: CameraDescription) -> DepthRenderCamera:
+    """Return what ``QueryObject.render_images`` takes; raises RuntimeError for a range of none."""
+    near, far = camera.range
+    name, _ = RENDERERS[camera.shows]
+    core = RenderCameraCore(name, camera.intrinsics, ClippingRange(near, far))
+    return DepthRenderCamera(core, DepthRange(near, far))
+
+
+def add_renderers(scene_graph: SceneGraph, context: SceneGraphContext | None = None) -> None:
+    """Add the renderers that cameras of scene files ask, those that are not there yet.
+
+    Geometry without a label of its own is numbered, so that each can be told by its label.
+    """
+    for name, role in RENDERERS.values():
+        if not scene_graph.HasRenderer(name, context=context):
+            params = RenderEngineExactParams(
+                role=role, number_geometries=True, default_diffuse=None
+            )
+            scene_graph.AddRenderer(name, MakeRenderEngineExact(params), context=context)
+
+
+def _default(name: str) -> Any:
+    return _DEFAULTS[name].default
+
+
+def _intrinsics(plain: Mapping[str, Any]) -> CameraInfo:
+    if 'intrinsics' in plain:
+        return CameraInfo(*plain['size'], *map(float, plain['intrinsics']))
+    return CameraInfo(*plain['size'], plain.get('fov_y', DEFAULT_FOV_Y))
