@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -126,6 +127,16 @@ class ImageQueries:
         engine = Renderers(self._context._model).find(core.renderer_name(), 'an image')
         X_WS = self.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
         return engine._render(self._context, core, X_WS, depth_range, wanted)
+
+    def image_state(self) -> bytes:
+        """Return what differs whenever an image of anything here may: of poses and geometry."""
+        context = self._context
+        world = context._up_to_date_world()
+        world.update()
+        digest = hashlib.blake2b(str(context._model.versions.any).encode())
+        for part in (world.R_WFs, world.p_WFs, world.placed):
+            digest.update(part.tobytes())
+        return digest.digest()
 
     def render_legend(self, renderer_name: str) -> dict[GeometryId, int]:
         """Return the label of each geometry that a renderer shows; raises GeometryError for none.

@@ -12,6 +12,11 @@ their first poses), ``register`` registers one, ``save_scene`` writes a scene gr
 
 from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera
 from drake_geom_ros.scene_files.description import (
+    FAR,
+    IMAGES,
+    NEAR,
+    PERCEPTION,
+    RATE,
     CameraDescription,
     CliqueDescription,
     DeactivationDescription,
@@ -49,6 +54,11 @@ __all__ = [
     'scene_schema',
     'robot_name',
     'hulls_in_words',
+    'IMAGES',
+    'PERCEPTION',
+    'NEAR',
+    'FAR',
+    'RATE',
     'add_renderers',
     'camera_of',
     'check_camera',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -15,9 +16,13 @@ from drake_geom_ros.geometry import (
     RenderEngineExactParams,
     Role,
     SceneGraph,
-    SceneGraphContext,
 )
 from drake_geom_ros.scene_files.description import (
+    FAR,
+    IMAGES,
+    NEAR,
+    PERCEPTION,
+    RATE,
     WORLD,
     CameraDescription,
     Member,
@@ -33,9 +38,9 @@ RENDERERS = {
     'proximity': ('exact_proximity', Role.kProximity),
 }
 DEFAULT_FOV_Y = 0.8  # [rad]
+MOST_PIXELS = 16384  # along a side of an image
 # A part of the name of a topic.
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
-_DEFAULTS = CameraDescription.__dataclass_fields__
 
 
 def read_cameras(document: Document, names: NameTable) -> tuple[CameraDescription, ...]:
@@ -57,10 +62,10 @@ def read_cameras(document: Document, names: NameTable) -> tuple[CameraDescriptio
                 member.frame,
                 pose_of(plain.get('pose')),
                 _intrinsics(plain),
-                (plain.get('near', _default('range')[0]), plain.get('far', _default('range')[1])),
-                plain.get('rate', _default('rate')),
-                tuple(dict.fromkeys(plain.get('images', _default('images')))),
-                plain.get('shows', _default('shows')),
+                (plain.get('near', NEAR), plain.get('far', FAR)),
+                plain.get('rate', RATE),
+                tuple(dict.fromkeys(plain.get('images', IMAGES))),
+                plain.get('shows', PERCEPTION),
                 where,
             )
             check_camera(camera)
@@ -71,12 +76,21 @@ def read_cameras(document: Document, names: NameTable) -> tuple[CameraDescriptio
 
 
 def check_camera(camera: CameraDescription) -> None:
-    """Raise RuntimeError for a name that no topic may have, and a range that is none."""
+    """Raise RuntimeError, with the value, for a camera that cannot be."""
     if not _NAME.fullmatch(camera.name):
         raise RuntimeError(
             f'camera name {camera.name!r} must begin with a letter and hold letters, digits and '
             'underscores only: topics are named after it'
         )
+    for kind in camera.images:
+        if kind not in IMAGES:
+            raise RuntimeError(f'images holds {kind[:80]!r}; it must be of {", ".join(IMAGES)}')
+    if camera.shows not in RENDERERS:
+        raise RuntimeError(f'shows is {camera.shows[:80]!r}; it must be of {", ".join(RENDERERS)}')
+    if not 0.0 < camera.rate < math.inf:
+        raise RuntimeError(f'rate is {camera.rate}; it must be finite and > 0 [Hz]')
+    if (size := max(camera.intrinsics.width(), camera.intrinsics.height())) > MOST_PIXELS:
+        raise RuntimeError(f'an image has {size} rows or columns; {MOST_PIXELS} are the most')
     camera_of(camera)
 
 
@@ -108,21 +122,17 @@ def camera_of(camera: CameraDescription) -> DepthRenderCamera:
     return DepthRenderCamera(core, DepthRange(near, far))
 
 
-def add_renderers(scene_graph: SceneGraph, context: SceneGraphContext | None = None) -> None:
+def add_renderers(scene_graph: SceneGraph) -> None:
     """Add the renderers that cameras of scene files ask, those that are not there yet.
 
     Geometry without a label of its own is numbered, so that each can be told by its label.
     """
     for name, role in RENDERERS.values():
-        if not scene_graph.HasRenderer(name, context=context):
+        if not scene_graph.HasRenderer(name):
             params = RenderEngineExactParams(
                 role=role, number_geometries=True, default_diffuse=None
             )
-            scene_graph.AddRenderer(name, MakeRenderEngineExact(params), context=context)
-
-
-def _default(name: str) -> Any:
-    return _DEFAULTS[name].default
+            scene_graph.AddRenderer(name, MakeRenderEngineExact(params))
 
 
 def _intrinsics(plain: Mapping[str, Any]) -> CameraInfo:

@@ -18,6 +18,8 @@ from drake_geom_ros.sensors import CameraInfo
 WORLD = 'world'
 IMAGES = ('color', 'depth', 'label')
 PERCEPTION = 'perception'
+# Of cameras that say nothing else: depths that are seen [m], and how often a node publishes [Hz].
+NEAR, FAR, RATE = 0.01, 100.0, 10.0
 _NOWHERE = Location('<scene>')
 
 
@@ -182,8 +184,8 @@ class CameraDescription:
     frame: str
     X_FC: RigidTransform
     intrinsics: CameraInfo
-    range: tuple[float, float] = (0.01, 100.0)
-    rate: float = 10.0
+    range: tuple[float, float] = (NEAR, FAR)
+    rate: float = RATE
     images: tuple[str, ...] = IMAGES
     shows: str = PERCEPTION
     where: Location = field(default=_NOWHERE, compare=False)
