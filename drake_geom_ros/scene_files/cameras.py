@@ -82,6 +82,8 @@ def check_camera(camera: CameraDescription) -> None:
             f'camera name {camera.name!r} must begin with a letter and hold letters, digits and '
             'underscores only: topics are named after it'
         )
+    if not camera.images:
+        raise RuntimeError(f'images is empty; it must hold some of {", ".join(IMAGES)}')
     for kind in camera.images:
         if kind not in IMAGES:
             raise RuntimeError(f'images holds {kind[:80]!r}; it must be of {", ".join(IMAGES)}')

@@ -76,7 +76,7 @@ def test_renderers_are_added_once():
 @pytest.mark.parametrize(
     ('line', 'why'),
     [
-        ('{name: a}', 'misses `size`'),
+        ('{name: a}', 'missing `size`'),
         ('{name: a, size: [0, 4]}', 'must be >= 1'),
         ('{name: a, size: [4, 4], fov_y: 4}', 'fov_y = 4'),
         ('{name: a, size: [4, 4], fov_y: 1, intrinsics: [1, 1, 1, 1]}', 'one of fov_y'),
@@ -85,6 +85,7 @@ def test_renderers_are_added_once():
         ('{name: a b, size: [4, 4]}', "'a b' must begin"),
         ('{name: a, size: [4, 4], frame: nowhere}', "'nowhere' is no frame"),
         ('{name: a, size: [4, 4], images: [colour]}', 'one of color'),
+        ('{name: a, size: [4, 4], images: []}', 'images is empty'),
         ('{name: a, size: [4, 4]}\n- {name: a, size: [4, 4]}', 'there twice'),
         ('{name: a, size: [4, 4], lens: 1}', 'unknown key'),
     ],
