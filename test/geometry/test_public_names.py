@@ -32,6 +32,7 @@ OURS = """
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
     RoleError PoseError FilterError MeshFileError
+    compile_all_kernels kernel_cache
     MakeRenderEngineExact RenderEngineExact RenderEngineExactParams RenderedImages
 """
 # Names of the page that only later work will fill: left out, not stubbed.

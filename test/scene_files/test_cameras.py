@@ -83,7 +83,7 @@ def test_renderers_are_added_once():
         ('{name: a, size: [4, 4], intrinsics: [0, 1, 1, 1]}', 'focal_x'),
         ('{name: a, size: [4, 4], near: 3, far: 2}', 'near < far'),
         ('{name: a b, size: [4, 4]}', "'a b' must begin"),
-        ('{name: a, size: [4, 4], frame: nowhere}', "'nowhere' is no frame"),
+        ('{name: a, size: [4, 4], frame: nowhere}', "'nowhere' is neither"),
         ('{name: a, size: [4, 4], images: [colour]}', 'one of color'),
         ('{name: a, size: [4, 4], images: []}', 'images is empty'),
         ('{name: a, size: [4, 4]}\n- {name: a, size: [4, 4]}', 'there twice'),
