@@ -24,6 +24,7 @@ EXTRAS = {
     'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
+    'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
     'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
     'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],
 }

@@ -13,8 +13,8 @@ from typing import Any
 
 TARGET = Path(__file__).resolve().parent / 'python_api.md'
 MODULES = (
-    *('geometry', 'math', 'autodiffutils', 'common', 'common.value', 'common.eigen_geometry'),
-    'client',
+    *('geometry', 'geometry.render', 'sensors', 'math', 'autodiffutils'),
+    *('common', 'common.value', 'common.eigen_geometry', 'batch', 'client'),
 )
 _INTRODUCTION = """# The Python API
 

@@ -37,6 +37,7 @@ _SECTIONS = (
     ('Properties of roles', 'properties'),
     ('Filters', 'filters'),
     ('Sets of geometries', 'set'),
+    ('Cameras', 'camera'),
 )
 # Keys whose value is a mapping with keys of its own.
 _PARTS = {'roles': 'Roles', 'group': 'Group', 'clique': 'Clique'}
@@ -56,6 +57,8 @@ _KINDS = {
     'frame': '[frame](#frames)',
     'geometry': '[geometry](#geometries)',
     'statement': 'statement',
+    'camera': '[camera](#cameras)',
+    'frame_name': 'text',
 }
 
 

@@ -28,6 +28,7 @@ class PosedScene:
         self.scene_graph = SceneGraph()
         loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames
+        self.cameras = {camera.name: (frame, camera) for frame, camera in loaded.cameras}
         self._context = self.scene_graph.CreateSharedContext(partial=True)
         self._context.UpdateFramePoses(self._at_rest())
         self._context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))

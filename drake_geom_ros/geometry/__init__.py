@@ -62,6 +62,20 @@ from drake_geom_ros.geometry.query_results import (
     PointDistanceResults,
     SignedDistanceResults,
 )
+from drake_geom_ros.geometry.render.cameras import (
+    ClippingRange,
+    ColorRenderCamera,
+    DepthRange,
+    DepthRenderCamera,
+    RenderCameraCore,
+)
+from drake_geom_ros.geometry.render.exact import (
+    MakeRenderEngineExact,
+    RenderEngineExact,
+    RenderEngineExactParams,
+)
+from drake_geom_ros.geometry.render.render_engine import RenderedImages, RenderEngine
+from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.geometry.rgba import Rgba
 from drake_geom_ros.geometry.scalar_templates import (
     FramePoseVector_,
@@ -149,6 +163,14 @@ __all__ = [
     'CollisionFilterManager',
     'CollisionFilterDeclaration',
     'CollisionFilterScope',
+    # cameras and what makes images,
+    'ColorRenderCamera',
+    'DepthRenderCamera',
+    'RenderCameraCore',
+    'ClippingRange',
+    'DepthRange',
+    'RenderLabel',
+    'RenderEngine',
     # queries and what they return,
     'QueryObject',
     'PenetrationAsPointPair',
@@ -200,6 +222,11 @@ __all__ = [
     'ShapeKind',
     'FilterGroup',
     'FilterStatement',
+    # the renderer that is exact,
+    'MakeRenderEngineExact',
+    'RenderEngineExact',
+    'RenderEngineExactParams',
+    'RenderedImages',
     # and errors.
     'GeometryError',
     'ArgumentError',

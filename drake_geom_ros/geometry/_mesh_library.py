@@ -51,6 +51,33 @@ def parse_mesh(data: bytes, kind: str, filename: str) -> tuple[Floats, Indices]:
         ) from None
 
 
+def parse_colours(data: bytes, kind: str, filename: str) -> NDArray[np.float32] | None:
+    """Return the colours (m, 3) from 0 to 1 of a file's triangles, as ``parse_mesh`` counts them.
+
+    Of vertices of several colours the mean. None where the file holds none for faces or vertices;
+    materials and textures are left out, and so are all colours of .obj files.
+    """
+    if kind == 'obj':
+        return None
+    import trimesh
+
+    try:
+        mesh: Any = trimesh.load(
+            *(io.BytesIO(data), kind, None), force='mesh', process=False, skip_materials=True
+        )
+        if not mesh.visual.defined or mesh.visual.kind not in ('face', 'vertex'):
+            return None
+        # Not of trimesh's own mean of vertices: it is rounded to whole numbers by the version.
+        if mesh.visual.kind == 'face':
+            colours = np.asarray(mesh.visual.face_colors, dtype=np.float64)
+        else:
+            of_vertices = np.asarray(mesh.visual.vertex_colors, dtype=np.float64)
+            colours = of_vertices[np.asarray(mesh.faces)].mean(axis=1)
+        return (colours[:, :3] / 255.0).astype(np.float32)
+    except Exception as error:
+        raise MeshFileError(f'{filename!r}: its colours cannot be read: {error!r}') from None
+
+
 @functools.cache
 def readable_kinds() -> tuple[str, ...]:
     """Return the suffixes of the files that ``parse_mesh`` reads."""

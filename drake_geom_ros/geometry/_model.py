@@ -41,6 +41,7 @@ from drake_geom_ros.geometry.instances import (
     checked_type,
 )
 from drake_geom_ros.geometry.properties import GeometryProperties, Role, RoleAssign
+from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -58,6 +59,7 @@ class Model:
         self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
+        self.renderers: dict[str, RenderEngine] = {}
         self.versions = Versions()
         self._source_names = {INTERNAL_SOURCE_NAME}
         self._frame_names = {(internal, WORLD_NAME)}
@@ -75,6 +77,7 @@ class Model:
         }
         other.geometries = dict(self.geometries)
         other.first_X_PFs = dict(self.first_X_PFs)
+        other.renderers = dict(self.renderers)
         other.versions = self.versions.copy()
         other._source_names = set(self._source_names)
         other._frame_names = set(self._frame_names)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,6 +47,8 @@ class SceneGraphContext:
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
         self._waiting_pairs: tuple[object, int] = None, 0
+        # By renderer: what it shows, and of which version; see RenderEngineExact.
+        self._packed_scenes: dict[str, Any] = {}
         if model.first_X_PFs:
             self.UpdateFramePoses(FramePoseVector(model.first_X_PFs))
 
@@ -61,6 +65,7 @@ class SceneGraphContext:
         other._world = self._up_to_date_world().copy()
         other._snapshot = None
         other._waiting_pairs = None, 0
+        other._packed_scenes = dict(self._packed_scenes)
         return other
 
     def Clone(self) -> SceneGraphContext:

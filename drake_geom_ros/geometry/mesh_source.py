@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._hull_polygons import united
-from drake_geom_ros.geometry._mesh_library import convex_hull, parse_mesh, readable_kinds
+from drake_geom_ros.geometry._mesh_library import (
+    convex_hull,
+    parse_colours,
+    parse_mesh,
+    readable_kinds,
+)
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
 from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh
 from drake_geom_ros.math.tolerances import FARTHEST
@@ -185,21 +190,45 @@ def turned(triangles: Indices, scale3: Floats) -> Indices:
     return triangles[:, ::-1] if np.prod(np.sign(scale3)) < 0.0 else triangles
 
 
+def _content(source: MeshFile | InMemoryMesh) -> tuple[bytes, str, str]:
+    """Return the bytes of a file, its format, and its name for messages."""
+    if isinstance(source, MeshFile):
+        return source.content(), source.kind, source.filename
+    file = source.mesh_file
+    return file.contents(), file.extension().lstrip('.'), file.filename_hint()
+
+
 @functools.lru_cache(maxsize=8)
 def triangles_of(source: MeshKey) -> tuple[Floats, Indices]:
     """Return vertices and triangles of a source, unscaled; not to be written to."""
     if isinstance(source, MeshData):
         return source.vertices, source.triangles
-    if isinstance(source, InMemoryMesh):
-        file = source.mesh_file
-        content, kind, name = file.contents(), file.extension().lstrip('.'), file.filename_hint()
-    else:
-        content, kind, name = source.content(), source.kind, source.filename
-    vertices, triangles = parse_mesh(content, kind, name)
+    vertices, triangles = parse_mesh(*_content(source))
     if len(vertices) == 0 or not np.isfinite(vertices).all():
         raise MeshFileError(f'{name_of(source)}: {len(vertices)} vertices, and all must be finite')
     vertices.flags.writeable = triangles.flags.writeable = False
     return vertices, triangles
+
+
+@functools.lru_cache(maxsize=32)
+def _colours_of(source: MeshKey) -> NDArray[np.float32] | None:
+    """Return the colours of a source's triangles, not to be written to, or None."""
+    if isinstance(source, MeshData):
+        return None
+    content, kind, name = _content(source)
+    colours = parse_colours(content, kind, name)
+    if colours is None or len(colours) != len(triangles_of(source)[1]):
+        return None
+    colours.flags.writeable = False
+    return colours
+
+
+def facet_colours(mesh: MeshGiven) -> NDArray[np.float32] | None:
+    """Return the colours (m, 3) from 0 to 1 of a mesh's triangles, None where it has none.
+
+    Those of its faces, or the means of those of its vertices.
+    """
+    return _colours_of(mesh_source(mesh))
 
 
 @functools.lru_cache(maxsize=256)

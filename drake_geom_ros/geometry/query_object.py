@@ -15,6 +15,7 @@ from drake_geom_ros.geometry.bounding_boxes import Obb
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.image_queries import ImageQueries
 from drake_geom_ros.geometry.query_records import SignedDistancePair
 from drake_geom_ros.geometry.query_results import (
     PenetrationResults,
@@ -26,7 +27,7 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.tolerances import FARTHEST
 
 
-class QueryObject:
+class QueryObject(ImageQueries):
     """Answers geometry queries about a context.
 
     The one that a SceneGraph's query port gives is live: it sees later poses and changes of its

@@ -25,6 +25,8 @@ from drake_geom_ros.geometry.properties import (
     Role,
     RoleAssign,
 )
+from drake_geom_ros.geometry.render.render_engine import RenderEngine
+from drake_geom_ros.geometry.renderers import Renderers
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
@@ -262,6 +264,39 @@ class SceneGraph:
         """Exclude all pairs between two sets; the older form of a persistent declaration."""
         declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
         CollisionFilterManager(on._model, on._filters).Apply(declaration)
+
+    # Renderers.
+
+    @_or_on_context
+    def AddRenderer(self, on: _Holder, name: str, renderer: RenderEngine) -> None:
+        """Let cameras ask a renderer by this name; raises RuntimeError if it is taken."""
+        Renderers(on._model).add(name, renderer)
+
+    @_or_on_context
+    def HasRenderer(self, on: _Holder, name: str) -> bool:
+        """Return whether there is a renderer of this name."""
+        return name in on._model.renderers
+
+    @_or_on_context
+    def RendererCount(self, on: _Holder) -> int:
+        """Return how many renderers there are."""
+        return len(on._model.renderers)
+
+    @_or_on_context
+    def RegisteredRendererNames(self, on: _Holder) -> list[str]:
+        """Return the names of the renderers."""
+        return list(on._model.renderers)
+
+    @_or_on_context
+    def GetRendererTypeName(self, on: _Holder, name: str) -> str:
+        """Return the class of a renderer by its name, or nothing where there is none such."""
+        renderer = on._model.renderers.get(name)
+        return '' if renderer is None else type(renderer).__name__
+
+    @_or_on_context
+    def RemoveRenderer(self, on: _Holder, name: str) -> None:
+        """Forget a renderer; raises RuntimeError where there is none of this name."""
+        Renderers(on._model).remove(name)
 
     # Looking, and asking.
 

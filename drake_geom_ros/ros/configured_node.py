@@ -26,7 +26,8 @@ from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.namesakes import Namesakes
-from drake_geom_ros.ros.outputs import level_costs, replays
+from drake_geom_ros.ros.outputs import cameras, level_costs, replays
+from drake_geom_ros.ros.outputs.cameras import CameraPublisher
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import (
     Diagnostics,
@@ -42,8 +43,8 @@ from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.services.table import BESIDE, CHANGES, LOADING, Change
-from drake_geom_ros.ros.surface import Surface, calls, latched, results, sensor_data
+from drake_geom_ros.ros.services.table import BESIDE, CHANGES, IMAGES, LOADING, Change
+from drake_geom_ros.ros.surface import Surface, calls, images, latched, results, sensor_data
 from drake_geom_ros.ros.tf_listening import listen_to_tf
 from drake_geom_ros.ros.together import waited
 
@@ -65,6 +66,7 @@ class CallbackGroups(NamedTuple):
     stream: CallbackGroup  # poses and cycles
     beside: CallbackGroup  # queries, and what is drawn
     loading: CallbackGroup  # what may read files and compile
+    images: CallbackGroup  # what cameras see
 
 
 class ConfiguredNode:
@@ -99,9 +101,9 @@ class ConfiguredNode:
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
         self._beside = self._told_beside()
-        self._cycle = Cycle(
-            *(messages, publishers, self._costs, self._replays, tuple(self._beside.values()))
-        )
+        self._cameras = CameraPublisher(live, surface, images(), latched())
+        told = (*self._beside.values(), self._cameras.beside)
+        self._cycle = Cycle(messages, publishers, self._costs, self._replays, told)
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)
         self._scene_topic = SceneTopic(
             live,
@@ -157,7 +159,7 @@ class ConfiguredNode:
     def _let_answers_go(self) -> None:
         """Wait until no service is at work in another thread: closed before, it cannot answer."""
         end = time.monotonic() + _LONGEST_FAREWELL
-        groups = (self._groups.loading, self._groups.beside)
+        groups = (self._groups.loading, self._groups.beside, self._groups.images)
         while any(map(_at_work, groups)):
             if time.monotonic() > end:
                 self._node.get_logger().warning(
@@ -263,7 +265,8 @@ class ConfiguredNode:
         """Open all services."""
         for name, kind, change in CHANGES:
             self._surface.service(kind, f'~/{name}', partial(self._change, change), profile)
-        for services, group in ((BESIDE, self._groups.beside), (LOADING, self._groups.loading)):
+        groups = self._groups.beside, self._groups.loading, self._groups.images
+        for services, group in zip((BESIDE, LOADING, IMAGES), groups, strict=True):
             for name, kind, handler in services:
                 serve = partial(self._guard.answer, handler, self.live)
                 self._surface.service(kind, f'~/{name}', serve, profile, group)
@@ -287,6 +290,7 @@ class ConfiguredNode:
             (1.0 / values.marker_rate, self._draw, beside),
             (level_costs.PERIOD, self._costs.measure, beside),
             (replays.PERIOD, self._write_replays, beside),
+            (cameras.PERIOD, self._take_images, self._groups.images),
             (_HOUSEKEEPING_PERIOD, self._keep_house, None),
             (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
         ):
@@ -320,6 +324,10 @@ class ConfiguredNode:
             self._markers.publish()
         else:
             self._markers.clear()
+
+    def _take_images(self) -> None:
+        if self._stream.active:
+            self._cameras.publish()
 
     def _replay_settings(self) -> tuple[str, int]:
         values = self._settings.values

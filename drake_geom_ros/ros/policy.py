@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
-from drake_geom_ros.ros.services.table import BESIDE, SERVICES
+from drake_geom_ros.ros.services.table import BESIDE, IMAGES, SERVICES
 
 VERSION = '0.2.0'  # of the format
 # What the node has, by names as it gives them: ~ is its own.
@@ -24,6 +24,7 @@ RESULTS = tuple(
     for name in (
         *('cycle_report', 'markers', 'penetrations', 'point_distances', 'scene'),
         *('signed_distances', 'transition_event'),
+        'cameras/*',  # topics of cameras come and go: the star stands for any of them
     )
 )
 SHARED_RESULTS = ('/diagnostics',)
@@ -46,7 +47,7 @@ LIFE_CYCLE = tuple(
         'get_transition_graph',
     )
 )
-QUERIES = tuple(f'~/{name}' for name, _, _ in BESIDE)
+QUERIES = tuple(f'~/{name}' for name, _, _ in (*BESIDE, *IMAGES))
 OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES)
 
 

@@ -4,10 +4,10 @@ A managed life-cycle node: configure loads the scene and compiles its kernels, a
 deactivate stops publishing and keeps the scene, cleanup forgets it. It configures and activates
 itself unless the parameter ``autostart`` is false.
 
-Four threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
+Five threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
 queries on snapshots of the scene and draws, one reads what may take long (meshes, scene files,
-robot descriptions) and compiles for it, and the main one does the rest: other changes of the
-scene, parameters, the life cycle, diagnostics.
+robot descriptions) and compiles for it, one takes images, and the main one does the rest: other
+changes of the scene, parameters, the life cycle, diagnostics.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class SceneGraphNode(LifecycleNode):
         self.threaded_groups = CallbackGroups(
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
-        self.patient_groups = (self.threaded_groups.loading,)
+        self.patient_groups = (self.threaded_groups.loading, self.threaded_groups.images)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values

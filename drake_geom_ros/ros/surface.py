@@ -32,6 +32,11 @@ def results() -> QoSProfile:
     return QoSProfile(depth=10)
 
 
+def images() -> QoSProfile:
+    """Return the profile of images: as results, but few are kept, for each is large."""
+    return QoSProfile(depth=2)
+
+
 def latched() -> QoSProfile:
     """Return the profile of what late comers get too: the last message is kept for them."""
     return QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -119,6 +124,11 @@ class Surface:
         clock = self._node.get_clock()
         handle = clock.create_jump_callback(threshold, post_callback=callback)
         self._open.append((JumpHandle.unregister, handle))
+
+    def close_publisher(self, publisher: Publisher) -> None:
+        """Close one topic."""
+        self._open.remove((self._node.destroy_publisher, publisher))
+        self._node.destroy_publisher(publisher)
 
     def close(self) -> None:
         """Close everything."""

@@ -10,7 +10,15 @@
 their first poses), ``register`` registers one, ``save_scene`` writes a scene graph as text.
 """
 
+from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera
 from drake_geom_ros.scene_files.description import (
+    FAR,
+    IMAGES,
+    NEAR,
+    PERCEPTION,
+    RATE,
+    WORLD,
+    CameraDescription,
     CliqueDescription,
     DeactivationDescription,
     DeclarationDescription,
@@ -47,12 +55,22 @@ __all__ = [
     'scene_schema',
     'robot_name',
     'hulls_in_words',
+    'WORLD',
+    'IMAGES',
+    'PERCEPTION',
+    'NEAR',
+    'FAR',
+    'RATE',
+    'add_renderers',
+    'camera_of',
+    'check_camera',
     'RobotOptions',
     'LoadedScene',
     'SceneDescription',
     'RobotDescription',
     'FrameDescription',
     'GeometryDescription',
+    'CameraDescription',
     'GroupDescription',
     'CliqueDescription',
     'DeclarationDescription',

@@ -13,8 +13,13 @@ from pathlib import Path
 from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.sensors import CameraInfo
 
 WORLD = 'world'
+IMAGES = ('color', 'depth', 'label')
+PERCEPTION = 'perception'
+# Of cameras that say nothing else: depths that are seen [m], and how often a node publishes [Hz].
+NEAR, FAR, RATE = 0.01, 100.0, 10.0
 _NOWHERE = Location('<scene>')
 
 
@@ -166,6 +171,27 @@ def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
 
 
 @dataclass(frozen=True)
+class CameraDescription:
+    """A camera on a frame (on the world frame without a source), and what is published of it.
+
+    ``range`` are the least and the largest depth [m] that are seen; ``rate`` [Hz] is the most that
+    a node publishes; ``images`` are of 'color', 'depth', 'label'; ``shows`` is the role of what is
+    seen, 'perception' or 'proximity'.
+    """
+
+    name: str
+    source: str
+    frame: str
+    X_FC: RigidTransform
+    intrinsics: CameraInfo
+    range: tuple[float, float] = (NEAR, FAR)
+    rate: float = RATE
+    images: tuple[str, ...] = IMAGES
+    shows: str = PERCEPTION
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
 class SceneDescription:
     """A whole scene, robots expanded to frames, geometries and filters.
 
@@ -178,3 +204,4 @@ class SceneDescription:
     frames: tuple[FrameDescription, ...] = ()
     geometries: tuple[GeometryDescription, ...] = ()
     filters: tuple[FilterDescription, ...] = ()
+    cameras: tuple[CameraDescription, ...] = ()

@@ -20,6 +20,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
     WORLD,
+    CameraDescription,
     CliqueDescription,
     DeactivationDescription,
     DeclarationDescription,
@@ -43,7 +44,8 @@ class LoadedScene:
     ``geometry_ids`` of all geometries in the order of the description; ``robots`` by name, with
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
     parent of each frame that the description gives one, which contexts made later begin with;
-    ``static``, of each frame of which the description says it, whether its pose does not grow old.
+    ``static``, of each frame of which the description says it, whether its pose does not grow old;
+    ``cameras`` with the frames that they are on.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -53,6 +55,7 @@ class LoadedScene:
     robots: Mapping[str, RobotDescription] = field(default_factory=dict)
     X_PFs: Mapping[FrameId, RigidTransform] = field(default_factory=dict)
     static: Mapping[FrameId, bool] = field(default_factory=dict)
+    cameras: tuple[tuple[FrameId, CameraDescription], ...] = ()
 
 
 def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
@@ -128,6 +131,7 @@ class _Registration:
                 for frame in description.frames
                 if frame.static is not None
             },
+            tuple((self._frame_id(c.source, c.frame), c) for c in description.cameras),
         )
 
     def _frame_id(self, source: str, name: str) -> FrameId:

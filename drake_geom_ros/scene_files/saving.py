@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 from drake_geom_ros.geometry import (
@@ -16,6 +17,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
     WORLD,
+    CameraDescription,
     CliqueDescription,
     DeactivationDescription,
     DeclarationDescription,
@@ -39,19 +41,22 @@ def describe(
     X_PFs: Mapping[FrameId, RigidTransform] | None = None,
     robots: Iterable[RobotDescription] = (),
     static: Mapping[FrameId, bool] | None = None,
+    cameras: Iterable[tuple[FrameId, CameraDescription]] = (),
 ) -> SceneDescription:
     """Return the description of a scene: what ``register`` makes the same scene from.
 
     Left out are transient declarations, robots whose URDF came as text, and that a geometry was
     registered on another one: it is described on their frame, in the same place.
     ``X_PFs`` are poses of frames in their parents; frames without one stay without. ``static``
-    says of frames whether their pose does not grow old, as in ``FrameDescription``.
+    says of frames whether their pose does not grow old, as in ``FrameDescription``. ``cameras``
+    are described with the name that their frame has now.
 
     Raises SceneFileError for a frame that is called as the world frame.
     """
     describer = _Describer(scene_graph.model_inspector())
     filters = describer.filters(scene_graph.collision_filter_manager())
-    return describer.describe(X_PFs or {}, robots, filters, static or {})
+    described = describer.describe(X_PFs or {}, robots, filters, static or {})
+    return replace(described, cameras=tuple(describer.camera(*each) for each in cameras))
 
 
 def describe_moment(query: QueryObject) -> SceneDescription:
@@ -133,6 +138,11 @@ class _Describer:
             inspector.GetPoseInFrame(geometry_id),
             {role: properties for role, properties in roles.items() if properties is not None},
         )
+
+    def camera(self, frame_id: FrameId, camera: CameraDescription) -> CameraDescription:
+        frame = self._frame_name(frame_id)
+        source = '' if frame == WORLD else self._inspector.GetOwningSourceName(frame_id)
+        return replace(camera, source=source, frame=frame)
 
     def filters(self, manager: CollisionFilterManager) -> Iterator[FilterDescription]:
         """Yield the persistent filters."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from drake_geom_ros.geometry import FrameId, SceneGraph
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
+    CameraDescription,
     RobotDescription,
     RobotOptions,
     SceneDescription,
@@ -89,17 +90,18 @@ def save_scene(
     scene_graph: SceneGraph,
     X_PFs: Mapping[FrameId, RigidTransform] | None = None,
     robots: Iterable[RobotDescription] = (),
+    cameras: Iterable[tuple[FrameId, CameraDescription]] = (),
 ) -> str:
     """Return the YAML text of a scene, from which ``load_scene`` makes the same scene.
 
     The same are names and order of sources, frames and geometries, poses, shapes, roles,
     properties, and the persistent filters (transient declarations are not saved).
-    ``X_PFs`` and ``robots`` are what a scene graph does not keep: poses of frames, and the robots
-    of ``LoadedScene``. Meshes are saved by path.
+    ``X_PFs``, ``robots`` and ``cameras`` are what a scene graph does not keep: poses of frames,
+    and the robots and cameras of ``LoadedScene``. Meshes are saved by path.
 
     Raises SceneFileError for what the format cannot say.
     """
-    return to_yaml(describe(scene_graph, X_PFs, robots))
+    return to_yaml(describe(scene_graph, X_PFs, robots, cameras=cameras))
 
 
 def _urdf_scene(

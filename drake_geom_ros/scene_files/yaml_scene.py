@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.scene_files import urdf, urdf_filters
+from drake_geom_ros.scene_files.cameras import read_cameras
 from drake_geom_ros.scene_files.description import (
     WORLD,
     CliqueDescription,
@@ -71,6 +72,7 @@ class _SceneParser:
             tuple(self._frames),
             tuple(self._geometries),
             tuple(self._filters),
+            read_cameras(self._document, names),
         )
 
     def _source(self, plain: Plain) -> str:

@@ -22,6 +22,7 @@ from drake_geom_ros.geometry import (
     MeshData,
     PerceptionProperties,
     ProximityProperties,
+    RenderLabel,
     Rgba,
     Role,
     Shape,
@@ -173,6 +174,8 @@ def _plain_property(value: Any, key: str) -> Any:
         return {'rgba': [value.r(), value.g(), value.b(), value.a()]}
     if _is_scalar(value) or (isinstance(value, list) and all(map(_is_scalar, value))):
         return value
+    if isinstance(value, RenderLabel) and not value.is_reserved():
+        return int(value)
     if isinstance(value, set) and all(isinstance(item, str) for item in value):
         return {'set': sorted(value)}
     if isinstance(value, np.ndarray) and value.dtype == float and value.ndim in (1, 2):

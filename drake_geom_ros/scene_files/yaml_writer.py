@@ -5,6 +5,7 @@ from typing import Any
 
 import yaml
 
+from drake_geom_ros.scene_files.cameras import plain_camera
 from drake_geom_ros.scene_files.description import (
     WORLD,
     CliqueDescription,
@@ -52,6 +53,7 @@ def to_yaml(description: SceneDescription) -> str:
             'frames': [_frame(frame) for frame in description.frames],
             'geometries': [_geometry(geometry) for geometry in description.geometries],
             'filters': [_filter(entry, names) for entry in description.filters],
+            'cameras': [plain_camera(camera, names) for camera in description.cameras],
         }
         return ''.join(_section(key, items) for key, items in sections.items())
     except TypeError as error:

@@ -49,6 +49,11 @@ CollisionFilterDeclaration: CollisionFilterStatement[] statements
 Role: uint8 PROXIMITY=1, uint8 ILLUSTRATION=2, uint8 PERCEPTION=3, uint8 role, Property[]
     properties
 Property: string group, string name, rcl_interfaces/ParameterValue value
+Camera: string name, string frame, geometry_msgs/Pose pose, uint32 width, uint32 height, float64
+    fov_y, float64[] intrinsics, float64 near, float64 far, float64 rate, string[] images,
+    string shows
+LabelLegend: std_msgs/Header header, uint64 scene_version, int32[] labels, uint64[] ids,
+    string[] geometries
 """)
 
 SERVICES = definitions("""
@@ -81,4 +86,10 @@ FindCollisionCandidates: FramePoses poses --- uint64[] id_a, uint64[] id_b
 HasCollisions: FramePoses poses --- bool has_collisions
 GetPose: uint8 WORLD=0, uint8 PARENT=1, string frame, string geometry, uint8 relative_to ---
     geometry_msgs/PoseStamped pose
+AddCamera: Camera camera ---
+RemoveCamera: string name ---
+ListCameras: --- Camera[] cameras
+RenderImage: string camera, Camera given, FramePoses poses, string[] images --- sensor_msgs/Image
+    color, sensor_msgs/Image depth, sensor_msgs/Image label, sensor_msgs/CameraInfo camera_info,
+    LabelLegend legend
 """)

@@ -8,7 +8,7 @@ from conventions.source_tree import PACKAGE, SOURCES, imports_of, name_of
 ROS_PREFIXES = ('rclpy', 'rosidl', 'ament', 'builtin_interfaces', 'rcl_interfaces', 'std_srvs')
 
 # What the rooms of the node may import of ours beside one another, and of others beside NumPy.
-_CORE = ('math', 'common', 'geometry', 'scene_files')
+_CORE = ('math', 'common', 'sensors', 'geometry', 'scene_files')
 _HELD = (*_CORE, 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
@@ -36,12 +36,20 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'geometry/_proximity': (('math', 'geometry/_proximity'), ('numpy', 'numba', 'llvmlite')),
+    'geometry/_rendering': (
+        ('math', 'geometry/_proximity', 'geometry/_rendering'),
+        ('numpy', 'numba'),
+    ),
     'geometry': (
-        ('math', 'common', 'autodiffutils', 'geometry', 'geometry/_proximity'),
+        (
+            *('math', 'common', 'autodiffutils', 'sensors', 'geometry'),
+            *('geometry/_proximity', 'geometry/_rendering'),
+        ),
         ('numpy',),
     ),
+    'sensors': (('math', 'sensors'), ('numpy',)),
     'scene_files': (
-        ('math', 'common', 'geometry', 'scene_files'),
+        ('math', 'common', 'sensors', 'geometry', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
     'trajectories': (
@@ -71,10 +79,10 @@ LAYERS = {
     ),
     'command_line': (
         (
-            *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
-            *('batch', 'evidence', 'evidence/peers', 'cross_check'),
+            *('math', 'sensors', 'geometry', 'scene_files', 'trajectories', 'replay'),
+            *('command_line', 'batch', 'evidence', 'evidence/peers', 'cross_check'),
         ),
-        ('numpy',),
+        ('numpy', 'PIL', 'matplotlib'),
     ),
     # What asks a node is no part of it.
     'client': (('math', 'client'), ('numpy', 'ROS')),
@@ -139,6 +147,8 @@ def test_private_modules_stay_within_their_room(path):
         ('geometry/shapes.py', 'from . import ids', 'relative'),
         ('geometry/shapes.py', 'from std_msgs.msg import Header', 'std_msgs'),
         ('scene_files/urdf.py', 'import drake_geom_ros.geometry._proximity.world', 'world'),
+        ('sensors/images.py', 'from drake_geom_ros.geometry import Sphere', 'geometry'),
+        ('geometry/_rendering/drawing.py', 'import drake_geom_ros.geometry.ids', 'ids'),
         (
             'ros/outputs/cycle.py',
             'from drake_geom_ros.geometry._proximity import engine',

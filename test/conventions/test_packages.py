@@ -23,6 +23,7 @@ ROSDEP_KEYS = {
     'python3-mypy',
     'python3-numba',
     'python3-numpy',
+    'python3-pil',
     'python3-pytest',
     'python3-pytest-timeout',
     'python3-scipy',
@@ -52,6 +53,7 @@ ROS_PACKAGES = {
 }
 # What an import is called where it is installed: rosdep key, pip requirement.
 LIBRARIES = {
+    'PIL': ('python3-pil', 'pillow'),
     'fcl': ('python-fcl-pip', 'python-fcl'),
     'jsonschema': ('python3-jsonschema', 'jsonschema'),
     'llvmlite': ('python3-numba', 'numba'),

@@ -24,6 +24,8 @@ PYDRAKES = """
     FramePoseVector_ PenetrationAsPointPair_ QueryObject_ SceneGraph_ SceneGraphInspector_
     SignedDistancePair_ SignedDistanceToPoint_ SurfaceMesh_ SurfaceVertex_
     Plane_ PolygonSurfaceMesh_ TriangleSurfaceMesh_
+    ColorRenderCamera DepthRenderCamera RenderCameraCore ClippingRange DepthRange
+    RenderLabel RenderEngine
 """
 # What is ours: a context can be named, results are sequences, errors are a tree, and the rest.
 OURS = """
@@ -31,7 +33,9 @@ OURS = """
     ClosingSpeeds closing_speeds
     Effects ACCURACY_LEVELS ACCURACY_GAPS METHODS ShapeKind FilterGroup FilterStatement MeshData
     GeometryError ArgumentError ArgumentTypeError UnknownIdError OwnershipError DuplicateError
-    RoleError PoseError FilterError MeshFileError compile_all_kernels kernel_cache
+    RoleError PoseError FilterError MeshFileError
+    compile_all_kernels kernel_cache
+    MakeRenderEngineExact RenderEngineExact RenderEngineExactParams RenderedImages
 """
 # Names of the page that only later work will fill: left out, not stubbed.
 LATER = """

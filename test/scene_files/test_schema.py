@@ -115,7 +115,7 @@ filters:
          '4: geometries[1].roles.illustration.g.a.rgba[2]: 2 must be <= 1'),
         (HEAD + 'geometry: []',
          '4: geometry: unknown key; allowed are name, sources, robots, frames, geometries, '
-         'filters'),
+         'filters, cameras'),
         (HEAD + 'filters:\n- {exclude_within: [], clique: {}}',
          '5: filters[0]: has 2 keys; give exactly one of group, clique, exclude_within, '
          'exclude_between, allow_within, allow_between, declaration, deactivate'),
@@ -127,7 +127,7 @@ filters:
         (HEAD + 'frames: {}', '4: frames: {} must be a list'),
         ('just text', "1: 'just text' must be a mapping"),
         ('{}', '1: has 0 keys; give at least one of name, sources, robots, frames, geometries, '
-         'filters'),
+         'filters, cameras'),
         (HEAD + f'- {{name: b, shape: {[1] * 50}}}',
          '4: geometries[1].shape: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,... '
          'must be a mapping'),

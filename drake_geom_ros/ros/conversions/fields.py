@@ -33,6 +33,11 @@ def uint32s(values: NDArray[Any]) -> array.array[int]:
     return _array('I', np.asarray(values).astype(np.uint32))
 
 
+def int32s(values: NDArray[Any]) -> array.array[int]:
+    """Return an int32[] field."""
+    return _array('i', np.asarray(values).astype(np.int32))
+
+
 def uint8s(values: NDArray[Any]) -> array.array[int]:
     """Return a uint8[] field."""
     return _array('B', np.asarray(values).astype(np.uint8, copy=False))

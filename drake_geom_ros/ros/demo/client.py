@@ -257,7 +257,8 @@ def main(args: list[str] | None = None) -> int:
     options = _arguments(remove_ros_args(args)[1:])
     with StopSignals() as signals:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        client = DemoClient(read_scene(options.scene), options.seconds)
+        description = read_scene(options.scene)
+        client = DemoClient(description, options.seconds)
         failure = ''
         try:
             spin_until_stopped(client, signals, client.done)
@@ -269,7 +270,7 @@ def main(args: list[str] | None = None) -> int:
         rclpy.try_shutdown()
         # Still under StopSignals: a second interrupt must not break the writing.
         if client.recording is not None:
-            print('\n'.join(write_report(client.recording, options.out)))
+            print('\n'.join(write_report(client.recording, options.out, description)))
         elif not failure:
             failure = 'interrupted before the first result'
     if failure:

@@ -21,7 +21,12 @@ from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.twists import stamp_of
-from drake_geom_ros.scene_files import LoadedScene, SceneDescription, register
+from drake_geom_ros.scene_files import (
+    CameraDescription,
+    LoadedScene,
+    SceneDescription,
+    register,
+)
 
 
 @dataclass(frozen=True)
@@ -56,7 +61,23 @@ class EditableScene(HeldScene):
 
         Frames stand where the description puts them until their first pose comes.
         """
+        for camera in description.cameras:
+            self._refuse_taken(camera.name)
         return self._take(register(self._scene_graph, description))
+
+    def add_camera(self, frame: FrameId, camera: CameraDescription) -> None:
+        """Add a camera on a frame; raises ArgumentError where its name is taken."""
+        self._refuse_taken(camera.name)
+        self._cameras[camera.name] = frame, camera
+
+    def remove_camera(self, name: str) -> None:
+        """Remove a camera; raises ArgumentError where there is none of that name."""
+        self.camera(name)
+        del self._cameras[name]
+
+    def _refuse_taken(self, name: str) -> None:
+        if name in self._cameras:
+            raise ArgumentError(f'there is a camera {name!r} already; remove it first')
 
     def replace(self, other: PreparedScene) -> tuple[int, int]:
         """Put another scene in the place of this one; versions go on growing."""
@@ -71,6 +92,7 @@ class EditableScene(HeldScene):
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self._ages.begin([frame.get_value() for frame in X_PFs], declared)
         self._robots += loaded.robots.values()
+        self._cameras.update((camera.name, (frame, camera)) for frame, camera in loaded.cameras)
         return len(loaded.frames), len(loaded.geometry_ids)
 
     def _frame_that_is_the_world(self, loaded: LoadedScene) -> dict[FrameId, RigidTransform]:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
+    ArgumentError,
     ClosingSpeeds,
+    FrameId,
     FramePoseVector,
     GeometryId,
     QueryObject,
@@ -27,8 +30,10 @@ from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
+    CameraDescription,
     RobotDescription,
     SceneDescription,
+    add_renderers,
     describe,
     poses_in_parents,
 )
@@ -61,6 +66,9 @@ class HeldScene:
         self._ages, self._leases = PoseAges(self._clocks), Leases(self._clocks.steady)
         self.feeders = Feeders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
+        # By name: the frame that a camera is on, and what it is.
+        self._cameras: dict[str, tuple[FrameId, CameraDescription]] = {}
+        add_renderers(scene_graph)
         self._owners: dict[int, str] = {}
         self._twists: FrameTwists | None = None
         if self._longest_gap is not None:
@@ -91,6 +99,20 @@ class HeldScene:
         """The names of this version of the scene."""
         self._refresh()
         return self._names
+
+    @property
+    def cameras(self) -> dict[str, tuple[FrameId, CameraDescription]]:
+        """The cameras by name, each with its frame; a copy."""
+        return dict(self._cameras)
+
+    def camera(self, name: str) -> tuple[FrameId, CameraDescription]:
+        """Return the frame of a camera and what it is; raises ArgumentError for none."""
+        if name not in self._cameras:
+            raise ArgumentError(
+                f'There is no camera {name[:80]!r}{nearest(name, self._cameras)}. Cameras: '
+                f'{some_of(list(self._cameras)) or "none"}. See list_cameras.'
+            )
+        return self._cameras[name]
 
     def owned_geometry(self, name: str) -> tuple[SourceId, GeometryId]:
         """Return the source that owns a geometry, and the geometry of that name."""
@@ -182,4 +204,5 @@ class HeldScene:
         """
         static = self._ages.static()
         known = {f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static}
-        return describe(self._scene_graph, poses_in_parents(self.query), self._robots, known)
+        poses, cameras = poses_in_parents(self.query), self._cameras.values()
+        return describe(self._scene_graph, poses, self._robots, known, cameras)

@@ -18,13 +18,15 @@ from contextlib import contextmanager
 from typing import Any
 
 from drake_geom_ros.geometry import GeometryError, SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry.render import CameraProperties
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
 from drake_geom_ros.ros.conversions.names import WORLD
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
-from drake_geom_ros.scene_files import RobotOptions
+from drake_geom_ros.scene_files import RobotOptions, camera_of
 
 
 class LiveScene:
@@ -87,8 +89,18 @@ class LiveScene:
         return view
 
     def compile_kernels(self) -> list[str]:
-        """Compile what queries of the scene run, beside the cycle; return the kernels."""
-        return self.view().context.compile_kernels(self.tell_compiling)
+        """Compile what queries of the scene run, beside the cycle; return the kernels.
+
+        Where the scene has cameras, what takes images too: by an image of one pixel.
+        """
+        with self.reading() as scene:
+            cameras, view = scene.cameras, scene.view()
+        kernels = view.context.compile_kernels(self.tell_compiling)
+        for _, camera in list(cameras.values())[:1]:
+            name = camera_of(camera).core().renderer_name()
+            pixel = CameraProperties(1, 1, 1.0, name)
+            view.query.render_images(pixel, view.names.world, RigidTransform())
+        return kernels
 
     def make_ready(self, change: Callable[[SceneGraph, SceneGraphContext], object]) -> None:
         """Make a change on a copy of the scene, and what queries need of the changed scene.

@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.services import files, filters, queries, scene, shapes
+from drake_geom_ros.ros.services import cameras, files, filters, queries, scene, shapes
 
 Handler = Callable[[LiveScene, Any, Any], None]
 Change = Callable[[EditableScene, Any, Any], None]
@@ -26,6 +26,8 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('renew_filter', srv.RenewFilter, filters.renew_filter),
     ('remove_filter', srv.RemoveFilter, filters.remove_filter),
     ('flatten_filters', Trigger, filters.flatten_filters),
+    ('add_camera', srv.AddCamera, cameras.add_camera),
+    ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
 )
 
 # What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
@@ -71,6 +73,12 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ),
     ('has_collisions', srv.HasCollisions, queries.has_collisions),
     ('get_pose', srv.GetPose, queries.get_pose),
+    ('list_cameras', srv.ListCameras, cameras.list_cameras),
 )
 
-SERVICES = (*CHANGES, *LOADING, *BESIDE)
+# What takes images: beside all of these, for the first one compiles for seconds.
+IMAGES: tuple[tuple[str, Any, Handler], ...] = (
+    ('render_image', srv.RenderImage, cameras.render_image),
+)
+
+SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES)

@@ -1,6 +1,21 @@
+import numpy as np
+from matplotlib.image import imread
 from ros.demo import scenes
 
 from drake_geom_ros.ros.demo.report import write_report
+from drake_geom_ros.scene_files import read_scene
+
+SCENE = """
+sources: [left, right]
+frames: [{name: hand, source: left}, {name: hand, source: right}]
+geometries:
+- {name: ball, source: left, frame: hand, shape: {type: sphere, radius: 0.1}}
+- {name: ball, source: right, frame: hand, shape: {type: sphere, radius: 0.1}}
+"""
+CAMERA = """
+cameras:
+- {name: eye, frame: "left::hand", pose: {position: [0, 0, -2]}, size: [64, 48], shows: proximity}
+"""
 
 
 def test_three_files_and_what_they_hold(tmp_path):
@@ -18,3 +33,15 @@ def test_without_a_closest_moment_the_picture_is_left_out(tmp_path):
     made.approach = None
     write_report(made, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {'results.csv', 'distances.png'}
+
+
+def test_the_first_camera_of_the_scene_is_shown_at_the_closest_moment(tmp_path):
+    said = write_report(scenes.recording(), tmp_path, read_scene(SCENE + CAMERA))
+    assert any('camera.png' in line and 'eye' in line for line in said)
+    pixels = imread(tmp_path / 'camera.png')
+    assert len(np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0)) > 50
+
+
+def test_a_scene_without_cameras_leaves_no_such_picture(tmp_path):
+    write_report(scenes.recording(), tmp_path, read_scene(SCENE))
+    assert not (tmp_path / 'camera.png').exists()

@@ -11,6 +11,7 @@ from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FrameId,
     GeometrySet,
+    QueryObject,
 )
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import prepared
@@ -177,3 +178,17 @@ def test_the_accuracy_of_queries_that_name_none(scene):
     scene.set_accuracy('exact')
     results = scene.query.ComputeSignedDistancePairwiseClosestPoints()
     assert results.method.tolist() == [1]
+
+
+def test_a_scene_with_cameras_has_what_takes_images_compiled_at_once(monkeypatch):
+    """The first image of a node does not wait for it."""
+    sizes = []
+
+    def render_images(query, camera, *rest):
+        sizes.append((camera.width, camera.height, camera.renderer_name))
+
+    monkeypatch.setattr(QueryObject, 'render_images', render_images)
+    live_scene(TEXT).compile_kernels()
+    assert sizes == []
+    live_scene(TEXT + 'cameras: [{name: eye, size: [64, 48], shows: proximity}]').compile_kernels()
+    assert sizes == [(1, 1, 'exact_proximity')]

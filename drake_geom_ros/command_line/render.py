@@ -1,0 +1,185 @@
+"""``render``: colour, depth and label images of a scene file, as pictures."""
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.command_line import pictures
+from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.geometry import FrameId, Role
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.tolerances import DIRECTION_NORM
+from drake_geom_ros.scene_files import (
+    CameraDescription,
+    SceneFileError,
+    add_renderers,
+    camera_of,
+    check_camera,
+)
+from drake_geom_ros.sensors import CameraInfo
+
+_STEEP = 0.999  # cosine to the vertical beyond which +y, not +z, is up
+_BAR = 30  # characters
+
+Cameras = list[tuple[FrameId, CameraDescription]]
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'render',
+        help='take images of a scene',
+        description='Takes images of a scene by its cameras, or by one that is placed here, and '
+        'writes colour, depth (16 bits, millimetres) and labels as PNG, with depth and labels '
+        'also as pictures with a scale and a legend.',
+    )
+    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    parser.add_argument('--camera', metavar='NAME', help='only this camera of the scene file')
+    for name, where in (('--from', 'where it is'), ('--at', 'what it looks at')):
+        parser.add_argument(
+            *(name,),
+            dest=f'{name[2:]}_W',
+            nargs=3,
+            type=float,
+            metavar=('X', 'Y', 'Z'),
+            help=f'a camera of its own: {where} in the world [m]',
+        )
+    parser.add_argument(
+        '--size', nargs=2, type=int, default=(640, 480), metavar=('WIDTH', 'HEIGHT')
+    )
+    parser.add_argument(
+        '--fov-y', type=float, default=0.8, metavar='A', help='of --from [rad] (default: 0.8)'
+    )
+    parser.add_argument(
+        '--shows',
+        choices=('perception', 'proximity'),
+        help='the role of what --from sees (default: perception where any geometry has it)',
+    )
+    parser.add_argument('--poses', metavar='FILE', help='an image for each moment: CSV or JSON')
+    parser.add_argument('--time', type=float, metavar='T', help='only the moment T of --poses [s]')
+    parser.add_argument('--output', required=True, metavar='DIR', help='folder to write to')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the images and return the exit code; raises GeometryError or OSError for bad input."""
+    if (options.from_W is None) != (options.at_W is None):
+        raise SceneFileError('--from and --at go together', options.scene)
+    if options.time is not None and not options.poses:
+        raise SceneFileError('--time goes with --poses', options.scene)
+    pictures.check_libraries()
+    moments = read_poses(options.poses) if options.poses else [PoseSet()]
+    scene = PosedScene(options.scene, options.srdf)
+    cameras = _cameras(scene, options)
+    add_renderers(scene.scene_graph)
+    folder = Path(options.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    total = len(cameras) * (1 if options.time is not None else len(moments))
+    done = 0
+    for number in _posed(scene, moments, options.time):
+        suffix = '' if number is None else f'_{number:04d}'
+        for frame, camera in cameras:
+            _write(scene, frame, camera, folder, f'{camera.name}{suffix}')
+            done += 1
+            _show_progress(done, total)
+    print(f'{done} x {len(cameras[0][1].images)} images in {folder}')
+    return 0
+
+
+def _posed(scene: PosedScene, moments: list[PoseSet], time: float | None) -> Iterator[int | None]:
+    """Pose the scene for each moment, or for that of a time, and yield its number."""
+    if time is not None:
+        past = [m for m in moments if m.time is not None and m.time <= time]
+        if not past:
+            raise SceneFileError(
+                f'--time {time}: the pose file begins later, or tells no times', ''
+            )
+        for moment in past:
+            scene.pose(moment.poses)
+        scene.check_whole()
+        yield None
+        return
+    for number, moment in enumerate(moments):
+        scene.pose(moment.poses)
+        scene.check_whole()
+        yield number if len(moments) > 1 else None
+
+
+def _write(
+    scene: PosedScene, frame: FrameId, description: CameraDescription, folder: Path, name: str
+) -> None:
+    camera = camera_of(description)
+    query = scene.query
+    images = query.render_images(camera, frame, description.X_FC, description.images)
+    legend: pictures.Legend = {}
+    for geometry, label in query.render_legend(camera.core().renderer_name()).items():
+        legend.setdefault(label, []).append(scene.names[geometry])
+    pictures.write_all(images, legend, folder, name)
+
+
+def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:
+    """Return the cameras that are asked for, and their frames."""
+    if options.from_W is not None:
+        return [(scene.inspector.world_frame_id(), _placed(scene, options))]
+    if options.camera is None:
+        if not scene.cameras:
+            raise SceneFileError(
+                'the scene has no cameras: place one by --from X Y Z --at X Y Z', options.scene
+            )
+        return list(scene.cameras.values())
+    if options.camera not in scene.cameras:
+        known = ', '.join(scene.cameras) or 'none'
+        raise SceneFileError(f'no camera {options.camera!r}; it has {known}', options.scene)
+    return [scene.cameras[options.camera]]
+
+
+def _placed(scene: PosedScene, options: argparse.Namespace) -> CameraDescription:
+    """Return the camera that the options place in the world."""
+    shows = options.shows
+    if shows is None:
+        seen = scene.inspector.NumGeometriesWithRole(Role.kPerception)
+        shows = 'perception' if seen else 'proximity'
+        if not seen:
+            print('no geometry has the perception role: shown is what has the proximity role')
+            sys.stdout.flush()
+    try:
+        camera = CameraDescription(
+            *('camera', '', 'world', looking(options.from_W, options.at_W)),
+            CameraInfo(*options.size, options.fov_y),
+            shows=shows,
+        )
+        check_camera(camera)
+    except RuntimeError as error:
+        raise SceneFileError(str(error), options.scene) from error
+    return camera
+
+
+def looking(from_W: list[float], at_W: list[float]) -> RigidTransform:
+    """Return X_WC of a camera at one point that looks at another, its x level.
+
+    Raises RuntimeError where they are no two points.
+    """
+    ahead = np.subtract(at_W, from_W)
+    length = float(np.linalg.norm(ahead))
+    if not length > DIRECTION_NORM:
+        raise RuntimeError(f'--from {from_W} and --at {at_W} must be two points')
+    ahead /= length
+    up = [0.0, 1.0, 0.0] if abs(ahead[2]) > _STEEP else [0.0, 0.0, 1.0]
+    aside = np.cross(ahead, up)
+    aside /= np.linalg.norm(aside)
+    R_WC = RotationMatrix(np.column_stack((aside, np.cross(ahead, aside), ahead)))
+    return RigidTransform(R_WC, from_W)
+
+
+def _show_progress(done: int, total: int) -> None:
+    """Draw a bar on standard error, for a person who waits for several images."""
+    if total > 1 and sys.stderr.isatty():
+        filled = '#' * (_BAR * done // total)
+        end = '\n' if done == total else ''
+        print(f'\r[{filled:<{_BAR}}] {done}/{total}', end=end, file=sys.stderr, flush=True)

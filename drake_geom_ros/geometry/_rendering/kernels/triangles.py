@@ -1,0 +1,107 @@
+"""Triangles into the buffers of a band, by edge functions in homogeneous coordinates.
+
+M. Olano, T. Greer, *Triangle scan conversion using 2D homogeneous coordinates*, Graphics Hardware
+1997: the ray d meets the triangle (a, b, c) where d . (b x c), d . (c x a) and d . (a x b) have
+one sign, and these, summed to 1, are the weights of the corners there. No corner is divided by
+its depth, so one behind the camera is as good as any.
+
+b x c is taken as (b + c) x (c - b) / 2: it is exact where the corners are near to each other and
+far away, and the other triangle of the edge has the very negative. So no ray slips between two.
+"""
+
+import math
+
+from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
+from drake_geom_ros.geometry._rendering.kernels.windows import crossed, span, widened
+
+
+@compiled
+def pose_vertices(R, p, p_GVs, p_CVs):
+    """Fill ``p_CVs`` (n, 3) with the vertices in C; return the box (6) around them."""
+    x_low, y_low, z_low = math.inf, math.inf, math.inf
+    x_high, y_high, z_high = -math.inf, -math.inf, -math.inf
+    for i in range(len(p_GVs)):
+        x, y, z = p_GVs[i, 0], p_GVs[i, 1], p_GVs[i, 2]
+        cx = R[0, 0] * x + R[0, 1] * y + R[0, 2] * z + p[0]
+        cy = R[1, 0] * x + R[1, 1] * y + R[1, 2] * z + p[1]
+        cz = R[2, 0] * x + R[2, 1] * y + R[2, 2] * z + p[2]
+        p_CVs[i, 0], p_CVs[i, 1], p_CVs[i, 2] = cx, cy, cz
+        x_low, y_low, z_low = min(x_low, cx), min(y_low, cy), min(z_low, cz)
+        x_high, y_high, z_high = max(x_high, cx), max(y_high, cy), max(z_high, cz)
+    return x_low, x_high, y_low, y_high, z_low, z_high
+
+
+@inlined
+def edge(x0, y0, z0, x1, y1, z1):
+    """Return the edge function of two corners: their cross product, doubled."""
+    sx, sy, sz = x0 + x1, y0 + y1, z0 + z1
+    dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+    return sy * dz - sz * dy, sz * dx - sx * dz, sx * dy - sy * dx
+
+
+@inlined
+def triangle_window(x0, y0, z0, x1, y1, z1, x2, y2, z2, view, width, height):
+    """Return columns and rows (u0, u1, v0, v1) of a triangle; empty where it is out of sight."""
+    near = view[4]
+    least, most = min(z0, z1, z2), max(z0, z1, z2)
+    if most < near or least > view[5]:
+        return 0, 0, 0, 0
+    box = (math.inf, -math.inf, math.inf, -math.inf)
+    if z0 >= near:
+        box = widened(x0, y0, z0, box)
+    if z1 >= near:
+        box = widened(x1, y1, z1, box)
+    if z2 >= near:
+        box = widened(x2, y2, z2, box)
+    if least < near:
+        box = crossed(x0, y0, z0, x1, y1, z1, near, box)
+        box = crossed(x1, y1, z1, x2, y2, z2, near, box)
+        box = crossed(x2, y2, z2, x0, y0, z0, near, box)
+    u0, u1 = span(box[0], box[1], view[0], view[2], width)
+    v0, v1 = span(box[2], box[3], view[1], view[3], height)
+    return u0, u1, v0, v1
+
+
+@compiled
+def draw_triangles(k, first, last, triangles, p_CVs, view, first_row, depths, owners, facets):
+    """Draw triangles ``first`` to ``last`` of body ``k`` into a band; see ``draw_primitive``.
+
+    Of triangles of one body at the same depth the one with the lower number is shown.
+    """
+    near, far = view[4], view[5]
+    rows, width = depths.shape
+    for f in range(first, last):
+        a, b, c = triangles[f, 0], triangles[f, 1], triangles[f, 2]
+        x0, y0, z0 = p_CVs[a, 0], p_CVs[a, 1], p_CVs[a, 2]
+        x1, y1, z1 = p_CVs[b, 0], p_CVs[b, 1], p_CVs[b, 2]
+        x2, y2, z2 = p_CVs[c, 0], p_CVs[c, 1], p_CVs[c, 2]
+        u0, u1, v0, v1 = triangle_window(
+            x0, y0, z0, x1, y1, z1, x2, y2, z2, view, width, first_row + rows
+        )
+        v0 = max(v0, first_row)
+        if u0 >= u1 or v0 >= v1:
+            continue
+        ax, ay, az = edge(x1, y1, z1, x2, y2, z2)
+        bx, by, bz = edge(x2, y2, z2, x0, y0, z0)
+        cx, cy, cz = edge(x0, y0, z0, x1, y1, z1)
+        for row in range(v0 - first_row, v1 - first_row):
+            y = (row + first_row + 0.5 - view[3]) / view[1]
+            for u in range(u0, u1):
+                x = (u + 0.5 - view[2]) / view[0]
+                wa = ax * x + ay * y + az
+                wb = bx * x + by * y + bz
+                wc = cx * x + cy * y + cz
+                inside = wa >= 0.0 and wb >= 0.0 and wc >= 0.0
+                if not (inside or (wa <= 0.0 and wb <= 0.0 and wc <= 0.0)):
+                    continue
+                total = wa + wb + wc
+                if total == 0.0:  # seen edge on
+                    continue
+                z = (wa * z0 + wb * z1 + wc * z2) / total
+                if not near <= z <= far:
+                    continue
+                # Triangles come in ascending order, so that of one body the first stays.
+                if z < depths[row, u] or (z == depths[row, u] and k < owners[row, u]):
+                    depths[row, u] = z
+                    owners[row, u] = k
+                    facets[row, u] = f

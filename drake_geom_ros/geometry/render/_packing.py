@@ -1,0 +1,209 @@
+"""What a renderer shows of a model, as arrays: made once a version, posed for every image."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._model import Model
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.world import World
+from drake_geom_ros.geometry._records import GeometryRecord, named
+from drake_geom_ros.geometry._rendering.drawing import Bodies
+from drake_geom_ros.geometry._rendering.tolerances import LARGEST_SIZE, SMALLEST_SIZE
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError, RoleError
+from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.mesh_shapes import Convex, Mesh
+from drake_geom_ros.geometry.mesh_source import facet_colours
+from drake_geom_ros.geometry.properties import GeometryProperties, Role
+from drake_geom_ros.geometry.render.render_label import RenderLabel
+from drake_geom_ros.geometry.rgba import Rgba
+from drake_geom_ros.geometry.shapes import MeshcatCone
+
+if TYPE_CHECKING:
+    from drake_geom_ros.geometry.render.exact import RenderEngineExactParams
+
+Floats = NDArray[np.float64]
+
+# Colours of frames where nobody gave any: of one lightness, the world's the palest.
+_PALETTE = tuple(
+    Rgba(r, g, b)
+    for r, g, b in (
+        *((0.78, 0.76, 0.72), (0.90, 0.56, 0.28), (0.36, 0.62, 0.84), (0.47, 0.72, 0.43)),
+        *((0.84, 0.45, 0.46), (0.66, 0.54, 0.80), (0.86, 0.76, 0.36), (0.42, 0.70, 0.70)),
+    )
+)
+
+
+class Packed(NamedTuple):
+    """The bodies that a renderer shows, by ascending id, and where they are fixed."""
+
+    ids: list[GeometryId]
+    names: list[str]  # for messages
+    frames: NDArray[np.int64]  # (n,) rows of the world
+    R_FGs: Floats  # (n, 3, 3)
+    p_FGs: Floats  # (n, 3) [m]
+    bodies: Bodies
+
+    def posed(self, world: World) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Return R_WG (n, 3, 3) and p_WG (n, 3) [m] of the bodies, and which have a place (n,).
+
+        Raises GeometryError for one that is too far for images.
+        """
+        world.update()
+        R_WFs, p_WFs = world.R_WFs[self.frames], world.p_WFs[self.frames]
+        p_WGs = p_WFs + np.einsum('nij,nj->ni', R_WFs, self.p_FGs)
+        placed = world.placed[self.frames]
+        reach = np.abs(p_WGs).max(axis=1, initial=0.0)
+        for row in np.flatnonzero((reach > LARGEST_SIZE) & placed)[:1].tolist():
+            raise GeometryError(
+                f'{self.names[row]} lies at {p_WGs[row].tolist()} m; images show what is within '
+                f'{LARGEST_SIZE:g} m'
+            )
+        return R_WFs @ self.R_FGs, p_WGs, placed
+
+
+def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str) -> Packed:
+    """Return what a renderer shows of a model.
+
+    Raises GeometryError, naming the geometry, for a label or a colour that is none, a geometry
+    that has no label where it must, a shape that images do not show, and sizes beyond them.
+    """
+    shown = [record for record in model.geometries.values() if record.has_role(params.role)]
+    records = sorted(
+        (record for record in shown if _accepts(record, params.role, renderer_name)),
+        key=lambda record: record.id,
+    )
+    rows = {frame: row for row, frame in enumerate(model.frames)}
+    given = [_label(record, params) for record in records]
+    labels = np.array(_numbered(given) if params.number_geometries else given, dtype=np.int16)
+    shapes = [_primitive(record) for record in records]
+    meshes = [_mesh(record) for record in records]
+    vertices = [mesh[0] for mesh in meshes]
+    starts = np.cumsum([0, *map(len, vertices)], dtype=np.int64)
+    faces = [mesh[1] + start for mesh, start in zip(meshes, starts[:-1].tolist(), strict=True)]
+    bodies = Bodies(
+        kinds=np.array([kind for kind, _ in shapes], dtype=np.int64),
+        shapes=np.array([numbers for _, numbers in shapes]).reshape(-1, 3),
+        colours=np.array([_colour(r, params, rows[r.frame_id]) for r in records]).reshape(-1, 3),
+        labels=labels,
+        is_labelled=labels != int(RenderLabel.kDoNotRender),
+        vertex_starts=starts,
+        p_GVs=np.concatenate([np.zeros((0, 3)), *vertices]),
+        triangle_starts=np.cumsum([0, *map(len, faces)], dtype=np.int64),
+        triangles=np.concatenate([np.zeros((0, 3), np.int32), *faces]).astype(np.int32),
+        facet_colours=np.concatenate([np.zeros((0, 3), np.float32), *(m[2] for m in meshes)]),
+    )
+    return Packed(
+        [record.id for record in records],
+        [named(record) for record in records],
+        np.array([rows[record.frame_id] for record in records], dtype=np.int64),
+        np.array([record.X_FG.rotation().matrix() for record in records]).reshape(-1, 3, 3),
+        np.array([record.X_FG.translation() for record in records]).reshape(-1, 3),
+        bodies,
+    )
+
+
+def _property(record: GeometryRecord, roles: tuple[Role, ...], group: str, name: str) -> Any:
+    """Return a property of the first of the roles that has it, or None."""
+    for role in roles:
+        properties: GeometryProperties | None = record.properties(role)
+        if properties is not None and properties.HasProperty(group, name):
+            return properties.GetProperty(group, name)
+    return None
+
+
+def _accepts(record: GeometryRecord, role: Role, renderer_name: str) -> bool:
+    """Return whether ('renderer', 'accepting') allows a renderer: a name, or several."""
+    accepting = _property(record, (role,), 'renderer', 'accepting')
+    if accepting is None:
+        return True
+    return renderer_name in ({accepting} if isinstance(accepting, str) else set(accepting))
+
+
+def _label(record: GeometryRecord, params: RenderEngineExactParams) -> int:
+    """Return the label of a geometry, the default where it has none."""
+    label = _property(record, (params.role, Role.kPerception), 'label', 'id')
+    if label is None:
+        if params.default_label == RenderLabel.kUnspecified and not params.number_geometries:
+            raise RoleError(
+                f"{named(record)} has no property ('label', 'id'), and the renderer's "
+                'default_label is kUnspecified: give it one, or the renderer kDontCare'
+            )
+        return int(params.default_label)
+    if not isinstance(label, RenderLabel):
+        label = RenderLabel(label)
+    if label in (RenderLabel.kUnspecified, RenderLabel.kEmpty):
+        raise ArgumentError(f'{named(record)} has the label {label!r}, which no geometry may have')
+    return int(label)
+
+
+def _numbered(given: list[int]) -> list[int]:
+    """Return labels in which what has none of its own got the lowest that are free, from 1."""
+    taken = set(given)
+    free = (n for n in range(1, RenderLabel.kMaxUnreserved + 1) if n not in taken)
+    without = int(RenderLabel.kDontCare), int(RenderLabel.kUnspecified)
+    return [next(free, without[0]) if label in without else label for label in given]
+
+
+def _colour(record: GeometryRecord, params: RenderEngineExactParams, frame: int) -> Floats:
+    """Return red, green and blue (3,) of a geometry on the frame of a row."""
+    # What has a part in distances only has no colour in that role.
+    others = (Role.kPerception, Role.kIllustration) if params.role is Role.kProximity else ()
+    diffuse = _property(record, (params.role, *others), 'phong', 'diffuse')
+    if diffuse is None:
+        diffuse = params.default_diffuse or _PALETTE[frame % len(_PALETTE)]
+    if not isinstance(diffuse, Rgba):
+        values = np.asarray(diffuse, dtype=np.float64)
+        if values.shape not in ((3,), (4,)):
+            raise ArgumentError(
+                f"{named(record)}: ('phong', 'diffuse') = {diffuse!r} is no colour"
+            )
+        diffuse = Rgba(*values.tolist())
+    return diffuse.rgba[:3]
+
+
+def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
+    """Return the kind and the parameters (3,) of a shape; a mesh has the kind CONVEX."""
+    shape = record.shape
+    if isinstance(shape, MeshcatCone):
+        raise GeometryError(f'{named(record)} is a MeshcatCone, which images do not show')
+    if isinstance(shape, (Convex, Mesh)):
+        return CONVEX, np.zeros(3)
+    numbers = np.zeros(3)
+    parameters = shape._kernel_parameters()
+    numbers[: len(parameters)] = parameters
+    kind = shape._type_number()
+    small = (parameters < SMALLEST_SIZE).any() and kind not in (SPHERE, HALF_SPACE)
+    if small or (parameters > LARGEST_SIZE).any():
+        raise GeometryError(
+            f'{named(record)} is {shape!r}; images show sizes from {SMALLEST_SIZE:g} to '
+            f'{LARGEST_SIZE:g} m'
+        )
+    return kind, numbers
+
+
+def _mesh(record: GeometryRecord) -> tuple[Floats, NDArray[np.int64], NDArray[np.float32]]:
+    """Return vertices (v, 3) [m], triangles (f, 3) and their colours (f, 3); empty for others."""
+    shape = record.shape
+    if isinstance(shape, Mesh):
+        vertices, triangles = shape.surface()
+        colours = facet_colours(shape._measures[0])
+    elif isinstance(shape, Convex):
+        vertices, triangles = shape.hull_surface()
+        colours = None
+    else:
+        return _NO_MESH
+    if (np.abs(vertices) > LARGEST_SIZE).any():
+        raise GeometryError(
+            f'{named(record)} reaches to {np.abs(vertices).max():g} m; images show sizes up to '
+            f'{LARGEST_SIZE:g} m'
+        )
+    if colours is None:
+        colours = np.full((len(triangles), 3), -1.0, np.float32)
+    return np.ascontiguousarray(vertices), triangles, colours
+
+
+_NO_MESH = np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.float32)

@@ -1,0 +1,192 @@
+"""Cameras: intrinsics, what they clip, where their sensor is, and which renderer they ask."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeVar
+
+from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensors import CameraInfo
+
+_T = TypeVar('_T')
+
+
+class _Range:
+    """Two depths [m] of which the first is the smaller."""
+
+    __slots__ = ('_far', '_near')
+    _NAMES = ('near', 'far')
+
+    def _take(self, near: float, far: float) -> None:
+        self._near, self._far = _number(self, near), _number(self, far)
+        if not 0.0 < self._near < self._far or math.isinf(self._near):
+            first, second = self._NAMES
+            raise ArgumentError(
+                f'{type(self).__name__}: {first} = {near} and {second} = {far} must be '
+                f'0 < {first} < {second} [m]'
+            )
+
+    def __eq__(self, other: object) -> bool:
+        if not (isinstance(other, _Range) and type(other) is type(self)):
+            return NotImplemented
+        return (self._near, self._far) == (other._near, other._far)
+
+    def __hash__(self) -> int:
+        return hash((self._near, self._far))
+
+    def __repr__(self) -> str:
+        return f'{type(self).__name__}({self._near!r}, {self._far!r})'
+
+
+class ClippingRange(_Range):
+    """The depths [m] between which surfaces are seen: those before ``near`` are cut away.
+
+    Depth is z in the sensor's frame. ``far`` may be infinite. Raises RuntimeError unless
+    0 < near < far.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, near: float, far: float) -> None:
+        self._take(near, far)
+
+    def near(self) -> float:
+        """Return the least depth [m] that is seen."""
+        return self._near
+
+    def far(self) -> float:
+        """Return the largest depth [m] that is seen."""
+        return self._far
+
+
+class DepthRange(_Range):
+    """The depths [m] that a depth image tells: 0 stands for less, infinity for more.
+
+    Raises RuntimeError unless 0 < min_depth < max_depth.
+    """
+
+    __slots__ = ()
+    _NAMES = ('min_depth', 'max_depth')
+
+    def __init__(self, min_depth: float, max_depth: float) -> None:
+        self._take(min_depth, max_depth)
+
+    def min_depth(self) -> float:
+        """Return the least depth [m] that is told."""
+        return self._near
+
+    def max_depth(self) -> float:
+        """Return the largest depth [m] that is told."""
+        return self._far
+
+
+class RenderCameraCore:
+    """What colour and depth cameras share.
+
+    ``X_BS`` is the pose of the sensor S in the camera's body B: with the identity the camera
+    looks along +z of its body.
+    """
+
+    __slots__ = ('_X_BS', '_clipping', '_intrinsics', '_renderer_name')
+
+    def __init__(
+        self,
+        renderer_name: str,
+        intrinsics: CameraInfo,
+        clipping: ClippingRange,
+        X_BS: RigidTransform | None = None,
+    ) -> None:
+        self._renderer_name = _of_type(self, 'renderer_name', renderer_name, str)
+        self._intrinsics = _of_type(self, 'intrinsics', intrinsics, CameraInfo)
+        self._clipping = _of_type(self, 'clipping', clipping, ClippingRange)
+        X = RigidTransform() if X_BS is None else _of_type(self, 'X_BS', X_BS, RigidTransform)
+        self._X_BS = RigidTransform(X)
+
+    def renderer_name(self) -> str:
+        """Return the name of the renderer that the camera asks."""
+        return self._renderer_name
+
+    def intrinsics(self) -> CameraInfo:
+        """Return the intrinsics."""
+        return self._intrinsics
+
+    def clipping(self) -> ClippingRange:
+        """Return the depths between which surfaces are seen."""
+        return self._clipping
+
+    def sensor_pose_in_camera_body(self) -> RigidTransform:
+        """Return X_BS."""
+        return RigidTransform(self._X_BS)
+
+
+class ColorRenderCamera:
+    """A camera that takes colour and label images; it has no window."""
+
+    __slots__ = ('_core',)
+
+    def __init__(self, core: RenderCameraCore, show_window: bool = False) -> None:
+        self._core = _of_type(self, 'core', core, RenderCameraCore)
+        refuse_window(show_window)
+
+    def core(self) -> RenderCameraCore:
+        """Return what all cameras have."""
+        return self._core
+
+    def show_window(self) -> bool:
+        """Return False."""
+        return False
+
+
+class DepthRenderCamera:
+    """A camera that takes depth images.
+
+    Raises RuntimeError for a depth range that goes beyond the clipping range.
+    """
+
+    __slots__ = ('_core', '_depth_range')
+
+    def __init__(self, core: RenderCameraCore, depth_range: DepthRange) -> None:
+        self._core = _of_type(self, 'core', core, RenderCameraCore)
+        self._depth_range = _of_type(self, 'depth_range', depth_range, DepthRange)
+        clipping = core.clipping()
+        low, high = depth_range.min_depth(), depth_range.max_depth()
+        if not clipping.near() <= low < high <= clipping.far():
+            raise ArgumentError(
+                f'DepthRenderCamera: {depth_range!r} must be within {clipping!r}, beyond which '
+                'nothing is seen'
+            )
+
+    def core(self) -> RenderCameraCore:
+        """Return what all cameras have."""
+        return self._core
+
+    def depth_range(self) -> DepthRange:
+        """Return the depths that images tell."""
+        return self._depth_range
+
+
+def refuse_window(show_window: bool) -> None:
+    """Raise RuntimeError where a window is asked for."""
+    if show_window:
+        raise ArgumentError(
+            'show_window = True was asked for, and images are made without a screen: look at the '
+            "image's data, at the files of `python -m drake_geom_ros render`, or at the topics of "
+            'a camera of the node'
+        )
+
+
+def _number(camera: object, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ArgumentTypeError(
+            f'{type(camera).__name__}: {value!r} must be a number [m]'
+        ) from None
+
+
+def _of_type(camera: object, name: str, value: Any, kind: type[_T]) -> _T:
+    if not isinstance(value, kind):
+        what = f'{type(camera).__name__}: {name}'
+        raise ArgumentTypeError(f'{what} = {value!r} must be of type {kind.__name__}')
+    return value

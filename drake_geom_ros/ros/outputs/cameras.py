@@ -1,0 +1,173 @@
+"""Publishes what cameras see, beside the cycle: nothing for nobody, nothing twice."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+from drake_geom_msgs.msg import LabelLegend
+from sensor_msgs.msg import CameraInfo, Image
+
+from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.ros.conversions.cameras import (
+    fill_camera_info,
+    fill_header,
+    fill_image,
+    fill_legend,
+)
+from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.scene_view import SceneView
+from drake_geom_ros.scene_files import CameraDescription, camera_of
+
+PERIOD = 0.02  # [s] between two looks which camera is due
+_AGAIN = 1.0  # [s] an image that stays the same is sent again, for who came late or lost it
+# Where the images of a kind are published, below ~/cameras/NAME.
+_TOPICS = {
+    'color': ('color', 'color/image_raw'),
+    'depth': ('depth', 'depth/image_rect_raw'),
+    'label': ('labels', 'labels/image_raw'),
+}
+_LEGEND = 'labels/legend'
+
+
+@dataclass
+class _Open:
+    """A camera with its topics, and what was published last."""
+
+    frame: FrameId
+    camera: CameraDescription
+    publishers: dict[str, Any]  # by kind; 'KIND info' and 'legend' too
+    due: float = 0.0  # [s]
+    state: bytes = b''
+    sent: float = 0.0  # [s]
+    messages: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # image, intrinsics
+    legend_version: int = -1  # of the scene
+
+    def heard(self) -> list[str]:
+        """Return the kinds of images that somebody listens to, or to the intrinsics of."""
+        return [
+            kind
+            for kind in self.camera.images
+            if self.publishers[kind].get_subscription_count()
+            or self.publishers[f'{kind} info'].get_subscription_count()
+            or (kind == 'label' and self.publishers['legend'].get_subscription_count())
+        ]
+
+
+class CameraPublisher:
+    """Takes the images that are due whenever it is told to look; in one thread."""
+
+    def __init__(
+        self,
+        live: LiveScene,
+        surface: Any,
+        images: Any,
+        latched: Any,
+    ) -> None:
+        """``images`` and ``latched`` are the profiles of images and of legends."""
+        self._live = live
+        self._surface = surface
+        self._images, self._latched = images, latched
+        self.beside = Beside('cameras', self._why_not)  # what is told in the report of a cycle
+        self._open: dict[str, _Open] = {}
+        self._unheard, self._unchanged = 0, 0  # times that a camera was due, since last told
+
+    def _why_not(self) -> str:
+        """Return why no image was taken since this was last asked for."""
+        unheard, self._unheard = self._unheard, 0
+        unchanged, self._unchanged = self._unchanged, 0
+        if unchanged:
+            return f'nothing moved: {unchanged} times an image was not taken again'
+        if unheard:
+            return NO_SUBSCRIBER
+        return 'no camera was due' if self._open else 'no cameras'
+
+    def publish(self) -> None:
+        """Take the images that are due, and publish them."""
+        self._follow()
+        now = time.monotonic()
+        due = [each for each in self._open.values() if each.due <= now]
+        heard = [(each, kinds) for each in due if (kinds := each.heard())]
+        for each in due:
+            period = 1.0 / each.camera.rate
+            # In step with its rate, unless it is late by more than a period.
+            each.due = each.due + period if each.due + period > now else now + period
+        self._unheard += len(due) - len(heard)
+        if not heard:
+            return
+        with self._live.reading() as scene:
+            cameras, view = scene.cameras, scene.view()
+        state = view.query.image_state()
+        for each, kinds in heard:
+            is_there = cameras.get(each.camera.name) == (each.frame, each.camera)
+            if is_there and view.query.is_placed(each.frame):
+                self._show(each, kinds, view, state, now)
+
+    def _show(
+        self, each: _Open, kinds: list[str], view: SceneView, state: bytes, now: float
+    ) -> None:
+        """Publish images of a camera, taken now where something moved."""
+        if each.state != state or not each.messages.keys() >= set(kinds):
+            start = time.perf_counter()
+            self._take(each, kinds, view)
+            each.state = state
+            self.beside.did(len(kinds), time.perf_counter() - start)
+        else:
+            self._unchanged += 1
+            if now < each.sent + _AGAIN:
+                return
+        each.sent = now
+        for kind in kinds:
+            image, info = each.messages[kind]
+            each.publishers[f'{kind} info'].publish(info)
+            each.publishers[kind].publish(image)
+
+    def _take(self, each: _Open, kinds: list[str], view: SceneView) -> None:
+        """Take images of a camera, and keep them as messages."""
+        camera, stamp = each.camera, view.moment.newest_stamp
+        images = view.query.render_images(camera_of(camera), each.frame, camera.X_FC, kinds)
+        each.messages = {}
+        for kind in kinds:
+            image, info = Image(), CameraInfo()
+            fill_image(image, kind, getattr(images, kind).data)
+            fill_camera_info(info, camera)
+            for message in (image, info):
+                fill_header(message, camera, stamp)
+            each.messages[kind] = image, info
+        if 'label' in kinds and each.legend_version != view.moment.version:
+            each.legend_version = view.moment.version
+            legend = LabelLegend(scene_version=view.moment.version)
+            renderer = camera_of(camera).core().renderer_name()
+            fill_legend(legend, view.query.render_legend(renderer), view.names)
+            fill_header(legend, camera, stamp)
+            each.publishers['legend'].publish(legend)
+
+    def _follow(self) -> None:
+        """Open and close topics as cameras come and go."""
+        with self._live.reading() as scene:
+            cameras = scene.cameras
+        for name, each in list(self._open.items()):
+            if cameras.get(name) != (each.frame, each.camera):
+                del self._open[name]
+                for publisher in each.publishers.values():
+                    self._surface.close_publisher(publisher)
+        for name, (frame, camera) in cameras.items():
+            if name not in self._open:
+                self._open[name] = _Open(frame, camera, self._publishers(camera))
+
+    def _publishers(self, camera: CameraDescription) -> dict[str, Any]:
+        """Open the topics of a camera."""
+        base = f'~/cameras/{camera.name}'
+        opened = {}
+        for kind in camera.images:
+            folder, topic = _TOPICS[kind]
+            opened[kind] = self._surface.publisher(Image, f'{base}/{topic}', self._images)
+            opened[f'{kind} info'] = self._surface.publisher(
+                CameraInfo, f'{base}/{folder}/camera_info', self._images
+            )
+        if 'label' in camera.images:
+            topic = f'{base}/{_LEGEND}'
+            opened['legend'] = self._surface.publisher(LabelLegend, topic, self._latched)
+        return opened

@@ -1,0 +1,82 @@
+"""Services about cameras. RuntimeError refuses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_geom_msgs.msg import Camera
+
+from drake_geom_ros.geometry import ArgumentError, FrameId
+from drake_geom_ros.ros.conversions.cameras import (
+    camera_from_message,
+    fill_camera,
+    fill_camera_info,
+    fill_header,
+    fill_image,
+    fill_legend,
+)
+from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.scene_files import IMAGES, camera_of
+
+_BYTES = 4 + 4 + 2  # of a pixel of all images, while they are made
+
+
+def add_camera(scene: EditableScene, request: Any, response: Any) -> None:
+    """Add a camera."""
+    message = request.camera
+    frame = _frame(scene.names, message)
+    scene.add_camera(frame, camera_from_message(message, message.name))
+
+
+def remove_camera(scene: EditableScene, request: Any, response: Any) -> None:
+    """Remove a camera; its topics go when images are next due."""
+    scene.remove_camera(request.name)
+
+
+def list_cameras(live: LiveScene, request: Any, response: Any) -> None:
+    """Tell the cameras by name."""
+    with live.reading() as scene:
+        cameras, names = scene.cameras, scene.names
+    for name in sorted(cameras):
+        response.cameras.append(Camera())
+        fill_camera(response.cameras[-1], *cameras[name], names)
+
+
+def render_image(live: LiveScene, request: Any, response: Any) -> None:
+    """Take images of a camera, for poses that are assumed or for the live state."""
+    view = live.view(request.poses)
+    if request.camera:
+        with live.reading() as scene:
+            frame, camera = scene.camera(request.camera)
+    else:
+        given = camera_from_message(request.given, 'given')
+        frame, camera = _frame(view.names, request.given), given
+    want = tuple(dict.fromkeys(request.images)) or camera.images
+    if unknown := [kind for kind in want if kind not in IMAGES]:
+        raise ArgumentError(f'images holds {unknown[:5]}; it must be of {list(IMAGES)}')
+    size = camera.intrinsics.width() * camera.intrinsics.height() * _BYTES / 1e6
+    if size > live.most_megabytes:
+        raise ArgumentError(
+            f'images of {camera.intrinsics.width()} x {camera.intrinsics.height()} take '
+            f'{size:.1f} MB; the parameter max_answer_size allows {live.most_megabytes:g} MB'
+        )
+    images = view.query.render_images(camera_of(camera), frame, camera.X_FC, want)
+    stamp = view.moment.newest_stamp
+    for kind in want:
+        message = getattr(response, kind)
+        fill_image(message, kind, getattr(images, kind).data)
+        fill_header(message, camera, stamp)
+    fill_camera_info(response.camera_info, camera)
+    renderer = camera_of(camera).core().renderer_name()
+    fill_legend(response.legend, view.query.render_legend(renderer), view.names)
+    response.legend.scene_version = view.moment.version
+    for message in (response.camera_info, response.legend):
+        fill_header(message, camera, stamp)
+    response.message = view.reservations()
+
+
+def _frame(names: NameTable, message: Any) -> FrameId:
+    """Return the frame that a Camera message names; empty: the world."""
+    return names.frame(message.frame) if message.frame else names.world

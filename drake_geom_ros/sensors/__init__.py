@@ -1,0 +1,6 @@
+"""Images, and the intrinsics of the cameras that take them: pydrake's ``systems.sensors``."""
+
+from drake_geom_ros.sensors.camera_info import CameraInfo
+from drake_geom_ros.sensors.images import Image, ImageDepth32F, ImageLabel16I, ImageRgba8U
+
+__all__ = ['CameraInfo', 'Image', 'ImageRgba8U', 'ImageDepth32F', 'ImageLabel16I']
