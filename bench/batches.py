@@ -18,6 +18,8 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +34,8 @@ SCENE = ROOT / 'scenes/two_pandas.yaml'
 FOOT = 'panda_link0'
 BELOW, FLOOR = '{position: [0, 0, -0.1]}', '{type: box, size: [4, 4, 0.2]}'
 TURNS = 3  # of which the fastest counts: what else the machine does only ever adds
-CLUSTER_STATES = 200_000
+CLUSTER_STATES = 100_000
+TASKS = 500  # that do nothing: what the scheduler takes for one
 
 
 class Ours:
@@ -42,6 +45,7 @@ class Ours:
         text = SCENE.read_text().replace('    adjacent_links: kept\n', '')
         # pydrake knows no distance of a cylinder and a half space.
         text = text.replace('shape: {type: half_space}', f'pose: {BELOW}, shape: {FLOOR}')
+        self.text = text
         self.scene_graph = geometry.SceneGraph()
         self.loaded: LoadedScene = load_scene(text, self.scene_graph)
         self.joints = Joints.of(self.loaded)
@@ -172,9 +176,10 @@ def million(ours: Ours) -> None:
     """Print time and memory of a million states, by the command, in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder)
+        (path / 'cell.yaml').write_text(ours.text)
         np.save(path / 'states.npy', ours.states(1_000_000))
         for what in ('least', 'collision'):
-            command = [sys.executable, '-m', 'drake_geom_ros', 'batch', str(SCENE)]
+            command = [sys.executable, '-m', 'drake_geom_ros', 'batch', str(path / 'cell.yaml')]
             command += [str(path / 'states.npy'), '--what', what]
             start = time.perf_counter()
             subprocess.run([*command, '--output', str(path / f'{what}.npz')], check=True, cwd=ROOT)
@@ -209,14 +214,24 @@ def on_cluster(ours: Ours) -> None:
                     found = work()
                     assert all(np.array_equal(a, b) for a, b in zip(found, expected, strict=True))
                     took = seconds(work)
+                    idle = seconds(partial(nothing, executor)) / TASKS
                 print(
                     f'{count} workers: {took:.2f} s for {len(states)} states, efficiency against '
-                    f'{count} threads {threads[count - 1] / took:.2f}'
+                    f'{count} threads {threads[count - 1] / took:.2f}, a task that does nothing '
+                    f'{1000.0 * idle:.2f} ms'
                 )
+        size = sum(column.nbytes for column in expected) / len(states)
+        print(f'bytes a state: in {states.nbytes / len(states):.0f}, out {size:.0f}')
     finally:
         for process in reversed(processes):
             process.kill()
             process.wait()
+
+
+def nothing(executor: Executor) -> None:
+    """Have an executor do nothing, many times."""
+    for done in [executor.submit(abs, number) for number in range(TASKS)]:
+        done.result()
 
 
 def main() -> None:

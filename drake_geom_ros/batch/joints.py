@@ -21,16 +21,9 @@ Indices = NDArray[np.int64]
 class Arm:
     """A robot as workers need it: its joints, its base X_WB (7,), and which links are frames."""
 
-    tree: JointTree
+    tree: JointTree  # driven by the joint values of a state
     X_WB: Floats
     links: Indices
-    columns: Indices  # of the joint values of a state, one for each value of the tree
-    at_rest: Floats  # what a value is that has no column, which is -1 then
-
-    def poses(self, states: Floats) -> Floats:
-        """Return X_WL (N, links, 7) of the links that are frames, for joint values (N, q)."""
-        values = np.where(self.columns < 0, self.at_rest, states[:, self.columns])
-        return self.tree.link_poses(values, self.X_WB)[:, self.links]
 
 
 class Joints:
@@ -98,18 +91,21 @@ class Joints:
                 k for k, link in enumerate(kinematics.link_names) if (name, link) in loaded.frames
             ]
             ids += [loaded.frames[name, kinematics.link_names[k]].get_value() for k in links]
-            arm = Arm(
-                kinematics.tree,
-                robots[name].X_WB.ToArray(),
-                np.array(links, dtype=np.int64),
-                np.array([chosen.index(j) if j in chosen else -1 for j in own], dtype=np.int64),
-                np.clip(0.0, kinematics.lower, kinematics.upper),
-            )
-            arms.append(arm)
+            columns = [chosen.index(joint) if joint in chosen else -1 for joint in own]
+            at_rest = np.clip(0.0, kinematics.lower, kinematics.upper)
+            tree = kinematics.tree.driven_by(np.array(columns, dtype=np.int64), at_rest)
+            X_WB = robots[name].X_WB.ToArray()
+            arms.append(Arm(tree, X_WB, np.array(links, dtype=np.int64)))
         lower, upper = np.array([limits[name] for name in chosen]).T
         return cls(chosen, lower, upper, np.array(ids, dtype=np.int64), tuple(arms))
 
 
 def poses_of_arms(arms: tuple[Arm, ...], states: Floats) -> Floats:
     """Return the poses (N, n, 7) of all links that are frames, for joint values (N, q)."""
-    return np.concatenate([arm.poses(states) for arm in arms], axis=1)
+    values = np.ascontiguousarray(states, dtype=np.float64)
+    poses = np.empty((len(values), sum(len(arm.links) for arm in arms), 7))
+    first = 0
+    for arm in arms:
+        arm.tree.put_poses(values, arm.X_WB, arm.links, poses, first)
+        first += len(arm.links)
+    return poses

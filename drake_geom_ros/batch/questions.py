@@ -103,7 +103,7 @@ class Job:
         found = hashlib.sha256(f'{self.scene.digest} {self.question.words}'.encode())
         for arm in self.arms:
             trees = [getattr(arm.tree, field.name) for field in fields(arm.tree)]
-            for array in (*trees, arm.X_WB, arm.links, arm.columns, arm.at_rest):
+            for array in (*trees, arm.X_WB, arm.links):
                 found.update(np.ascontiguousarray(array).tobytes())
         return found.hexdigest()
 

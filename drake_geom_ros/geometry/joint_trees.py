@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -47,9 +47,17 @@ class JointTree:
         """
         rows = np.ascontiguousarray(values, dtype=np.float64)
         X_WLs = np.empty((len(rows), len(self.parents) + 1, 7))
-        X_WLs[:, 0] = np.asarray(X_WB, dtype=np.float64)
+        self.put_poses(rows, X_WB, np.arange(X_WLs.shape[1]), X_WLs, 0)
+        return X_WLs
+
+    def put_poses(
+        self, values: Floats, X_WB: ArrayLike, links: Indices, X_WLs: Floats, first: int
+    ) -> None:
+        """Write the poses of some ``links`` (k,) to ``X_WLs`` (N, m, 7), from row ``first`` on."""
+        room = np.empty((len(self.parents) + 1, 7))
+        room[0] = X_WB
         pose_links(
-            rows,
+            values,
             self.leaders,
             self.multipliers,
             self.offsets,
@@ -58,6 +66,24 @@ class JointTree:
             self.X_PJs,
             self.parents,
             self.children,
+            room,
+            links,
+            first,
             X_WLs,
         )
-        return X_WLs
+
+    def driven_by(self, columns: Indices, at_rest: Floats) -> JointTree:
+        """Return the tree for configurations in which value v stands in column ``columns[v]``.
+
+        Where that is -1 the value stays at ``at_rest[v]``.
+        """
+        led = self.leaders >= 0
+        leaders, still = np.full_like(self.leaders, -1), np.zeros_like(self.offsets)
+        leaders[led] = columns[self.leaders[led]]
+        still[led] = at_rest[self.leaders[led]]
+        fixed = led & (leaders < 0)
+        return replace(
+            self,
+            leaders=leaders,
+            offsets=np.where(fixed, self.offsets + self.multipliers * still, self.offsets),
+        )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.batch import evaluate
+from drake_geom_ros.batch import Joints, evaluate
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     ArgumentError,
@@ -15,6 +15,8 @@ from drake_geom_ros.geometry import (
     GeometrySet,
     PoseError,
 )
+from drake_geom_ros.trajectories.kinematics import Kinematics
+from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
 
 PAIR_COLUMNS = (
     *('id_A', 'id_B', 'distance', 'error_bound', 'method'),
@@ -193,3 +195,26 @@ def test_unknown_frames_are_refused(cell):
     poses = np.tile([0.0, 0, 0, 0, 0, 0, 1], (2, 1, 1))
     with pytest.raises(PoseError, match='not in this scene'):
         evaluate(cell.scene_graph, [FrameId.get_new_id()], poses, 'least')
+
+
+def test_joints_without_a_column_rest_at_zero_or_their_nearest_limit(cell):
+    some = Joints.of(cell.loaded, ['arm::slide', 'arm::turn'])
+    states = cell.states(10)
+    whole = np.zeros((10, 4))
+    whole[:, [3, 0]] = states[:, :2]
+    assert cell.joints.names == ('arm::turn', 'arm::bend', 'arm::roll', 'arm::slide')
+    np.testing.assert_array_equal(some.poses(states[:, :2]), cell.joints.poses(whole))
+    for names, words in ((['arm::x'], 'arm::x'), (['arm::turn'] * 2, 'named twice')):
+        with pytest.raises(ArgumentError, match=words):
+            Joints.of(cell.loaded, names)
+
+
+def test_poses_of_joints_are_those_of_forward_kinematics(cell):
+    arm = cell.loaded.robots['arm']
+    kinematics, states = Kinematics(str(arm.urdf)), cell.states(20)
+    X_WLs = kinematics.link_transforms(states, arm.X_WB.GetAsMatrix4())
+    for k, frame in enumerate(cell.joints.frame_ids):
+        name = cell.scene_graph.model_inspector().GetName(frame)
+        expected = X_WLs[:, kinematics.link_names.index(name)]
+        found = matrices_of_poses(cell.joints.poses(states)[:, k])
+        np.testing.assert_allclose(found, expected, atol=1e-15)

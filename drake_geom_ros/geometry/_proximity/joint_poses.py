@@ -26,28 +26,43 @@ def _compose(poses, a, p, q, b):  # type: ignore[no-untyped-def]
 
 @compiled
 def pose_links(  # type: ignore[no-untyped-def]
-    values, leaders, multipliers, offsets, kinds, axes, X_PJs, parents, children, X_WLs
+    values,
+    leaders,
+    multipliers,
+    offsets,
+    kinds,
+    axes,
+    X_PJs,
+    parents,
+    children,
+    X_WLs,
+    links,
+    first,
+    chosen,
 ):
-    """Fill in the poses X_WL (N, links, 7) for joint values (N, c); roots have theirs already.
+    """Write poses X_WL for joint values (N, c) to ``chosen`` (N, m, 7), from row ``first`` on.
 
-    Of each joint (m,), parents first: which value leads it, times what and plus what it is, its
-    kind and unit axis, X_PJ (m, 7), and the rows of its two links.
+    Those of the ``links`` (k,); ``X_WLs`` (links, 7) is room for all of them and holds the root's.
+    Of each joint, parents first: which value leads it (-1: none), times what and plus what it is,
+    its kind and unit axis, X_PJ (7,), and the rows of its two links.
     """
     for s in range(values.shape[0]):
-        poses = X_WLs[s]
         for j in range(parents.size):
             value = offsets[j]
             if leaders[j] >= 0:
                 value += multipliers[j] * values[s, leaders[j]]
-            X = X_PJs[j]
-            p, q = (X[0], X[1], X[2]), (X[3], X[4], X[5], X[6])
+            p = (X_PJs[j, 0], X_PJs[j, 1], X_PJs[j, 2])
+            q = (X_PJs[j, 3], X_PJs[j, 4], X_PJs[j, 5], X_PJs[j, 6])
             child = children[j]
-            _compose(poses, parents[j], p, q, child)
+            _compose(X_WLs, parents[j], p, q, child)
             x, y, z = axes[j, 0], axes[j, 1], axes[j, 2]
             if kinds[j] == REVOLUTE:
                 sine, cosine = math.sin(0.5 * value), math.cos(0.5 * value)
                 turn = (x * sine, y * sine, z * sine, cosine)
-                _compose(poses, child, (0.0, 0.0, 0.0), turn, child)
+                _compose(X_WLs, child, (0.0, 0.0, 0.0), turn, child)
             elif kinds[j] == PRISMATIC:
                 step = (value * x, value * y, value * z)
-                _compose(poses, child, step, (0.0, 0.0, 0.0, 1.0), child)
+                _compose(X_WLs, child, step, (0.0, 0.0, 0.0, 1.0), child)
+        for k in range(links.size):
+            for c in range(7):
+                chosen[s, first + k, c] = X_WLs[links[k], c]
