@@ -218,7 +218,7 @@ def test_a_robot_that_is_not_installed_is_found_in_package_roots(tmp_path, start
     scene.write_text('robots: [{name: stick, urdf: package://stick/stick.urdf}]\n')
     without = start(scene_file=scene, trajectory_file="''", topic=OWN_TOPIC)
     assert without.popen.wait(120.0) == 2
-    assert 'there is no package stick' in without.output()
+    assert "there is no package 'stick'" in without.output()
     start(
         scene_file=scene,
         trajectory_file="''",
