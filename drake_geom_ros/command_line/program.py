@@ -5,7 +5,16 @@ import os
 import sys
 from collections.abc import Sequence
 
-from drake_geom_ros.command_line import accuracy, batch, check, compile, convert, query, replay
+from drake_geom_ros.command_line import (
+    accuracy,
+    batch,
+    check,
+    compile,
+    convert,
+    query,
+    replay,
+    view,
+)
 from drake_geom_ros.geometry import GeometryError
 
 BAD_INPUT = 2  # the exit code of what was asked wrongly, as argparse has it
@@ -27,7 +36,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         epilog=f'Each command explains itself: {prog} query --help.',
     )
     commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
-    for module in (query, batch, check, convert, replay, accuracy, compile):
+    for module in (query, batch, check, convert, view, replay, accuracy, compile):
         module.add_to(commands)
     options = parser.parse_args(arguments)
     try:

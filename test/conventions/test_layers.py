@@ -69,10 +69,20 @@ LAYERS = {
         ('math', 'geometry', 'evidence', 'evidence/hunt'),
         ('numpy', 'numba', 'scipy'),
     ),
+    # What is shown, without a library that shows it; and the page, which one draws.
+    'viewing': (
+        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
+        ('numpy', 'yaml'),
+    ),
+    'viewing/page': (
+        ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
+        ('numpy', 'viser', 'imageio'),
+    ),
     'command_line': (
         (
             *('math', 'geometry', 'scene_files', 'trajectories', 'replay', 'command_line'),
             *('batch', 'evidence', 'evidence/peers', 'cross_check'),
+            *('viewing', 'viewing/page'),
         ),
         ('numpy',),
     ),
