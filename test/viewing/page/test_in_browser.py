@@ -37,8 +37,9 @@ def browser(page):
     browser.close()
 
 
-def button(text):
-    return f"[...document.querySelectorAll('button')].find(b => b.innerText.includes({text!r}))"
+def element(text):
+    """Return an expression for the innermost element that says just this."""
+    return f"[...document.querySelectorAll('*')].filter(e => e.innerText === {text!r}).at(-1)"
 
 
 def test_the_numbers_are_those_of_the_core(page, browser):
@@ -51,7 +52,7 @@ def test_the_numbers_are_those_of_the_core(page, browser):
 
 def test_a_row_that_is_clicked_on_is_selected(page, browser):
     row = page.answer.rows[2].label
-    x, y, *_ = browser.box(button(row))
+    x, y, *_ = browser.box(element(row))
     browser.click(x, y)
     wait_for(lambda: page.selected == page.answer._ids[2], 'the selection')
     a = page.moment.cast.names[page.selected[0]]
@@ -61,13 +62,15 @@ def test_a_row_that_is_clicked_on_is_selected(page, browser):
 
 def test_a_geometry_that_is_clicked_on_is_chosen(page, browser):
     page.filters.choose_pair(('', ''))
-    browser.click(500, 450)  # the page looks at the middle of the scene
+    # The page looks at the middle of the scene.
+    x, y, *_ = browser.box("document.querySelector('canvas')")
+    browser.click(x, y)
     wait_for(lambda: page.filters.texts[1].value, 'a geometry')
     assert page.filters.texts[1].value in page.moment.cast.names.values()
 
 
 def test_a_joint_is_moved_by_its_slider(page, browser):
-    x, y, *_ = browser.box(button('Joints of left'))
+    x, y, *_ = browser.box(element('Joints of left'))
     browser.click(x, y)
     joint, slider = next(iter(page.motion.sliders.items()))
     before = slider.value
@@ -90,8 +93,7 @@ def test_a_joint_is_moved_by_its_slider(page, browser):
 
 
 def test_a_motion_is_played(page, browser):
-    label = "[...document.querySelectorAll('label')].find(l => l.innerText === 'play')"
-    x, y, *_ = browser.box(f'document.getElementById(({label}).htmlFor) || {label}')
+    x, y, *_ = browser.box(f'document.getElementById({element("play")}.htmlFor)')
     browser.click(x, y)
     wait_for(lambda: page.motion.play.value, 'play')
     wait_for(lambda: page.motion.time.value > 0.2, 'time to pass')
