@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import (
     Convex,
     GeometryId,
+    GeometryProperties,
     Mesh,
     Rgba,
     Role,
@@ -83,7 +84,11 @@ def geometry_name(inspector: SceneGraphInspector, geometry: GeometryId) -> str:
 
 def is_solid(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> bool:
     """Return whether queries see a mesh as a solid; in other roles it is drawn as its hull."""
-    properties = inspector.GetProperties(geometry, role)
+    return solid_by(inspector.GetProperties(geometry, role), role)
+
+
+def solid_by(properties: GeometryProperties | None, role: Role) -> bool:
+    """Return whether the properties of a role make a mesh a solid."""
     return (
         role is Role.kProximity
         and properties is not None
@@ -92,12 +97,17 @@ def is_solid(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -
 
 
 def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> Colour:
-    """Return the property ('phong', 'diffuse') of a role, or the colour of the source.
+    """Return the property ('phong', 'diffuse') of a role, or the colour of the source."""
+    rank = inspector.GetAllSourceIds().index(inspector.GetOwningSourceId(geometry))
+    return colour_by(inspector.GetProperties(geometry, role), role, rank)
+
+
+def colour_by(properties: GeometryProperties | None, role: Role, rank: int) -> Colour:
+    """Return the colour by the properties of a role, else by the rank of the source.
 
     Sources take the colours of the palette in the order of their ids; what queries see is drawn
     so that one can look through it.
     """
-    properties = inspector.GetProperties(geometry, role)
     if properties is not None and properties.HasProperty('phong', 'diffuse'):
         value = properties.GetProperty('phong', 'diffuse')
         if isinstance(value, Rgba):
@@ -106,8 +116,7 @@ def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) 
             r, g, b, a = map(float, value)
             return r, g, b, a
     # The scene's own source, which is the first, has no geometry.
-    rank = inspector.GetAllSourceIds().index(inspector.GetOwningSourceId(geometry)) - 1
-    red, green, blue = PALETTE[rank % len(PALETTE)]
+    red, green, blue = PALETTE[(rank - 1) % len(PALETTE)]
     return red, green, blue, _PROXIMITY_ALPHA if role is Role.kProximity else 1.0
 
 

@@ -14,8 +14,15 @@ ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
     'ros/scene': (_HELD, ('numpy',)),
     'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
-    'ros/outputs': ((*_HELD, 'replay', 'cross_check', 'ros/outputs'), ('numpy', 'ROS')),
+    'ros/outputs': (
+        (*_HELD, 'replay', 'cross_check', 'viewing', 'ros/outputs'),
+        ('numpy', 'ROS'),
+    ),
     'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/viewer': (
+        (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
+        ('numpy', 'ROS'),
+    ),
     'ros/demo': (
         (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),

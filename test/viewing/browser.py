@@ -16,7 +16,7 @@ PROGRAM = next(filter(None, map(shutil.which, ('chromium', 'chromium-browser')))
 class Browser:
     """One tab that shows a page; close it by its own process."""
 
-    def __init__(self, url, width=800, height=500):
+    def __init__(self, url, width=1000, height=600):
         self._profile = tempfile.TemporaryDirectory(prefix='browser')
         self._process = subprocess.Popen(
             [
