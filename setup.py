@@ -59,6 +59,7 @@ setup(
         'console_scripts': [
             'drake_geom_ros = drake_geom_ros.command_line.program:main',
             'scene_graph_node = drake_geom_ros.ros.scene_graph_node:main',
+            'scene_viewer = drake_geom_ros.ros.viewer.scene_viewer:main',
             'pose_player = drake_geom_ros.ros.pose_player:main',
         ]
     },

@@ -28,7 +28,7 @@ _PERIOD = 0.04
 _LOOKS = 0.1  # [s] between two looks whether the scene has changed by itself
 _TABLE_PERIOD = 0.25  # [s] nobody reads faster
 _VIEW = np.array([0.55, -0.7, 0.45])  # where one looks from, of unit length
-_AWAY, _MARGIN = 1.1, 0.4  # times the size of the scene, and [m]
+_AWAY, _MARGIN = 0.9, 0.2  # times the size of the scene, and [m]
 _MOST_TOLD = 5  # troubles in the status
 
 
@@ -61,6 +61,7 @@ class Page:
             show_share_button=False,
             show_logo=False,
         )
+        server.gui.main_panel.dock_right()
         server.scene.set_up_direction('+z')
         self._status = server.gui.add_html('')
         self.answer = AnswerPanel(server.gui, self.touch, self.select, max_distance, accuracy)
