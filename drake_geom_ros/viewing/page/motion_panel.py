@@ -62,7 +62,7 @@ class MotionPanel:
                 (
                     {'label': 'time [s]'},
                     {'label': 'least distance [m]', 'stroke': 'green', 'width': 1},
-                    {'label': 'now', 'stroke': 'red', 'points': {'show': True, 'size': 9}},
+                    {'label': 'now', 'stroke': 'red', 'width': 1},
                 ),
                 scales={'x': {'time': False}},
                 aspect=1.6,
@@ -74,12 +74,16 @@ class MotionPanel:
         threading.Thread(target=self._measure, name='least-distances', daemon=True).start()
 
     def _plotted(self) -> tuple[Any, ...]:
-        """Return what the plot shows: times, least distances, and the moment of now alone."""
+        """Return what the plot shows: times, least distances as far as known, a peak at now."""
         assert self._timeline is not None
-        now = np.full(len(self._least), np.nan)
-        row = int(np.abs(self._timeline.times - self.time.value).argmin())
-        now[row] = self._least[row]
-        return self._timeline.times, self._least.copy(), now
+        known = np.isfinite(self._least)
+        if not known.any():
+            ends = np.array([self._timeline.start, self._timeline.end])
+            return ends, np.zeros(2), np.zeros(2)
+        times, least = self._timeline.times[known], self._least[known]
+        now = np.full(len(times), least.min())
+        now[np.abs(times - self.time.value).argmin()] = least.max()
+        return times, least, now
 
     def _measure(self) -> None:
         """Compute the least distances of the motion in a thread of its own."""

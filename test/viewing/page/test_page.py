@@ -34,7 +34,8 @@ def test_the_table_is_the_answer_of_the_core(opened):
     assert [float(label.split()[0]) for label in labels(page)] == [
         round(1000.0 * d, 3) for d in pairs.distance.tolist()
     ]
-    assert '4 geometries; 3 pairs within 1 m, 0 of them overlap' in page._status.content
+    said = '4 geometries; 3 pairs within 1 m, 0 of them overlap'
+    wait_for(lambda: said in page._status.content, 'the status')
 
 
 def test_the_sliders_are_the_question(opened):
@@ -109,6 +110,11 @@ def test_a_motion_is_played_and_its_least_distance_found():
         assert page.motion._least == pytest.approx([0.1, 0.1, 0.01, 0.1])
         page.motion.go_to_least()
         assert page.motion.time.value == pytest.approx(0.2)
+        times, least, now = page.motion._plotted()
+        assert times == pytest.approx([0.0, 0.1, 0.2, 0.3])
+        # A browser draws nothing where there is a NaN.
+        assert least == pytest.approx([0.1, 0.1, 0.01, 0.1])
+        assert now == pytest.approx([0.01, 0.01, 0.1, 0.01])
         assert scene.X_WF('t::b').translation()[1] == 0.31
         page.motion.time.value = 0.0
         page.motion.play.value = True
