@@ -24,7 +24,7 @@ EXTRAS = {
     'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
-    'view': ['viser>=1.1'],  # the page in the browser
+    'view': ['imageio>=2.20', 'viser>=1.1'],  # the page in the browser, and its pictures
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
     'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
     'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],
