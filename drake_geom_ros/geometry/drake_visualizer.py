@@ -49,7 +49,7 @@ class DrakeVisualizerPublisher:
         self._role = role
         self._period = _PERIOD
         self._next = -math.inf
-        self._loaded: Any = None
+        self._loaded: _Loaded | None = None
 
     def set_publish_period(self, period: float) -> None:
         """Set the least simulated time [s] between two draws; 0: each call draws."""
@@ -67,13 +67,14 @@ class DrakeVisualizerPublisher:
         query = QueryObject(context)
         inspector = query.inspector()
         again = time < self._next - self._period
-        if again or not (self._loaded and self._loaded.IsSameAs(inspector, self._role)):
+        loaded = self._loaded
+        if again or loaded is None or not loaded.is_of(inspector):
             send_load(inspector, self._lcm, self._role)
-            self._loaded = _Loaded(inspector, self._role)
+            loaded = self._loaded = _Loaded(inspector, self._role)
             self._next = -math.inf
         if time < self._next:
             return False
-        for message in draw_messages(query, self._loaded.links, time):
+        for message in draw_messages(query, loaded.links, time):
             _publish(self._lcm, _DRAW, message)
         self._next = time + self._period
         return True
@@ -83,11 +84,12 @@ class _Loaded:
     """What the visualiser was told of a scene."""
 
     def __init__(self, inspector: SceneGraphInspector, role: Role) -> None:
-        self._version = inspector.geometry_version()
+        self._version = inspector._model.versions.any
         self.links = links_of(inspector, role)
 
-    def IsSameAs(self, inspector: SceneGraphInspector, role: Role) -> bool:
-        return self._version.IsSameAs(inspector.geometry_version(), role)
+    def is_of(self, inspector: SceneGraphInspector) -> bool:
+        """Return whether nothing has changed since; filters do not count."""
+        return self._version == inspector._model.versions.any
 
 
 def ConnectDrakeVisualizer(
