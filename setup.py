@@ -25,6 +25,8 @@ EXTRAS = {
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
     'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
+    'view': ['imageio>=2.20', 'viser>=1.1'],  # the page in the browser, and its pictures
+    'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
     'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
     'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],
 }
@@ -58,6 +60,7 @@ setup(
         'console_scripts': [
             'drake_geom_ros = drake_geom_ros.command_line.program:main',
             'scene_graph_node = drake_geom_ros.ros.scene_graph_node:main',
+            'scene_viewer = drake_geom_ros.ros.viewer.scene_viewer:main',
             'pose_player = drake_geom_ros.ros.pose_player:main',
         ]
     },

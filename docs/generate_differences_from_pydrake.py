@@ -59,9 +59,9 @@ _IN_WORDS = """
   answered for all pairs of shapes, and where a point or normal has no derivative asking for it
   raises: see [derivatives](derivatives.md).
 - There is no systems framework: a SceneGraph is not a LeafSystem, and its ports have only
-  `FixValue` and `Eval`. Also missing are `pydrake.geometry.optimization` and the names that served
-  pictures in 2020 (`pydrake.geometry.render`, `ConnectDrakeVisualizer`,
-  `get_pose_bundle_output_port`).
+  `FixValue` and `Eval`. Also missing are `pydrake.geometry.optimization` and what served pictures
+  in 2020, `pydrake.geometry.render`. `ConnectDrakeVisualizer` of 2020 takes None as its builder,
+  and what it returns sends when `Publish(context, time)` is called: see [viewing](viewing.md).
 - The property `('mesh', 'solid')` makes a Mesh a body that need not be convex.
 """
 

@@ -47,7 +47,7 @@ compute_keys() {
   underlay=$(find_underlay)
   python=$(find_python)
   venv_key=$(printf '%s\n' "$root" "$(describe_python "$python")" "$underlay" | hash)
-  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt
+  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt
     { echo "$venv_key"; cat -- *.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"
@@ -221,6 +221,7 @@ install_peers() {
   ((${#missing[@]} < 3)) # all of them: not a matter of wheels
 }
 
+install_view() { pip_add -r "$root/requirements/view.txt"; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 
 # The wheels' CMake exports name folders of the machine that built them.

@@ -1,1 +1,1 @@
-"""The command line without ROS: ``query``, ``batch``, ``check``, ``convert`` and ``replay``."""
+"""The command line without ROS: ``query``, ``batch``, ``check``, ``convert``, ``view``, ..."""

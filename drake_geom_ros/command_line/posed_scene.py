@@ -29,9 +29,9 @@ class PosedScene:
         loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames
         self.cameras = {camera.name: (frame, camera) for frame, camera in loaded.cameras}
-        self._context = self.scene_graph.CreateSharedContext(partial=True)
-        self._context.UpdateFramePoses(self._at_rest())
-        self._context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
+        self.context = self.scene_graph.CreateSharedContext(partial=True)
+        self.context.UpdateFramePoses(self._at_rest())
+        self.context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
         self._table = NameTable(self.description.frames, self.description.geometries)
         self.inspector = self.scene_graph.model_inspector()
         self.names = {id: self._name(id) for id in self.inspector.GetAllGeometryIds()}
@@ -39,11 +39,11 @@ class PosedScene:
     @property
     def query(self) -> QueryObject:
         """The query object of the scene as it is posed."""
-        return self.scene_graph.get_query_output_port().Eval(self._context)
+        return self.scene_graph.get_query_output_port().Eval(self.context)
 
     def compile_kernels(self, tell: Callable[[str, int, int], None]) -> list[str]:
         """Compile what queries of the scene run: see ``SceneGraphContext.compile_kernels``."""
-        return self._context.compile_kernels(tell)
+        return self.context.compile_kernels(tell)
 
     def check_whole(self) -> None:
         """Raise SceneFileError, naming the frames, while some have no pose."""
@@ -56,6 +56,10 @@ class PosedScene:
 
     def pose(self, poses: Iterable[FramePose]) -> None:
         """Pose frames; raises SceneFileError that blames the pose's place for a name."""
+        self.context.UpdateFramePoses(self.vector(poses))
+
+    def vector(self, poses: Iterable[FramePose]) -> FramePoseVector:
+        """Return poses by the ids of their frames; raises SceneFileError as ``pose``."""
         X_PFs = FramePoseVector()
         for pose in poses:
             member = self._table.find(pose.frame, pose.where)
@@ -65,7 +69,7 @@ class PosedScene:
             if X_PFs.has_id(self._frames[key]):
                 raise pose.where.error(f'{pose.frame!r} is posed twice at the same time')
             X_PFs.set_value(self._frames[key], pose.X_PF)
-        self._context.UpdateFramePoses(X_PFs)
+        return X_PFs
 
     def frame_name(self, frame: FrameId) -> str:
         """Return ``source::frame``; ``world`` for the world frame."""

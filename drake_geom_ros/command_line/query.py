@@ -42,7 +42,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         '--max-distance',
-        type=_limit,
+        type=limit,
         default=math.inf,
         metavar='D',
         help='leave out pairs that are farther apart [m] (default: inf)',
@@ -84,7 +84,8 @@ def _target(path: str | None) -> AbstractContextManager[TextIO]:
     return open(path, 'w', encoding='utf-8') if path else nullcontext(sys.stdout)
 
 
-def _limit(text: str) -> float:
+def limit(text: str) -> float:
+    """Return a distance [m] that was given as an argument; ArgumentTypeError for none."""
     value = float(text)
     if not value >= 0.0:
         raise argparse.ArgumentTypeError(f'{text} must be a distance >= 0 [m]')

@@ -20,6 +20,11 @@ from drake_geom_ros.geometry.collision_filter_manager import (
 from drake_geom_ros.geometry.compilation import compile_all_kernels, kernel_cache
 from drake_geom_ros.geometry.contact_material import AddContactMaterial
 from drake_geom_ros.geometry.context import SceneGraphContext
+from drake_geom_ros.geometry.drake_visualizer import (
+    ConnectDrakeVisualizer,
+    DispatchLoadMessage,
+    DrakeVisualizerPublisher,
+)
 from drake_geom_ros.geometry.errors import (
     ArgumentError,
     ArgumentTypeError,
@@ -176,6 +181,9 @@ __all__ = [
     'PenetrationAsPointPair',
     'SignedDistancePair',
     'SignedDistanceToPoint',
+    # Drake's visualiser,
+    'ConnectDrakeVisualizer',
+    'DispatchLoadMessage',
     # boxes, planes and meshes,
     'Obb',
     'Aabb',
@@ -215,6 +223,7 @@ __all__ = [
     'PointDistanceResults',
     'ClosingSpeeds',
     'closing_speeds',
+    'DrakeVisualizerPublisher',
     'Effects',
     'ACCURACY_LEVELS',
     'ACCURACY_GAPS',

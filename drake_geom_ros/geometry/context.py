@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.compiled import Tell
@@ -128,6 +128,21 @@ class SceneGraphContext:
                 f"was changed: {'; '.join(problems)}. Each fix needs exactly the source's frames."
             )
         self.UpdateFramePoses(poses)
+
+    def X_WFs(self, ids: ArrayLike) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """Return R_WF (k, 3, 3) and p_WF (k, 3) [m] of frames by the values (k,) of their ids.
+
+        For many at once, as a picture needs them. The third array (k,) says which of them, and
+        all they hang on, have a pose; what stands for the others means nothing. Raises
+        UnknownIdError for what is no frame here.
+        """
+        world = self._up_to_date_world()
+        values = np.asarray(ids, dtype=np.int64)
+        for value in values[~world.has_frames(values)].tolist():
+            self._model.frame(FrameId(value))  # the world, or an error that names it
+        world.update()
+        rows = world.frame_rows(values)
+        return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
     def _source_frames(self, source_id: SourceId) -> Indices:
         """Return the ids of a source's frames, ascending; looked up once a version."""

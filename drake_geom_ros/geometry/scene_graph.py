@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
 
 from drake_geom_ros.geometry._model import Model
-from drake_geom_ros.geometry._ports import QueryPort, SourcePosePort
+from drake_geom_ros.geometry._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._records import WORLD_FRAME_ID, GeometryRecord
 from drake_geom_ros.geometry.collision_filter_declaration import CollisionFilterDeclaration
@@ -376,6 +376,10 @@ class SceneGraph:
     def get_query_output_port(self) -> QueryPort:
         """Return the port that gives the query object of a context."""
         return QueryPort()
+
+    def get_pose_bundle_output_port(self) -> PoseBundlePort:
+        """Return the port that gives the poses of a context's frames, for a visualiser."""
+        return PoseBundlePort()
 
 
 _Holder = SceneGraph | SceneGraphContext

@@ -5,12 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import partial
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg as messages
-from geometry_msgs.msg import Point
 from rclpy.callback_groups import CallbackGroup
 from rclpy.lifecycle import LifecycleNode
 from rclpy.qos import QoSProfile
@@ -18,7 +16,6 @@ from rclpy.subscription import MessageInfo
 from rclpy.timer import Timer
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
-from visualization_msgs.msg import Marker, MarkerArray
 
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.guard import Guard
@@ -37,13 +34,13 @@ from drake_geom_ros.ros.outputs.diagnostics import (
 )
 from drake_geom_ros.ros.outputs.effects import Beside, unheard
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
-from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import BESIDE, CHANGES, IMAGES, LOADING, Change
+from drake_geom_ros.ros.shown import Shown
 from drake_geom_ros.ros.surface import Surface, calls, images, latched, results, sensor_data
 from drake_geom_ros.ros.tf_listening import listen_to_tf
 from drake_geom_ros.ros.together import waited
@@ -100,7 +97,10 @@ class ConfiguredNode:
         }
         self._costs = LevelCosts(live, publishers['cycle_report'])
         self._replays = Replays(self._replay_settings)
-        self._beside = self._told_beside()
+        self._shown = Shown(
+            live, surface, settings, lambda: self._stream.active, node.get_logger().warning
+        )
+        self._beside = {**self._told_beside(), **self._shown.beside}
         self._cameras = CameraPublisher(live, surface, images(), latched())
         told = (*self._beside.values(), self._cameras.beside)
         self._cycle = Cycle(messages, publishers, self._costs, self._replays, told)
@@ -113,13 +113,6 @@ class ConfiguredNode:
             self._beside['scene'].did,
         )
         self._diagnostics_publisher = surface.publisher(DiagnosticArray, '/diagnostics', results())
-        self._markers = MarkerPublisher(
-            live,
-            self._marker_publisher,
-            SimpleNamespace(Marker=Marker, MarkerArray=MarkerArray, Point=Point),
-            lambda: settings.values.max_distance,
-            self._beside['markers'].did,
-        )
         with live.editing() as scene:
             scene.filters_per_owner = settings.values.filters_per_owner
         self._namesakes = Namesakes(node)
@@ -130,7 +123,7 @@ class ConfiguredNode:
         if settings.values.use_tf:
             self._tf = listen_to_tf(surface, self._stream, guard, groups.stream, live.clocks)
         self._open_services(calls(settings.values.service_depth))
-        self._start_timers(settings.values)
+        self._start_timers()
         self._cycle_timer: Timer | None = None
         self._set_rate(settings.values.rate)
         self.set_cross_check(settings.values.cross_check)
@@ -201,18 +194,10 @@ class ConfiguredNode:
         """Open what is published beside the cycles, and return what is to be told of it."""
         surface = self._surface
         points = surface.publisher(messages.PointDistances, '~/point_distances', results())
-        markers = surface.publisher(MarkerArray, '~/markers', results())
-        self._point_publisher, self._marker_publisher = points, markers
-
-        def why_no_markers() -> str:
-            if not self._settings.values.publish_markers:
-                return 'publish_markers is false'
-            return unheard(markers, _NOT_DUE.format('drawing'))
-
+        self._point_publisher = points
         reasons = {
             'point_distances': lambda: unheard(points, _NOT_DUE.format('cloud of points')),
             'scene': lambda: _NOT_DUE.format('change of the scene'),
-            'markers': why_no_markers,
         }
         return {topic: Beside(topic, why_not) for topic, why_not in reasons.items()}
 
@@ -283,11 +268,11 @@ class ConfiguredNode:
                 callback_group=self._groups.stream,
             )
 
-    def _start_timers(self, values: NodeParameters) -> None:
+    def _start_timers(self) -> None:
         """Start what is due again and again, but cycles."""
         beside = self._groups.beside
         for period, task, group in (
-            (1.0 / values.marker_rate, self._draw, beside),
+            *((period, task, beside) for period, task in self._shown.tasks()),
             (level_costs.PERIOD, self._costs.measure, beside),
             (replays.PERIOD, self._write_replays, beside),
             (cameras.PERIOD, self._take_images, self._groups.images),
@@ -316,14 +301,6 @@ class ConfiguredNode:
     def _publish_scene(self) -> None:
         if self._stream.active:
             self._scene_topic.publish()
-
-    def _draw(self) -> None:
-        if not self._stream.active:
-            return
-        if self._settings.values.publish_markers:
-            self._markers.publish()
-        else:
-            self._markers.clear()
 
     def _take_images(self) -> None:
         if self._stream.active:

@@ -50,6 +50,7 @@ class NodeParameters:
     replay_limit: int = 20
     cross_check: float = 0.0
     closing_speeds: bool = False
+    lcm_url: str = ''
     service_depth: int = 1000
     max_answer_size: float = 64.0
     watchdog: float = 60.0
@@ -120,6 +121,10 @@ TEXTS = {
     'closing_speeds': (
         '~/signed_distances tells how fast pairs come together and when they meet, from '
         '~/frame_twists or from the last two stamped poses of a frame.'
+    ),
+    'lcm_url': (
+        'LCM network, such as udpm://239.255.76.67:7667?ttl=0, on which the scene is shown to '
+        "Drake's visualiser, marker_rate times a second; empty: none. Needs lcm."
     ),
     'service_depth': (
         'Largest number of waiting calls, and of answers being sent, of each service; further '

@@ -28,6 +28,7 @@ SignedDistancePairs: uint8 METHOD_CLOSED_FORM=1, uint8 METHOD_ITERATIVE=2, uint8
 PointDistances: std_msgs/Header header, uint64 scene_version, float64 threshold, uint32[]
     point_index, uint64[] id_g, float64[] p_gn, float64[] distance, float64[] grad_w, bool[]
     is_grad_w_unique
+GeometryPoses: std_msgs/Header header, uint64 scene_version, uint64[] ids, float64[] poses
 CycleReport: std_msgs/Header header, uint32 frames_moved, uint32 geometries_updated, uint32
     broadphase_pairs, uint32 filtered_pairs, uint32 cached_pairs, uint8[] methods, uint32[]
     method_pairs, uint32 unpublished_messages, string[] effects, bool[] effect_ran, uint32[]

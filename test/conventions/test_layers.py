@@ -14,8 +14,15 @@ ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
     'ros/scene': (_HELD, ('numpy',)),
     'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
-    'ros/outputs': ((*_HELD, 'replay', 'cross_check', 'ros/outputs'), ('numpy', 'ROS')),
+    'ros/outputs': (
+        (*_HELD, 'replay', 'cross_check', 'viewing', 'ros/outputs'),
+        ('numpy', 'ROS'),
+    ),
     'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/viewer': (
+        (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
+        ('numpy', 'ROS'),
+    ),
     'ros/demo': (
         (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
@@ -77,10 +84,20 @@ LAYERS = {
         ('math', 'geometry', 'evidence', 'evidence/hunt'),
         ('numpy', 'numba', 'scipy'),
     ),
+    # What is shown, without a library that shows it; and the page, which one draws.
+    'viewing': (
+        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
+        ('numpy', 'yaml'),
+    ),
+    'viewing/page': (
+        ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
+        ('numpy', 'viser', 'imageio'),
+    ),
     'command_line': (
         (
             *('math', 'sensors', 'geometry', 'scene_files', 'trajectories', 'replay'),
             *('command_line', 'batch', 'evidence', 'evidence/peers', 'cross_check'),
+            *('viewing', 'viewing/page'),
         ),
         ('numpy', 'PIL', 'matplotlib'),
     ),
@@ -91,6 +108,7 @@ LAYERS = {
 # One file for what nobody else may touch.
 EXCEPTIONS = {
     'geometry/_mesh_library.py': 'trimesh',
+    'geometry/drake_visualizer.py': 'lcm',
 }
 
 

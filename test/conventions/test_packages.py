@@ -68,7 +68,10 @@ LIBRARIES = {
     'yourdfpy': ('python3-yourdfpy-pip', 'yourdfpy'),
 }
 # Used where it is there.
-OPTIONAL = {'tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath', 'distributed', 'pyarrow'}
+OPTIONAL = {
+    *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath', 'distributed', 'pyarrow'),
+    *('viser', 'imageio', 'lcm'),
+}
 
 
 def dependencies(name):

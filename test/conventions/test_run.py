@@ -101,6 +101,7 @@ def test_an_unknown_command_is_named():
         ('requirements/peers.txt', [False, False, False, False]),
         ('requirements/mutants.txt', [False, False, False, False]),
         ('requirements/cluster.txt', [False, False, False, False]),
+        ('requirements/view.txt', [False, False, False, False]),
         ('requirements/ros.txt', [False, True, True, True]),
         ('requirements/build.txt', [False, True, True, True]),
         ('msg_defs/msg/Shape.msg', [False, False, True, True]),
@@ -198,7 +199,7 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 
 
-@pytest.mark.parametrize('name', ['peers', 'mutants'])
+@pytest.mark.parametrize('name', ['peers', 'mutants', 'view'])
 def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(folder, name):
     script = FAKE_STEPS + f'install_{name}() {{ echo {name} >>"$root/calls"; }}\n'
     for change in ('', '', '# changed\n'):

@@ -11,6 +11,7 @@ TOPICS_OUT = {
     f'{PREFIX}/point_distances': 'drake_geom_msgs/msg/PointDistances',
     f'{PREFIX}/cycle_report': 'drake_geom_msgs/msg/CycleReport',
     f'{PREFIX}/scene': 'drake_geom_msgs/msg/Scene',
+    f'{PREFIX}/geometry_poses': 'drake_geom_msgs/msg/GeometryPoses',
     f'{PREFIX}/markers': 'visualization_msgs/msg/MarkerArray',
     '/diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',
 }
@@ -38,6 +39,7 @@ PARAMETERS = {
     'time_budget': (0.0, True),
     'replay_dir': ('', True),
     'replay_limit': (20, True),
+    'lcm_url': ('', False),
     'service_depth': (1000, False),
     'max_answer_size': (64.0, True),
     'watchdog': (60.0, False),

@@ -36,6 +36,7 @@ def _arguments() -> argparse.Namespace:
         metavar='HZ',
         help='cycles per second that python-fcl checks; the outcome is in the log',
     )
+    parser.add_argument('--view', action='store_true', help='show it in the browser too')
     parser.add_argument('--out', type=Path, default=Path('out/demo'), help='folder of the files')
     options = parser.parse_args()
     if options.seconds <= 0.0 or not 0.1 <= options.rate <= 1000.0:
@@ -85,6 +86,13 @@ def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
             *_parameters(scene_file=scene, trajectory_file=motion or '""', rate=options.rate),
             log=options.out / 'pose_player.log',
         )
+        if options.view:
+            # Its output names the page.
+            processes.start(
+                'scene_viewer',
+                f'{package}.viewer.scene_viewer',
+                *_parameters(max_distance=_MAX_DISTANCE),
+            )
         seconds = 'inf' if options.forever else str(options.seconds)
         processes.start(
             'demo_client',

@@ -7,20 +7,12 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
-from drake_geom_ros.geometry import GeometryId
+from drake_geom_ros.geometry import GeometryError, GeometryId
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.ros.outputs.markers import (
-    DELETE_ALL,
-    NAMESPACES,
-    Colour,
-    MarkerWriter,
-    Part,
-    colour_of,
-    is_solid,
-    parts_of,
-)
+from drake_geom_ros.ros.outputs.markers import DELETE_ALL, MarkerWriter, Part, parts_of
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
+from drake_geom_ros.viewing.looks import LAYERS, Colour, looks_of
 
 Key = tuple[str, GeometryId]
 
@@ -38,12 +30,15 @@ class MarkerPublisher:
         types: SimpleNamespace,
         max_distance: Callable[[], float],
         did: Callable[[int, float], None],
+        tell: Callable[[str], None] = lambda text: None,
     ) -> None:
         """``types`` holds Marker, MarkerArray and Point; pairs within ``max_distance()`` [m].
 
-        ``did(count, seconds)`` is told of each message: how many markers, how long it took.
+        ``did(count, seconds)`` is told of each message: how many markers, how long it took;
+        ``tell(text)`` of what cannot be drawn, once a version of the scene.
         """
         self._did = did
+        self._tell = tell
         self._live = live
         self._publisher = publisher
         self._types = types
@@ -102,13 +97,13 @@ class MarkerPublisher:
         if self._version == view.moment.version:
             return
         inspector = view.query.inspector()
-        self._looks = {
-            (namespace, geometry): (
-                parts_of(inspector.GetShape(geometry), is_solid(inspector, geometry, role)),
-                colour_of(inspector, geometry, role),
-            )
-            for role, namespace in NAMESPACES.items()
-            for geometry in inspector.GetAllGeometryIds(role)
-        }
+        self._looks = {}
+        for look in looks_of(inspector):
+            try:
+                parts = parts_of(look.shape, look.solid)
+            except (GeometryError, OSError) as error:
+                self._tell(f'{look.name} is left out of ~/markers: {error}')
+                continue
+            self._looks[LAYERS[look.role], look.geometry] = parts, look.colour
         self._shown = {key: (count, b'') for key, (count, _) in self._shown.items()}
         self._version = view.moment.version

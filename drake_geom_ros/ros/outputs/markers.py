@@ -23,36 +23,25 @@ from drake_geom_ros.geometry import (
     Convex,
     Cylinder,
     Ellipsoid,
+    GeometryError,
     GeometryId,
     HalfSpace,
     Mesh,
-    Rgba,
-    Role,
-    SceneGraphInspector,
     Shape,
     SignedDistanceResults,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import fill_pose
+from drake_geom_ros.viewing.looks import NORMAL_LENGTH, PAIR_COLOURS, Colour, mesh_surface
 
 # visualization_msgs/Marker
 CUBE, SPHERE, CYLINDER, LINE_LIST, SPHERE_LIST, TRIANGLE_LIST = 1, 2, 3, 5, 7, 11
 ADD, DELETE, DELETE_ALL = 0, 2, 3
 
-Colour = tuple[float, float, float, float]
-NAMESPACES = {Role.kProximity: 'proximity', Role.kIllustration: 'illustration'}
-_PROXIMITY_COLOUR: Colour = (0.2, 0.6, 1.0, 0.35)
-_ILLUSTRATION_COLOUR: Colour = (0.8, 0.8, 0.8, 1.0)
-_PAIR_COLOURS: dict[str, Colour] = {
-    'contacts': (1.0, 0.1, 0.1, 1.0),
-    'normals': (1.0, 0.8, 0.0, 1.0),
-    'distances': (0.1, 0.9, 0.3, 1.0),
-}
 _PLATE = 20.0  # [m] side of the plate that stands for a half space
 _PLATE_THICKNESS = 0.01  # [m]
-_POINT_SIZE, _LINE_WIDTH, _NORMAL_LENGTH = 0.02, 0.004, 0.1  # [m]
-MOST_DRAWN = 50_000  # triangles of a solid; rclpy takes about 0.3 s for a marker of so many
+_POINT_SIZE, _LINE_WIDTH = 0.02, 0.004  # [m]
 _IDS_A_GEOMETRY = 3
 _ID_RANGE = 2**31  # marker ids are int32
 
@@ -91,36 +80,10 @@ def parts_of(shape: Shape, solid: bool = False) -> list[Part]:
     if isinstance(shape, HalfSpace):
         X_GP = RigidTransform([0.0, 0.0, -_PLATE_THICKNESS / 2])
         return [Part(CUBE, X_GP, (_PLATE, _PLATE, _PLATE_THICKNESS))]
-    assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
-    vertices, triangles = shape.hull_surface()
-    if solid and isinstance(shape, Mesh):
-        vertices_of_solid, triangles_of_solid = shape.surface()
-        if len(triangles_of_solid) <= MOST_DRAWN:
-            vertices, triangles = vertices_of_solid, triangles_of_solid
+    if not isinstance(shape, (Convex, Mesh)):
+        raise GeometryError(f'RViz has no marker for {shape!r}')
+    vertices, triangles = mesh_surface(shape, solid)
     return [Part(TRIANGLE_LIST, here, (1.0, 1.0, 1.0), vertices[triangles.ravel()])]
-
-
-def is_solid(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> bool:
-    """Return whether queries see a mesh as a solid; in other roles it is drawn as its hull."""
-    properties = inspector.GetProperties(geometry, role)
-    return (
-        role is Role.kProximity
-        and properties is not None
-        and bool(properties.GetPropertyOrDefault('mesh', 'solid', False))
-    )
-
-
-def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> Colour:
-    """Return the property ('phong', 'diffuse') of a role, or the role's own colour."""
-    properties = inspector.GetProperties(geometry, role)
-    if properties is not None and properties.HasProperty('phong', 'diffuse'):
-        value = properties.GetProperty('phong', 'diffuse')
-        if isinstance(value, Rgba):
-            return value.r(), value.g(), value.b(), value.a()
-        if np.shape(value) == (4,):
-            r, g, b, a = map(float, value)
-            return r, g, b, a
-    return _PROXIMITY_COLOUR if role is Role.kProximity else _ILLUSTRATION_COLOUR
 
 
 class MarkerWriter:
@@ -165,7 +128,7 @@ class MarkerWriter:
         """Return the markers of pairs: contacts and normals of those that overlap, gaps of all."""
         p_WCas, p_WCbs, nhats = results.p_WCa, results.p_WCb, results.nhat_BA_W
         touching = results.distance <= 0.0
-        tips = p_WCas + _NORMAL_LENGTH * nhats
+        tips = p_WCas + NORMAL_LENGTH * nhats
         return [
             self._list(SPHERE_LIST, 'contacts', np.stack((p_WCas, p_WCbs), axis=1)[touching]),
             self._list(LINE_LIST, 'normals', np.stack((p_WCas, tips), axis=1)[touching]),
@@ -178,7 +141,7 @@ class MarkerWriter:
         marker.type = kind
         marker.pose.orientation.w = 1.0
         size = _POINT_SIZE if kind == SPHERE_LIST else _LINE_WIDTH
-        _fill_scale_and_colour(marker, (size, size, size), _PAIR_COLOURS[namespace])
+        _fill_scale_and_colour(marker, (size, size, size), PAIR_COLOURS[namespace])
         marker.points = self._points(points.reshape(-1, 3))
         return marker
 

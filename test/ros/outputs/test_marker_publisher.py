@@ -15,6 +15,7 @@ from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.ros.outputs import markers
 from drake_geom_ros.ros.outputs.marker_publisher import MarkerPublisher
 from drake_geom_ros.ros.scene.feeders import MESSAGES
+from drake_geom_ros.viewing import looks
 
 
 class Publisher(Topic):
@@ -73,7 +74,7 @@ def test_a_moving_scene_is_sent_once_and_then_what_moved(scene, publisher, drawi
     X_WB = RigidTransform(RollPitchYaw(0, 0, 1.0).ToRotationMatrix(), [0.15, 0, 0])
     move(scene, 'b', X_WB)
     drawing.publish()
-    geometry = [m for m in publisher.published[-1] if m.ns in markers.NAMESPACES.values()]
+    geometry = [m for m in publisher.published[-1] if m.ns in looks.LAYERS.values()]
     assert len(geometry) == 3
     assert {m.pose.position.x for m in geometry} == {0.15}
     # The ball now overlaps the capsule: witness points, a normal, and no distance.
@@ -131,3 +132,22 @@ def test_what_never_had_a_pose_is_not_drawn_until_it_has(publisher):
     capsule = len(markers.parts_of(Capsule(0.1, 0.4)))
     assert publisher.names().count('proximity') == before.count('proximity') + capsule
     assert before.count('proximity') > 0
+
+
+def test_what_cannot_be_drawn_is_told_once_and_the_rest_is_shown(publisher, tmp_path):
+    broken = tmp_path / 'broken.obj'
+    broken.write_text('f 1 2 3\n')
+    live = live_scene(f"""
+sources: [s]
+geometries:
+  - {{name: ball, source: s, shape: {{type: sphere, radius: 0.1}}}}
+  - {{name: lost, source: s, shape: {{type: mesh, uri: {broken}}},
+     roles: {{illustration: {{}}}}}}
+""")
+    told = []
+    drawing = MarkerPublisher(live, publisher, TYPES, lambda: 2.0, lambda *_: None, told.append)
+    drawing.publish()
+    drawing.publish()
+    assert publisher.names() == ['proximity']
+    (text,) = told
+    assert 's::world/lost' in text

@@ -15,18 +15,15 @@ from drake_geom_ros.geometry import (
     Cylinder,
     Ellipsoid,
     GeometryId,
-    GeometryInstance,
     HalfSpace,
-    IllustrationProperties,
     Mesh,
-    ProximityProperties,
     Rgba,
     Role,
-    SceneGraph,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.outputs import markers
+from drake_geom_ros.viewing import looks
 
 
 @pytest.fixture
@@ -96,33 +93,16 @@ def test_a_solid_is_drawn_as_itself(monkeypatch):
 
     assert volume(hull) == pytest.approx(3.5 / 8)
     assert volume(solid) == pytest.approx(3.0 / 8)
-    monkeypatch.setattr(markers, 'MOST_DRAWN', 5)
+    monkeypatch.setattr(looks, 'MOST_DRAWN', 5)
     assert volume(markers.parts_of(mesh, True)[0].triangles) == pytest.approx(3.5 / 8)
-
-
-@pytest.mark.parametrize('role', [Role.kProximity, Role.kIllustration])
-def test_which_meshes_are_solid_is_a_matter_of_proximity(role):
-    scene_graph = SceneGraph()
-    source = scene_graph.RegisterSource('s')
-    shape = Mesh.FromMeshData(surface_of('L'))
-    found = []
-    for solid in (True, False):
-        geometry = scene_graph.RegisterAnchoredGeometry(
-            source, GeometryInstance(RigidTransform(), shape, f'solid {solid}')
-        )
-        for properties in (ProximityProperties(), IllustrationProperties()):
-            properties.AddProperty('mesh', 'solid', solid)
-            scene_graph.AssignRole(source, geometry, properties)
-        found.append(markers.is_solid(scene_graph.model_inspector(), geometry, role))
-    assert found == [role is Role.kProximity, False]
 
 
 def test_colours_come_from_the_properties(scene):
     ball, seen = (scene.names.geometry(f'b/{name}') for name in ('ball', 'seen'))
-    colours = [markers.colour_of(scene.inspector, id, Role.kIllustration) for id in (ball, seen)]
+    colours = [looks.colour_of(scene.inspector, id, Role.kIllustration) for id in (ball, seen)]
     assert colours[0] == (1.0, 0.0, 0.0, 0.5)
     assert Rgba(*colours[1]).a() == 1.0
-    assert markers.colour_of(scene.inspector, ball, Role.kProximity)[3] < 1.0
+    assert looks.colour_of(scene.inspector, ball, Role.kProximity)[3] < 1.0
 
 
 def test_ids_of_any_geometry_fit_into_a_marker():

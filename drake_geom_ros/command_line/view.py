@@ -1,0 +1,96 @@
+"""``view``: a page in the browser that shows a scene, its distances and its filters."""
+
+import argparse
+import sys
+import threading
+from typing import Any
+
+from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
+from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.query import limit
+from drake_geom_ros.geometry import ACCURACY_LEVELS, FramePoseVector
+from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.trajectories.motion_file import load_motion
+from drake_geom_ros.viewing.joints import Joints
+from drake_geom_ros.viewing.local_scene import LocalScene
+from drake_geom_ros.viewing.page.page import Page
+from drake_geom_ros.viewing.page.serving import LOCALHOST, PORT, open_server, warning
+from drake_geom_ros.viewing.timeline import Timeline
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to an argument parser's commands."""
+    parser = commands.add_parser(
+        'view',
+        help='show a scene in the browser',
+        description='Serves a page on this machine until it is interrupted: the scene, its '
+        'nearest pairs, its filters; joints, frames and motions that can be moved.',
+    )
+    parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
+    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    moving = parser.add_mutually_exclusive_group()
+    moving.add_argument('--poses', metavar='FILE', help='poses of frames over time, CSV or JSON')
+    moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
+    parser.add_argument(
+        '--max-distance',
+        type=limit,
+        default=0.1,
+        metavar='D',
+        help='pairs farther apart are left out [m], until the slider is moved (default: 0.1)',
+    )
+    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument('--host', default=LOCALHOST, help=f'default: {LOCALHOST}, this machine')
+    parser.add_argument('--port', type=int, default=PORT, help=f'default: {PORT}')
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Serve a page until it is interrupted; raises GeometryError or OSError for bad input."""
+    page = open_page(options)
+    print(f'http://{page.host}:{page.port}', flush=True)
+    if told := warning(options.host):
+        print(f'warning: {told}', file=sys.stderr)
+    try:
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        page.close()
+    return 0
+
+
+def open_page(options: argparse.Namespace) -> Page:
+    """Return the page of a scene file."""
+    posed = PosedScene(options.scene, options.srdf)
+    scene = LocalScene(posed.scene_graph, posed.context)
+    motion = load_motion(options.motion, posed.description)
+    timeline = None
+    if options.motion:
+        timeline = Timeline.of_motion(motion, scene.frames)
+    elif options.poses:
+        timeline = _timeline(posed, read_poses(options.poses), options.poses)
+    if timeline is not None:
+        scene.pose(timeline.poses(timeline.start))
+    return Page(
+        open_server(options.host, options.port),
+        scene,
+        joints=Joints(motion.robots, scene.frames),
+        timeline=timeline,
+        max_distance=options.max_distance,
+        accuracy=options.accuracy,
+        tell=lambda text: print(text, file=sys.stderr, flush=True),
+    )
+
+
+def _timeline(posed: PosedScene, moments: list[PoseSet], file: str) -> Timeline:
+    """Return the time line of a pose file; a moment without a time is one second long."""
+    times = [k if each.time is None else each.time for k, each in enumerate(moments)]
+    known: dict[Any, Any] = {}
+    vectors = []
+    for moment in moments:
+        # What a moment does not name stays where the one before put it.
+        X_PFs = posed.vector(moment.poses)
+        known |= {frame: X_PFs.value(frame) for frame in X_PFs.ids()}
+        vectors.append(FramePoseVector(known))
+    try:
+        return Timeline.of_moments(times, vectors)
+    except ValueError as error:
+        raise SceneFileError(str(error), file) from None

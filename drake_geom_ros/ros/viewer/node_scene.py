@@ -1,0 +1,202 @@
+"""The scene of a running node as a page shows it: from its topics, asked further by services."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import numpy as np
+from drake_geom_msgs import msg
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.task import Future
+
+from drake_geom_ros.client import Services
+from drake_geom_ros.client.listening import LATCHED
+from drake_geom_ros.geometry import GeometryError, GeometryId
+from drake_geom_ros.math.batched import matrices_from_poses
+from drake_geom_ros.ros.conversions.file_access import FileAccess
+from drake_geom_ros.ros.conversions.scene import properties_from_message, role_from_number
+from drake_geom_ros.ros.conversions.shapes import shape_from_message
+from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
+from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.scene import Cast, Moment
+
+_ANSWER_PATIENCE = 2.0  # [s] for who waits at the page
+_ASK_PERIOD = 0.2  # [s] between two questions beyond what the node publishes
+_LATE = 2.0  # [s] without poses, after which it is said
+_NEWEST = QoSProfile(depth=1)
+# Shapes name files, and this process reads them with the rights of who started it.
+_ANY_FILE = ['package://', '/']
+
+
+class NoAnswerError(GeometryError):
+    """The node did not answer in time."""
+
+
+class NodeScene:
+    """Listens with a node that another thread spins; a node that starts anew is followed."""
+
+    def __init__(self, node: Node, server: str = '/scene_graph') -> None:
+        self._server = server
+        self._lock = threading.RLock()
+        self._services = Services(node, server)
+        self._changes = 0
+        self._troubles: list[str] = []
+        self._known = -1  # the version of the scene
+        self._names: dict[int, str] = {}
+        self._looks: list[Look] = []
+        self._cast = Cast(np.zeros(0, np.int64), [], {})
+        self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
+        self._heard = 0.0  # [s] of the steady clock, when poses came
+        self._results: Any = None  # of the topic, or of the last answer
+        self._asked: tuple[float, str] | None = None  # what the answer is for
+        self._answer: Any = None
+        self._next = 0.0  # [s] of the steady clock, when it may be asked again
+        for kind, topic, take, profile in (
+            (msg.Scene, 'scene', self._take_scene, LATCHED),
+            (msg.GeometryPoses, 'geometry_poses', self._take_poses, _NEWEST),
+            (msg.SignedDistancePairs, 'signed_distances', self._take_results, _NEWEST),
+        ):
+            node.create_subscription(kind, f'{server}/{topic}', take, profile)
+
+    # As ShownScene says.
+
+    def version(self) -> object:
+        """Return what changes with each message, and each second while none comes."""
+        return self._changes, int(time.monotonic() - self._heard)
+
+    def moment(self, max_distance: float, accuracy: str) -> Moment:
+        """Return where everything is, and the pairs up to a distance [m].
+
+        They are those of the topic as far as these go; farther ones, and those of another
+        accuracy than ``exact``, are asked for now and shown when they come.
+        """
+        with self._lock:
+            results = self._results
+            beyond = results is None or max_distance > results.max_distance
+            if beyond or accuracy != 'exact':
+                self._ask(max_distance, accuracy)
+                results = self._answer if self._asked == (max_distance, accuracy) else results
+            R_WGs, p_WGs = self._poses
+            pairs = self._pairs(results, max_distance)
+            none = np.zeros((0, 3, 3)), np.zeros((0, 3))
+            return Moment(self._cast, R_WGs, p_WGs, pairs, *none, self._remarks())
+
+    def explain(self, pair: tuple[int, int]) -> list[str]:
+        """Return why a pair is not reported; raises GeometryError where the node does not say."""
+        a, b = (f'#{value}' for value in pair)
+        answer = self._call('explain_filter', geometry_a=a, geometry_b=b)
+        return list(answer.reasons)
+
+    def _remarks(self) -> list[str]:
+        if self._known < 0:
+            return [f'waiting for {self._server}/scene']
+        if not self._heard:
+            return [f'waiting for {self._server}/geometry_poses']
+        age = time.monotonic() - self._heard
+        said = [f'poses of {self._server} {age:.1f} s old']
+        if age > _LATE:
+            said.append('nothing comes: the node may be down; what is seen is of before')
+        return said + self._troubles
+
+    # What comes in.
+
+    def _take_scene(self, message: msg.Scene) -> None:
+        sources = {source.id: source.name for source in message.sources}
+        ranks = {value: rank for rank, value in enumerate(sorted(sources))}
+        frames = {frame.id: frame.name for frame in message.frames}
+        files = FileAccess(_ANY_FILE)
+        names, looks, troubles = {}, [], []
+        for entry in message.geometries:
+            frame = frames[entry.frame_id]
+            name = f'{sources[entry.source_id]}::{frame}/{entry.name}'
+            names[entry.id] = name
+            try:
+                shape = shape_from_message(entry.shape, files)
+            except RuntimeError as error:
+                troubles.append(f'{name}: {error}')
+                continue
+            for given in entry.roles:
+                role, properties = role_from_number(given.role), properties_from_message(given)
+                colour = colour_by(properties, role, ranks[entry.source_id])
+                solid = solid_by(properties, role)
+                looks.append(Look(GeometryId(entry.id), role, name, colour, shape, solid))
+        with self._lock:
+            self._names, self._looks, self._troubles = names, looks, troubles
+            self._known = message.scene_version
+            self._cast = Cast(np.zeros(0, np.int64), [], names)
+            self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
+            self._results = self._answer = self._asked = None
+            self._changes += 1
+
+    def _take_poses(self, message: msg.GeometryPoses) -> None:
+        with self._lock:
+            if message.scene_version != self._known:
+                return
+            ids = np.asarray(message.ids).astype(np.int64)
+            if not np.array_equal(ids, self._cast.ids):
+                shown = set(ids.tolist())
+                looks = [look for look in self._looks if look.geometry.get_value() in shown]
+                self._cast = Cast(ids, looks, self._names)
+            self._poses = matrices_from_poses(np.asarray(message.poses).reshape(-1, 7))
+            self._heard = time.monotonic()
+            self._changes += 1
+
+    def _take_results(self, message: msg.SignedDistancePairs) -> None:
+        with self._lock:
+            self._results = message
+            self._changes += 1
+
+    # Answers.
+
+    def _pairs(self, results: Any, max_distance: float) -> Pairs:
+        """Return the pairs of a message, with witnesses where their geometries are shown."""
+        if results is None or results.scene_version != self._known:
+            return Pairs.none()
+        ids = np.stack([results.id_a, results.id_b], axis=1).astype(np.int64)
+        distance, error_bound = np.asarray(results.distance), np.asarray(results.error_bound)
+        there = np.isin(ids, self._cast.ids).all(axis=1) & (distance <= max_distance)
+        rows = np.searchsorted(self._cast.ids, ids[there])
+        R_WGs, p_WGs = self._poses
+        p_WCs = []
+        for column, flat in enumerate((results.p_aca, results.p_bcb)):
+            R, p = R_WGs[rows[:, column]], p_WGs[rows[:, column]]
+            p_GC = np.asarray(flat).reshape(-1, 3)[there]
+            p_WCs.append(p + np.einsum('kij,kj->ki', R, p_GC))
+        normals = np.asarray(results.nhat_ba_w).reshape(-1, 3)[there]
+        return Pairs(*(ids[there], distance[there], error_bound[there], *p_WCs, normals)).sorted()
+
+    def _ask(self, max_distance: float, accuracy: str) -> None:
+        """Ask for pairs, if it is time to; the answer is shown when it comes."""
+        now = time.monotonic()
+        name = 'compute_signed_distance_pairwise'
+        if now < self._next or self._services.missing(name):
+            return
+        # Nothing more is asked while an answer is out, unless it got lost.
+        self._next = now + _ANSWER_PATIENCE
+        future = self._services.send(name, max_distance=max_distance, accuracy=accuracy)
+
+        def take(done: Future) -> None:
+            answer = done.result()
+            with self._lock:
+                self._next = time.monotonic() + _ASK_PERIOD
+                if answer is not None and answer.success:
+                    self._answer, self._asked = answer.result, (max_distance, accuracy)
+                    self._changes += 1
+
+        future.add_done_callback(take)
+
+    def _call(self, name: str, **fields: Any) -> Any:
+        """Call a service from a thread that waits; raises GeometryError without an answer."""
+        if self._services.missing(name):
+            raise NoAnswerError(f'nobody serves {self._server}/{name} now')
+        future, came = self._services.send(name, **fields), threading.Event()
+        future.add_done_callback(lambda _: came.set())
+        if not came.wait(_ANSWER_PATIENCE):
+            raise NoAnswerError(f'{self._server}/{name} did not answer in {_ANSWER_PATIENCE:g} s')
+        answer = future.result()
+        if answer is None or not answer.success:
+            raise NoAnswerError(f'{name}: {getattr(answer, "message", "no answer")}')
+        return answer

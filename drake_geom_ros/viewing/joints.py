@@ -1,0 +1,89 @@
+"""The joints of a scene's robots: values within limits in, poses of links out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from drake_geom_ros.geometry import FrameId, FramePoseVector
+from drake_geom_ros.scene_files.description import WORLD
+from drake_geom_ros.trajectories.motion import RobotMotion
+from drake_geom_ros.trajectories.pose_matrices import poses_of_matrices
+
+# What a slider covers where a joint has no limit: a turn each way, or [m].
+_FREE = 2.0 * np.pi
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of a robot, and the range [rad] or [m] in which a slider moves it."""
+
+    robot: str
+    name: str
+    lower: float
+    upper: float
+
+
+class Joints:
+    """Joint values of robots, by the names of their sources."""
+
+    def __init__(
+        self, robots: Mapping[str, RobotMotion], frames: Mapping[str, FrameId], time: float = 0.0
+    ) -> None:
+        """Begin with the values that the robots' motions have at a time [s].
+
+        ``frames`` are the scene's, by ``source::frame``.
+        """
+        self._robots = robots
+        self.values = {name: robot.joint_values.value(time) for name, robot in robots.items()}
+        self._frames = frames
+        self._links = {
+            name: [k for k, link in enumerate(robot.kinematics.link_names) if link != WORLD]
+            for name, robot in robots.items()
+        }
+
+    def all(self) -> list[Joint]:
+        """Return the joints that can be moved."""
+        return [
+            Joint(name, joint, float(max(low, -_FREE)), float(min(high, _FREE)))
+            for name, robot in self._robots.items()
+            for joint, low, high in zip(
+                *(robot.kinematics.joint_names, robot.kinematics.lower, robot.kinematics.upper),
+                strict=True,
+            )
+            if low < high
+        ]
+
+    def value(self, joint: Joint) -> float:
+        """Return the value [rad] or [m] of a joint."""
+        return float(self.values[joint.robot][self._column(joint)])
+
+    def move(self, joint: Joint, value: float) -> FramePoseVector:
+        """Set a joint, within its limits, and return the poses of its robot's links.
+
+        Raises ValueError for what is no number.
+        """
+        if np.isnan(value):
+            raise ValueError(f'{joint.robot}: {joint.name} cannot be set to {value}')
+        q = np.array(self.values[joint.robot])
+        q[self._column(joint)] = np.clip(value, joint.lower, joint.upper)
+        self.values[joint.robot] = q
+        return self.poses(joint.robot)
+
+    def follow(self, time: float) -> None:
+        """Take the values that the robots' motions have at a time [s]."""
+        for name, robot in self._robots.items():
+            self.values[name] = robot.joint_values.value(time)
+
+    def poses(self, robot: str) -> FramePoseVector:
+        """Return the poses of a robot's links, which stand in the world."""
+        kinematics, X_WB = self._robots[robot].kinematics, self._robots[robot].X_WB
+        X_WLs = kinematics.link_transforms(self.values[robot], X_WB)
+        links = self._links[robot]
+        ids = [self._frames[f'{robot}::{kinematics.link_names[k]}'] for k in links]
+        return FramePoseVector.FromArrays(ids, poses_of_matrices(X_WLs[links]))
+
+    def _column(self, joint: Joint) -> int:
+        return self._robots[joint.robot].kinematics.joint_names.index(joint.name)

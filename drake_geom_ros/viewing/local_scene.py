@@ -1,0 +1,174 @@
+"""A scene in this process: posed, asked and filtered from a page's threads."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    CollisionFilterDeclaration,
+    FilterId,
+    FrameId,
+    FramePoseVector,
+    GeometryId,
+    GeometrySet,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+)
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.batched import compose
+from drake_geom_ros.scene_files import poses_in_parents
+from drake_geom_ros.viewing.looks import geometry_name, looks_of
+from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.scene import Cast, Moment
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A transient declaration of the page's: in force (``filter_id``) or switched off (None)."""
+
+    text: str
+    declaration: CollisionFilterDeclaration
+    filter_id: FilterId | None
+
+
+class LocalScene:
+    """What a page shows of a scene graph and a context that shares its model."""
+
+    def __init__(self, scene_graph: SceneGraph, context: SceneGraphContext) -> None:
+        """``context`` comes from ``CreateSharedContext``, so that filters reach its answers."""
+        self._lock = threading.RLock()
+        self._context = context
+        self._filters = scene_graph.collision_filter_manager()
+        self._query = QueryObject(context)
+        self._changes = 0
+        self._history: list[Declared] = []
+        inspector = scene_graph.model_inspector()
+        self._inspector = inspector
+        geometries = inspector.GetAllGeometryIds()
+        self._ids = np.array([g.get_value() for g in geometries], dtype=np.int64)
+        frames = np.array([f.get_value() for f in inspector.GetAllFrameIds()], dtype=np.int64)
+        self._frame_ids = frames
+        own = [inspector.GetFrameId(g).get_value() for g in geometries]
+        self._frame_rows = np.searchsorted(frames, np.array(own, dtype=np.int64))
+        X_FGs = [inspector.GetPoseInFrame(g) for g in geometries]
+        self._R_FGs = np.array([X.rotation().matrix() for X in X_FGs]).reshape(-1, 3, 3)
+        self._p_FGs = np.array([X.translation() for X in X_FGs]).reshape(-1, 3)
+        self._looks = looks_of(inspector)
+        self._names = {g.get_value(): geometry_name(inspector, g) for g in geometries}
+        self.frames: Mapping[str, FrameId] = {
+            f'{inspector.GetOwningSourceName(f)}::{inspector.GetName(f)}': f
+            for f in inspector.GetAllFrameIds()
+            if f != inspector.world_frame_id()
+        }
+        self._cast: Cast | None = None
+
+    # As ShownScene says.
+
+    def version(self) -> object:
+        """Return a number that grows with every change."""
+        return self._changes
+
+    def moment(self, max_distance: float, accuracy: str) -> Moment:
+        """Return where everything is, and the pairs up to a distance [m]."""
+        with self._lock:
+            R_WFs, p_WFs, there = self._context.X_WFs(self._frame_ids)
+            results = self._query.ComputeSignedDistancePairwiseClosestPoints(
+                max_distance, accuracy=accuracy
+            )
+            placed = there[self._frame_rows]
+            cast = self._cast_of(placed)
+        rows = self._frame_rows[placed]
+        R_WGs, p_WGs = compose(
+            *(R_WFs[rows], p_WFs[rows]), *(self._R_FGs[placed], self._p_FGs[placed])
+        )
+        return Moment(cast, R_WGs, p_WGs, Pairs.of(results), R_WFs[there], p_WFs[there])
+
+    def explain(self, pair: tuple[int, int]) -> list[str]:
+        """Return why a pair is not reported; raises RuntimeError for what has no such role."""
+        with self._lock:
+            return self._filters.explain(*map(GeometryId, pair))
+
+    def _cast_of(self, placed: NDArray[np.bool_]) -> Cast:
+        ids = self._ids[placed]
+        if self._cast is None or not np.array_equal(self._cast.ids, ids):
+            shown = set(ids.tolist())
+            looks = [look for look in self._looks if look.geometry.get_value() in shown]
+            waiting = [self._inspector.GetName(f) for f in self._query.waiting_frames()]
+            self._cast = Cast(ids, looks, self._names, waiting)
+        return self._cast
+
+    # Poses.
+
+    def pose(self, X_PFs: FramePoseVector) -> None:
+        """Pose frames; raises PoseError for one that does not exist."""
+        with self._lock:
+            self._context.UpdateFramePoses(X_PFs)
+            self._changes += 1
+
+    def X_WF(self, name: str) -> RigidTransform:
+        """Return the pose of a frame by ``source::frame``; PoseError where it has none."""
+        with self._lock:
+            return self._query.X_WF(self.frames[name])
+
+    def place(self, name: str, X_WF: RigidTransform) -> None:
+        """Pose a frame by ``source::frame`` in the world; PoseError if its parent has no pose."""
+        with self._lock:
+            frame = self.frames[name]
+            X_WP = self._query.X_WF(self._inspector.GetParentFrame(frame))
+            self.pose(FramePoseVector({frame: X_WP.inverse() @ X_WF}))
+
+    def poses(self) -> dict[str, RigidTransform]:
+        """Return X_PF of the frames that have a pose, by ``source::frame``."""
+        with self._lock:
+            X_PFs = poses_in_parents(self._query)
+        return {name: X_PFs[frame] for name, frame in self.frames.items() if frame in X_PFs}
+
+    def snapshot(self) -> SceneGraphContext:
+        """Return a copy that may be posed and asked in another thread."""
+        with self._lock:
+            return self._context.what_if()
+
+    # Transient filters. Later ones win, so that one which is switched on again must come back
+    # in its place: those behind it are taken away first, and made again in their order.
+
+    def history(self) -> list[Declared]:
+        """Return the page's declarations in the order in which they count."""
+        with self._lock:
+            return list(self._history)
+
+    def exclude(self, pair: tuple[int, int]) -> None:
+        """Add a declaration that takes a pair of geometries, by id values, out of the answer."""
+        self._declare('exclude', pair, 'ExcludeBetween')
+
+    def allow(self, pair: tuple[int, int]) -> None:
+        """Add a declaration that lets a pair of geometries, by id values, into the answer."""
+        self._declare('allow', pair, 'AllowBetween')
+
+    def _declare(self, word: str, pair: tuple[int, int], operation: str) -> None:
+        sets = [GeometrySet(GeometryId(value)) for value in pair]
+        declaration = CollisionFilterDeclaration()
+        getattr(declaration, operation)(*sets)
+        text = f'{word} {" | ".join(self._names[value] for value in pair)}'
+        with self._lock:
+            filter_id = self._filters.ApplyTransient(declaration)
+            self._history.append(Declared(text, declaration, filter_id))
+            self._changes += 1
+
+    def switch(self, index: int, *, on: bool) -> None:
+        """Switch one of the declarations of ``history()`` on or off."""
+        with self._lock:
+            wanted = [each.filter_id is not None for each in self._history]
+            wanted[index] = on
+            for k in range(index, len(self._history)):
+                each = self._history[k]
+                if each.filter_id is not None:
+                    self._filters.RemoveDeclaration(each.filter_id)
+                again = self._filters.ApplyTransient(each.declaration) if wanted[k] else None
+                self._history[k] = replace(each, filter_id=again)
+            self._changes += 1

@@ -1,0 +1,135 @@
+"""What each geometry looks like, in the page and in RViz alike: layer, colour, solid or hull."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    Convex,
+    GeometryId,
+    GeometryProperties,
+    Mesh,
+    Rgba,
+    Role,
+    SceneGraphInspector,
+    Shape,
+)
+
+Colour = tuple[float, float, float, float]
+
+# A layer a role, by the name under which it is switched.
+LAYERS = {
+    Role.kProximity: 'proximity',
+    Role.kIllustration: 'illustration',
+    Role.kPerception: 'perception',
+}
+# Okabe and Ito, "Color universal design", 2008, without black, and without the vermilion and the
+# yellow that stand for contacts and for what is selected: told apart by the colour-blind too.
+PALETTE = (
+    (0.34, 0.71, 0.91),
+    (0.90, 0.62, 0.00),
+    (0.00, 0.62, 0.45),
+    (0.60, 0.60, 0.60),
+    (0.80, 0.47, 0.65),
+    (0.00, 0.45, 0.70),
+)
+# What lies inside, such as the deepest point of an overlap, is seen through it.
+_PROXIMITY_ALPHA = 0.45
+# Of pairs: those that overlap, which way they are pushed apart, and the gaps of the others.
+PAIR_COLOURS: dict[str, Colour] = {
+    'contacts': (1.0, 0.1, 0.1, 1.0),
+    'normals': (1.0, 0.8, 0.0, 1.0),
+    'distances': (0.1, 0.9, 0.3, 1.0),
+}
+NORMAL_LENGTH = 0.1  # [m]
+MOST_DRAWN = 50_000  # triangles of a solid; rclpy takes about 0.3 s for a marker of so many
+
+
+@dataclass(frozen=True)
+class Look:
+    """A geometry in one of its roles; ``name`` is ``source::frame/geometry``."""
+
+    geometry: GeometryId
+    role: Role
+    name: str
+    colour: Colour
+    shape: Shape
+    solid: bool
+
+
+def looks_of(inspector: SceneGraphInspector) -> list[Look]:
+    """Return the looks of a scene's geometries, one for each of their roles."""
+    return [
+        Look(
+            geometry,
+            role,
+            geometry_name(inspector, geometry),
+            colour_of(inspector, geometry, role),
+            inspector.GetShape(geometry),
+            is_solid(inspector, geometry, role),
+        )
+        for role in LAYERS
+        for geometry in inspector.GetAllGeometryIds(role)
+    ]
+
+
+def geometry_name(inspector: SceneGraphInspector, geometry: GeometryId) -> str:
+    """Return ``source::frame/geometry``."""
+    frame = inspector.GetName(inspector.GetFrameId(geometry))
+    return f'{inspector.GetOwningSourceName(geometry)}::{frame}/{inspector.GetName(geometry)}'
+
+
+def is_solid(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> bool:
+    """Return whether queries see a mesh as a solid; in other roles it is drawn as its hull."""
+    return solid_by(inspector.GetProperties(geometry, role), role)
+
+
+def solid_by(properties: GeometryProperties | None, role: Role) -> bool:
+    """Return whether the properties of a role make a mesh a solid."""
+    return (
+        role is Role.kProximity
+        and properties is not None
+        and bool(properties.GetPropertyOrDefault('mesh', 'solid', False))
+    )
+
+
+def colour_of(inspector: SceneGraphInspector, geometry: GeometryId, role: Role) -> Colour:
+    """Return the property ('phong', 'diffuse') of a role, or the colour of the source."""
+    rank = inspector.GetAllSourceIds().index(inspector.GetOwningSourceId(geometry))
+    return colour_by(inspector.GetProperties(geometry, role), role, rank)
+
+
+def colour_by(properties: GeometryProperties | None, role: Role, rank: int) -> Colour:
+    """Return the colour by the properties of a role, else by the rank of the source.
+
+    Sources take the colours of the palette in the order of their ids; what queries see is drawn
+    so that one can look through it.
+    """
+    if properties is not None and properties.HasProperty('phong', 'diffuse'):
+        value = properties.GetProperty('phong', 'diffuse')
+        if isinstance(value, Rgba):
+            return value.r(), value.g(), value.b(), value.a()
+        if np.shape(value) == (4,):
+            r, g, b, a = map(float, value)
+            return r, g, b, a
+    # The scene's own source, which is the first, has no geometry.
+    red, green, blue = PALETTE[(rank - 1) % len(PALETTE)]
+    return red, green, blue, _PROXIMITY_ALPHA if role is Role.kProximity else 1.0
+
+
+def mesh_surface(
+    shape: Convex | Mesh, solid: bool
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh as queries see it.
+
+    That is its hull, or its own surface where it is a solid of no more than MOST_DRAWN triangles.
+    Raises MeshFileError for a file that is no mesh.
+    """
+    if solid and isinstance(shape, Mesh):
+        vertices, triangles = shape.surface()
+        if len(triangles) <= MOST_DRAWN:
+            return vertices, triangles
+    return shape.hull_surface()

@@ -1,0 +1,1 @@
+"""The page in the browser, drawn with viser: ``serve`` shows a scene until it is interrupted."""

@@ -1,0 +1,93 @@
+"""The panel of the answer: what is shown, how far and how exactly, and the table of the pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from drake_geom_ros.geometry import ACCURACY_LEVELS
+from drake_geom_ros.viewing.looks import LAYERS
+from drake_geom_ros.viewing.page.picture import Wishes
+from drake_geom_ros.viewing.pairs import pair_names, row_in_words
+from drake_geom_ros.viewing.scene import Moment
+
+_ROWS = 12
+_FARTHEST, _STEP = 2.0, 0.01  # [m] of the slider
+LEVELS: tuple[str, ...] = tuple(ACCURACY_LEVELS)
+
+
+class AnswerPanel:
+    """What people ask, and the nearest pairs, of which one can be chosen."""
+
+    def __init__(
+        self,
+        gui: Any,
+        touch: Callable[[], None],
+        select: Callable[[tuple[int, int]], None],
+        max_distance: float,
+        accuracy: str,
+    ) -> None:
+        """``touch()`` is called when another picture is due, ``select(pair)`` with id values."""
+        self._select = select
+        self._ids: list[tuple[int, int]] = []
+        with gui.add_folder('Show'):
+            self._layers = {
+                name: gui.add_checkbox(name, name == 'proximity') for name in LAYERS.values()
+            }
+            self._names = gui.add_checkbox('names', False)
+            self._frames = gui.add_checkbox('frames', False)
+            self._normals = gui.add_checkbox('normals', True)
+            self._bounds = gui.add_checkbox('error bounds', False)
+        with gui.add_folder('Answer'):
+            farthest = max(_FARTHEST, max_distance)
+            self.max_distance = gui.add_slider(
+                'max_distance [m]', 0.0, farthest, _STEP, max_distance
+            )
+            self.level = gui.add_slider(
+                *('accuracy', 0, len(LEVELS) - 1, 1, LEVELS.index(accuracy)),
+                marks=tuple(enumerate(LEVELS)),
+            )
+            self.rows = [gui.add_button('', hint='', visible=False) for _ in range(_ROWS)]
+        for row, button in enumerate(self.rows):
+            button.on_click(partial(self._clicked, row))
+        for handle in (
+            *(*self._layers.values(), self._names, self._frames, self._normals, self._bounds),
+            *(self.max_distance, self.level),
+        ):
+            handle.on_update(lambda _: touch())
+
+    def wishes(self) -> Wishes:
+        """Return what is to be seen."""
+        return Wishes(
+            frozenset(name for name, box in self._layers.items() if box.value),
+            *(self._names.value, self._frames.value),
+            *(self._normals.value, self._bounds.value),
+        )
+
+    @property
+    def accuracy(self) -> str:
+        """The level that is asked for."""
+        return LEVELS[int(self.level.value)]
+
+    def show(self, moment: Moment, selected: tuple[int, int] | None) -> None:
+        """Fill the table: the nearest pairs first, the chosen one marked."""
+        pairs = moment.pairs.rows(slice(_ROWS))
+        self._ids = [(a, b) for a, b in pairs.ids.tolist()]
+        for row, button in enumerate(self.rows):
+            there = row < len(pairs)
+            if there:
+                bounds = self._bounds.value
+                button.label = row_in_words(pairs, row, moment.cast.names, bounds=bounds)
+                button.hint = ' | '.join(pair_names(pairs, row, moment.cast.names))
+                marked = self._ids[row] == selected
+                button.color = 'violet' if marked else _colour(float(pairs.distance[row]))
+            button.visible = there
+
+    def _clicked(self, row: int, event: Any) -> None:
+        if row < len(self._ids):
+            self._select(self._ids[row])
+
+
+def _colour(distance: float) -> str:
+    return 'red' if distance < 0.0 else 'gray'

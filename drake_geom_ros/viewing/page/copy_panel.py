@@ -1,0 +1,49 @@
+"""The panel of what is taken away: the poses of now as text, and the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.viewing.local_scene import LocalScene
+from drake_geom_ros.viewing.texts import as_csv, as_yaml
+
+_WIDTH, _HEIGHT = 1600, 1000  # [pixels]
+
+
+class CopyPanel:
+    """Gives poses as text, in a field to copy from and as a file, and the picture as a file."""
+
+    def __init__(self, gui: Any, scene: LocalScene | None) -> None:
+        """``scene``: where poses of frames are known; None: only the picture can be had."""
+        with gui.add_folder('Copy', expand_by_default=False):
+            if scene is not None:
+                for name, write in (('yaml', as_yaml), ('csv', as_csv)):
+                    button = gui.add_button(f'poses of now as {name.upper()}')
+                    button.on_click(partial(self._write, scene, write, f'poses.{name}'))
+                self.text = gui.add_text('poses', '', multiline=True)
+            gui.add_button('save the picture').on_click(_save_picture)
+
+    def _write(
+        self,
+        scene: LocalScene,
+        write: Callable[[Mapping[str, RigidTransform]], str],
+        name: str,
+        event: Any,
+    ) -> None:
+        self.text.value = write(scene.poses())
+        if event.client is not None:
+            event.client.send_file_download(name, self.text.value.encode())
+
+
+def _save_picture(event: Any) -> None:
+    """Have the browser that asked draw what it shows, and keep it as a file."""
+    if event.client is None:
+        return
+    import imageio.v3  # comes with viser, and takes long to import
+
+    image = event.client.get_render(height=_HEIGHT, width=_WIDTH)
+    picture = imageio.v3.imwrite('<bytes>', image, extension='.png')
+    event.client.send_file_download('scene.png', picture)

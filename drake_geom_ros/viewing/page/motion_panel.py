@@ -1,0 +1,204 @@
+"""The panel of motion: joints as sliders, frames by a gizmo, a motion with its time line."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_rotations
+from drake_geom_ros.viewing.joints import Joint, Joints
+from drake_geom_ros.viewing.local_scene import LocalScene
+from drake_geom_ros.viewing.timeline import Timeline, least_distances
+
+NO_FRAME = '-'
+_MOST_FRAMES = 500  # in the list of those that can be moved
+_STEPS = 400  # of a slider
+_GIZMO_SIZE = 0.2  # [m]
+_PLOT_PERIOD = 0.5  # [s] between two drawings of a plot that grows
+
+
+class MotionPanel:
+    """Moves a scene: whatever is moved is drawn soon after."""
+
+    def __init__(
+        self,
+        server: Any,
+        scene: LocalScene,
+        touch: Callable[[], None],
+        joints: Joints | None,
+        timeline: Timeline | None,
+    ) -> None:
+        """``touch()`` is called when another picture is due."""
+        self._server, self._scene, self._touch = server, scene, touch
+        self._joints, self._timeline = joints, timeline
+        self._lock = threading.RLock()  # of the joint values and the time
+        self._following: int | None = None  # the thread that moves sliders by itself
+        self._last = 0.0  # [s] of the steady clock, when the motion was last moved on
+        self.sliders: dict[Joint, Any] = {}
+        if timeline is not None:
+            self._add_timeline(server.gui, timeline)
+        if joints is not None and joints.all():
+            self._add_joints(server.gui, joints)
+        self._add_gizmo(server.gui, {j.robot for j in self.sliders})
+
+    # A motion.
+
+    def _add_timeline(self, gui: Any, timeline: Timeline) -> None:
+        with gui.add_folder('Motion'):
+            self.play = gui.add_checkbox('play', False)
+            step = max((timeline.end - timeline.start) / _STEPS, np.finfo(float).tiny)
+            end = max(timeline.end, timeline.start + step)
+            self.time = gui.add_slider('time [s]', timeline.start, end, step, timeline.start)
+            self._least = np.full(len(timeline.times), np.nan)
+            self._plot = gui.add_uplot(
+                self._plotted(),
+                (
+                    {'label': 'time [s]'},
+                    {'label': 'least distance [m]', 'stroke': 'green', 'width': 1},
+                    {'label': 'now', 'stroke': 'red', 'width': 1},
+                ),
+                scales={'x': {'time': False}},
+                aspect=1.6,
+            )
+            self.nearest = gui.add_button('go to the least distance')
+        self.time.on_update(self._time_moved)
+        self.play.on_update(self._play_switched)
+        self.nearest.on_click(lambda _: self.go_to_least())
+        threading.Thread(target=self._measure, name='least-distances', daemon=True).start()
+
+    def _plotted(self) -> tuple[Any, ...]:
+        """Return what the plot shows: times, least distances as far as known, a peak at now."""
+        assert self._timeline is not None
+        known = np.isfinite(self._least)
+        if not known.any():
+            ends = np.array([self._timeline.start, self._timeline.end])
+            return ends, np.zeros(2), np.zeros(2)
+        times, least = self._timeline.times[known], self._least[known]
+        now = np.full(len(times), least.min())
+        now[np.abs(times - self.time.value).argmin()] = least.max()
+        return times, least, now
+
+    def _measure(self) -> None:
+        """Compute the least distances of the motion in a thread of its own."""
+        assert self._timeline is not None
+        drawn = time.monotonic()
+        for row, least in enumerate(least_distances(self._timeline, self._scene.snapshot())):
+            self._least[row] = least if np.isfinite(least) else np.nan
+            if time.monotonic() - drawn > _PLOT_PERIOD:
+                self._plot.data, drawn = self._plotted(), time.monotonic()
+        self._plot.data = self._plotted()
+
+    def go_to_least(self) -> None:
+        """Go to the moment of the least distance that is known."""
+        assert self._timeline is not None
+        if np.isfinite(self._least).any():
+            self.time.value = float(self._timeline.times[np.nanargmin(self._least)])
+
+    def _play_switched(self, event: Any) -> None:
+        self._last = time.monotonic()
+        self._touch()
+
+    def _time_moved(self, event: Any) -> None:
+        assert self._timeline is not None
+        with self._lock:
+            self._scene.pose(self._timeline.poses(self.time.value))
+            if self._joints is not None:
+                self._joints.follow(self.time.value)
+        self._touch()
+
+    def move_on(self) -> bool:
+        """Move a motion that is played to the time that it is; return whether one is played."""
+        if self._timeline is None or not self.play.value:
+            return False
+        now = time.monotonic()
+        later = self.time.value + now - self._last
+        self._last = now
+        self.time.value = later if later <= self._timeline.end else self._timeline.start
+        return True
+
+    def show(self) -> None:
+        """Let sliders and plot show what was moved by others."""
+        if self._timeline is None:
+            return
+        self._plot.data = self._plotted()
+        if self._joints is None:
+            return
+        self._following = threading.get_ident()
+        try:
+            for joint, slider in self.sliders.items():
+                slider.value = self._joints.value(joint)
+        finally:
+            self._following = None
+
+    # Joints.
+
+    def _add_joints(self, gui: Any, joints: Joints) -> None:
+        folders: dict[str, Any] = {}
+        for joint in joints.all():
+            if joint.robot not in folders:
+                folders[joint.robot] = gui.add_folder(
+                    f'Joints of {joint.robot}', expand_by_default=False
+                )
+            with folders[joint.robot]:
+                step = (joint.upper - joint.lower) / _STEPS
+                value = joints.value(joint)
+                slider = gui.add_slider(joint.name, joint.lower, joint.upper, step, value)
+            slider.on_update(partial(self._joint_moved, joint))
+            self.sliders[joint] = slider
+
+    def _joint_moved(self, joint: Joint, event: Any) -> None:
+        if self._following == threading.get_ident():
+            return
+        assert self._joints is not None
+        with self._lock:
+            self._scene.pose(self._joints.move(joint, event.target.value))
+        self._touch()
+
+    # One frame.
+
+    def _add_gizmo(self, gui: Any, robots: set[str]) -> None:
+        free = [name for name in self._scene.frames if name.partition('::')[0] not in robots]
+        if not free:
+            return
+        with gui.add_folder('Move a frame'):
+            self.frame = gui.add_dropdown('frame', (NO_FRAME, *free[:_MOST_FRAMES]))
+        self.frame.on_update(lambda _: self._take_frame())
+        self.gizmo: Any = None
+
+    def _take_frame(self) -> None:
+        """Put the gizmo where the chosen frame is, at the world where it has no pose yet."""
+        if self.gizmo is not None:
+            self.gizmo.remove()
+            self.gizmo = None
+        name = self.frame.value
+        if name == NO_FRAME:
+            return
+        try:
+            X_WF = self._scene.X_WF(name)
+        except GeometryError:
+            X_WF = RigidTransform()
+        wxyz = np.roll(quaternions_from_rotations(X_WF.rotation().matrix()[None])[0], 1)
+        self.gizmo = self._server.scene.add_transform_controls(
+            '/gizmo', scale=_GIZMO_SIZE, wxyz=wxyz, position=X_WF.translation(), depth_test=False
+        )
+        self.gizmo.on_update(partial(self._frame_moved, name))
+
+    def _frame_moved(self, name: str, event: Any) -> None:
+        handle = event.target
+        self.place(name, np.concatenate([handle.position, np.roll(handle.wxyz, -1)]))
+
+    def place(self, name: str, pose: Any) -> None:
+        """Pose a frame in the world by x y z [m] qx qy qz qw; what cannot be is left alone."""
+        try:
+            matrices_from_poses([pose])
+            self._scene.place(name, RigidTransform.FromArray(pose))
+        except RuntimeError:  # a browser may send anything, and a parent may have no pose
+            return
+        self._touch()

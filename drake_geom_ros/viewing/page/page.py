@@ -1,0 +1,206 @@
+"""One page: its panels, its picture, and the thread that draws when there is something new."""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry import HalfSpace
+from drake_geom_ros.viewing.joints import Joints
+from drake_geom_ros.viewing.local_scene import LocalScene
+from drake_geom_ros.viewing.page.answer_panel import AnswerPanel
+from drake_geom_ros.viewing.page.copy_panel import CopyPanel
+from drake_geom_ros.viewing.page.filter_panel import FilterPanel
+from drake_geom_ros.viewing.page.motion_panel import MotionPanel
+from drake_geom_ros.viewing.page.picture import MOST_NAMES, Picture
+from drake_geom_ros.viewing.scene import Moment, ShownScene
+from drake_geom_ros.viewing.timeline import Timeline
+
+# [s] between two pictures at least: what comes meanwhile, such as a hundred events of a slider
+# that is dragged, is one picture.
+_PERIOD = 0.04
+_LOOKS = 0.1  # [s] between two looks whether the scene has changed by itself
+_TABLE_PERIOD = 0.25  # [s] nobody reads faster
+_VIEW = np.array([0.55, -0.7, 0.45])  # where one looks from, of unit length
+_AWAY, _MARGIN = 0.9, 0.2  # times the size of the scene, and [m]
+_MOST_TOLD = 5  # troubles in the status
+
+
+class Page:
+    """Shows a scene on a viser server until it is closed."""
+
+    def __init__(
+        self,
+        server: Any,
+        scene: ShownScene,
+        *,
+        joints: Joints | None = None,
+        timeline: Timeline | None = None,
+        max_distance: float = 0.1,
+        accuracy: str = 'exact',
+        tell: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """``joints`` and ``timeline`` move a scene of this process; ``tell`` takes progress."""
+        self._server, self._scene, self._tell = server, scene, tell
+        local = scene if isinstance(scene, LocalScene) else None
+        self._due, self._closed = threading.Event(), threading.Event()
+        self._version: object = None
+        self._table_due = 0.0  # [s] of the steady clock
+        self.selected: tuple[int, int] | None = None
+        self.moment: Moment | None = None
+        self.trouble = ''  # what went wrong in the last drawing
+        server.gui.configure_theme(
+            control_width='large',
+            # It would send the scene through a relay of strangers.
+            show_share_button=False,
+            show_logo=False,
+        )
+        server.gui.main_panel.dock_right()
+        server.scene.set_up_direction('+z')
+        self._status = server.gui.add_html('')
+        self.answer = AnswerPanel(server.gui, self.touch, self.select, max_distance, accuracy)
+        self.filters = FilterPanel(server.gui, scene, local)
+        self.motion = None
+        if local is not None:
+            self.motion = MotionPanel(server, local, self.touch, joints, timeline)
+        self.copying = CopyPanel(server.gui, local)
+        self.picture = Picture(server.scene, self.choose, self._progress)
+        self._thread = threading.Thread(target=self._run, name='page', daemon=True)
+        self._thread.start()
+
+    @property
+    def host(self) -> str:
+        """The address that it is served at."""
+        return str(self._server.get_host())
+
+    @property
+    def port(self) -> int:
+        """The port that it is served at."""
+        return int(self._server.get_port())
+
+    def touch(self) -> None:
+        """Have another picture drawn soon."""
+        self._due.set()
+
+    def select(self, pair: tuple[int, int]) -> None:
+        """Mark a pair of id values in picture and table, and explain it."""
+        self.selected = pair
+        if self.moment is not None:
+            names = self.moment.cast.names
+            self.filters.choose_pair((names[pair[0]], names[pair[1]]))
+        self._table_due = 0.0
+        self.touch()
+
+    def choose(self, value: int) -> None:
+        """Take a geometry, by its id value, that was clicked on in the picture."""
+        if self.moment is None or value not in self.moment.cast.names:
+            return
+        self.filters.choose(self.moment.cast.names[value])
+        pair = self.filters.pair()
+        self.selected = None if pair is None else (min(pair), max(pair))
+        self._table_due = 0.0
+        self.touch()
+
+    def close(self) -> None:
+        """Draw no more, and stop the server."""
+        self._closed.set()
+        self._due.set()
+        self._thread.join()
+        self._server.stop()
+
+    def _run(self) -> None:
+        while not self._closed.is_set():
+            start = time.monotonic()
+            try:
+                self._draw_if_due()
+                self.trouble = ''
+            except Exception as error:  # nobody foresaw it, and the page goes on
+                if (trouble := f'{type(error).__name__}: {error}') != self.trouble:
+                    self.trouble = trouble
+                    self._tell(''.join(traceback.format_exception(error)))
+                self._status.content = _in_red(trouble)
+            self._due.wait(_LOOKS)
+            self._closed.wait(max(0.0, start + _PERIOD - time.monotonic()))
+
+    def _draw_if_due(self) -> None:
+        playing = self.motion is not None and self.motion.move_on()
+        version = self._scene.version()
+        due = self._due.is_set() or playing or version != self._version
+        self._due.clear()
+        if not due and self._table_due > time.monotonic():
+            return
+        if due:
+            self._version = version
+            self.draw()
+        if self.moment is not None and self._table_due <= time.monotonic():
+            self._table_due = time.monotonic() + _TABLE_PERIOD if due else float('inf')
+            self._show_words(self.moment)
+
+    def draw(self) -> None:
+        """Draw the scene as it is now."""
+        before = None if self.moment is None else self.moment.cast
+        moment = self._scene.moment(self.answer.max_distance.value, self.answer.accuracy)
+        with self._server.atomic():
+            self.picture.show(moment, self.answer.wishes(), self.selected)
+        if before is None:
+            self._aim(moment)
+        if moment.cast is not before:
+            self.filters.begin(moment.cast)
+        self.moment = moment
+        if moment.cast is not before or self._table_due == float('inf'):
+            self._table_due = 0.0
+
+    def _aim(self, moment: Moment) -> None:
+        """Let browsers that come look at what is there, half spaces aside."""
+        rows = [
+            moment.cast.row_of(look.geometry.get_value())
+            for look in moment.cast.looks
+            if not isinstance(look.shape, HalfSpace)
+        ]
+        if rows:
+            p_WGs = moment.p_WGs[rows]
+            low, high = p_WGs.min(axis=0), p_WGs.max(axis=0)
+            middle, size = (low + high) / 2.0, float(np.linalg.norm(high - low))
+            camera = self._server.initial_camera
+            camera.look_at = middle
+            camera.position = middle + (_MARGIN + _AWAY * size) * _VIEW
+
+    def _show_words(self, moment: Moment) -> None:
+        self.answer.show(moment, self.selected)
+        if self.motion is not None:
+            self.motion.show()
+        lines = [*moment.remarks, *self._remarks(moment)]
+        troubles = self.picture.troubles
+        if troubles:
+            lines.append(f'{len(troubles)} cannot be drawn, such as')
+        shown = ''.join(f'<div>{escape(line)}</div>' for line in lines)
+        shown += ''.join(_in_red(trouble) for trouble in troubles[:_MOST_TOLD])
+        self._status.content = f'<div style="padding:0 1em">{shown}</div>'
+
+    def _remarks(self, moment: Moment) -> list[str]:
+        """Return what is to be said above the panels."""
+        cast, pairs = moment.cast, moment.pairs
+        touching = int((pairs.distance < 0.0).sum())
+        said = [
+            f'{len(cast.ids)} geometries; {len(pairs)} pairs within '
+            f'{self.answer.max_distance.value:g} m, {touching} of them overlap'
+        ]
+        if cast.waiting:
+            said.append(f'without a pose, and not shown: {", ".join(cast.waiting[:_MOST_TOLD])}')
+        if self.answer.wishes().names and len(cast.ids) > MOST_NAMES:
+            said.append(f'names of the first {MOST_NAMES} only')
+        return said
+
+    def _progress(self, done: int, count: int) -> None:
+        if done == count or done % 100 == 0:
+            self._status.content = f'<div style="padding:0 1em">drawn {done} of {count}</div>'
+
+
+def _in_red(text: str) -> str:
+    return f'<div style="color:#c00;padding:0 1em">{escape(text)}</div>'

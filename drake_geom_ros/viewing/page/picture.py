@@ -1,0 +1,255 @@
+"""The picture of a moment: batches of shapes, pairs, names and frames as nodes of viser's scene.
+
+What is foreign, such as a name, is only ever the text of a label: nodes are called by numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.math.batched import quaternions_from_rotations
+from drake_geom_ros.viewing.batches import Batch, batches_of
+from drake_geom_ros.viewing.looks import LAYERS, NORMAL_LENGTH, PAIR_COLOURS
+from drake_geom_ros.viewing.pairs import Pairs, in_words
+from drake_geom_ros.viewing.scene import Cast, Moment
+
+Floats = NDArray[np.float64]
+_MOST_PAIRS = 2000  # lines that are drawn, the nearest
+MOST_NAMES = 300  # labels: a browser lays each of them out
+_DEPTHS = 5  # labels of the deepest contacts
+_THIN, _THICK = 2.0, 6.0  # [pixels]
+_SMALL = 0.8  # of viser's own size of labels
+_POINT_SIZE = 0.012  # [m]
+_AXIS_LENGTH, _AXIS_RADIUS = 0.08, 0.002  # [m]
+
+
+def _bytes(name: str) -> tuple[int, ...]:
+    """Return the colour of pairs as viser takes it."""
+    return tuple(round(255.0 * part) for part in PAIR_COLOURS[name][:3])
+
+
+_CONTACT, _SELECTED = _bytes('contacts'), (160, 0, 255)
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is to be seen."""
+
+    layers: frozenset[str] = frozenset({'proximity'})
+    names: bool = False
+    frames: bool = False
+    normals: bool = True
+    bounds: bool = False
+
+
+class Picture:
+    """Draws moments into viser's scene; only what changed is sent."""
+
+    def __init__(
+        self,
+        scene: Any,
+        chosen: Callable[[int], None],
+        progress: Callable[[int, int], None] = lambda done, all: None,
+    ) -> None:
+        """``chosen(value)`` is told of a geometry, by its id value, that somebody clicks on.
+
+        ``progress(done, all)`` is told how many looks of a new scene are drawn.
+        """
+        self._scene = scene
+        self._chosen = chosen
+        self._progress = progress
+        self._cast: Cast | None = None
+        self._batches: list[_Shown] = []
+        self._names: dict[int, Any] = {}
+        self.troubles: list[str] = []
+        self._layers = {
+            name: scene.add_frame(f'/{name}', show_axes=False) for name in LAYERS.values()
+        }
+        self._lines = {
+            'contacts': _Lines(scene, 'contacts', _CONTACT, _THICK),
+            'normals': _Lines(scene, 'normals', _bytes('normals'), _THIN),
+            'distances': _Lines(scene, 'distances', _bytes('distances'), _THIN),
+            'selected': _Lines(scene, 'selected', _SELECTED, _THICK),
+        }
+        self._points = scene.add_point_cloud(
+            '/pairs/points',
+            np.zeros((1, 3)),
+            _CONTACT,
+            point_size=_POINT_SIZE,
+            point_shape='circle',
+            precision='float32',
+            visible=False,
+        )
+        self._depths = [_Label(scene, f'/pairs/depths/{k}') for k in range(_DEPTHS)]
+        self._told = _Label(scene, '/pairs/told')
+        self._axes: Any = None
+
+    def show(self, moment: Moment, wishes: Wishes, selected: tuple[int, int] | None) -> None:
+        """Draw a moment; ``selected`` is a pair of id values."""
+        if moment.cast is not self._cast:
+            self._begin(moment.cast)
+        for name, layer in self._layers.items():
+            layer.visible = name in wishes.layers
+        for shown in self._batches:
+            if shown.batch.layer in wishes.layers:
+                shown.pose(moment)
+        self._show_pairs(moment.pairs.rows(slice(_MOST_PAIRS)), wishes)
+        self._show_selected(moment.pairs, wishes, selected)
+        self._show_names(moment, wishes)
+        self._show_frames(moment, wishes)
+
+    def _begin(self, cast: Cast) -> None:
+        """Draw other geometries from now on."""
+        for shown in self._batches:
+            shown.handle.remove()
+        for handle in self._names.values():
+            handle.remove()
+        self._names.clear()
+        found = batches_of(
+            cast.looks, cast.row_of, lambda done: self._progress(done, len(cast.looks))
+        )
+        self._batches = [
+            _Shown(self._scene, number, batch, self._chosen)
+            for number, batch in enumerate(found.batches)
+        ]
+        self.troubles = found.troubles
+        self._cast = cast
+
+    def _show_pairs(self, pairs: Pairs, wishes: Wishes) -> None:
+        touching = pairs.distance < 0.0
+        deep = pairs.rows(np.flatnonzero(touching))
+        self._lines['distances'].show(pairs.rows(np.flatnonzero(~touching)).segments())
+        self._lines['contacts'].show(deep.segments())
+        normals = deep.normals(NORMAL_LENGTH) if wishes.normals else np.zeros((0, 2, 3))
+        self._lines['normals'].show(normals)
+        _set_points(self._points, deep.segments().reshape(-1, 3))
+        for row, label in enumerate(self._depths):
+            there = row < len(deep)
+            text = in_words(deep, row, bounds=wishes.bounds) if there else ''
+            label.show(text, deep.p_WCas[row] if there else None)
+
+    def _show_selected(
+        self, pairs: Pairs, wishes: Wishes, selected: tuple[int, int] | None
+    ) -> None:
+        row = None if selected is None else pairs.find(selected)
+        if row is None:
+            self._lines['selected'].show(np.zeros((0, 2, 3)))
+            self._told.show('', None)
+            return
+        one = pairs.rows(slice(row, row + 1))
+        normal = one.normals(NORMAL_LENGTH) if wishes.normals else np.zeros((0, 2, 3))
+        self._lines['selected'].show(np.concatenate([one.segments(), normal]))
+        middle = one.segments()[0].mean(axis=0)
+        self._told.show(in_words(pairs, row, bounds=wishes.bounds), middle)
+
+    def _show_names(self, moment: Moment, wishes: Wishes) -> None:
+        cast = moment.cast
+        if not wishes.names:
+            for handle in self._names.values():
+                handle.visible = False
+            return
+        for row, value in enumerate(cast.ids[:MOST_NAMES].tolist()):
+            position = moment.p_WGs[row]
+            if value not in self._names:
+                self._names[value] = self._scene.add_label(
+                    f'/names/{value}', cast.names[value], position=position
+                )
+            handle = self._names[value]
+            handle.visible, handle.position = True, position
+
+    def _show_frames(self, moment: Moment, wishes: Wishes) -> None:
+        if not wishes.frames:
+            if self._axes is not None:
+                self._axes.visible = False
+            return
+        wxyzs = np.roll(quaternions_from_rotations(moment.R_WFs), 1, axis=1)
+        if self._axes is None or len(self._axes.batched_positions) != len(wxyzs):
+            self._axes = self._scene.add_batched_axes(
+                '/axes',
+                wxyzs,
+                moment.p_WFs,
+                axes_length=_AXIS_LENGTH,
+                axes_radius=_AXIS_RADIUS,
+            )
+        self._axes.visible = True
+        self._axes.batched_wxyzs, self._axes.batched_positions = wxyzs, moment.p_WFs
+
+
+class _Shown:
+    """A batch, and the node that shows it."""
+
+    def __init__(
+        self, scene: Any, number: int, batch: Batch, chosen: Callable[[int], None]
+    ) -> None:
+        self.batch = batch
+        surface, count = batch.surface, len(batch.bodies)
+        self.handle = scene.add_batched_meshes_simple(
+            f'/{batch.layer}/{number}',
+            vertices=surface.vertices,
+            faces=surface.triangles,
+            batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+            batched_positions=np.zeros((count, 3)),
+            batched_scales=batch.scales,
+            batched_colors=batch.colours,
+            opacity=None if batch.alpha >= 1.0 else batch.alpha,
+            flat_shading=not surface.smooth,
+            side='double',
+            lod='off',
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self.handle.on_click(partial(self._clicked, chosen))
+
+    def pose(self, moment: Moment) -> None:
+        """Move the copies to where their geometries are."""
+        # viser sends an array only where it differs from the one before.
+        p_WSs, wxyzs = self.batch.posed(moment.R_WGs, moment.p_WGs)
+        self.handle.batched_positions, self.handle.batched_wxyzs = p_WSs, wxyzs
+
+    def _clicked(self, chosen: Callable[[int], None], event: Any) -> None:
+        if event.instance_index is not None:
+            chosen(int(self.batch.geometries[event.instance_index]))
+
+
+class _Lines:
+    """Lines of one colour."""
+
+    def __init__(self, scene: Any, name: str, colour: tuple[int, ...], width: float) -> None:
+        self._handle = scene.add_line_segments(
+            f'/pairs/{name}',
+            np.zeros((1, 2, 3)),
+            colour,
+            thickness=width,
+            thickness_units='screen',
+            visible=False,
+        )
+
+    def show(self, segments: Floats) -> None:
+        """Draw segments (n, 2, 3) [m] instead of those before."""
+        _set_points(self._handle, segments)
+
+
+def _set_points(handle: Any, points: Floats) -> None:
+    """Show points, or nothing: viser's nodes hold one at least."""
+    handle.visible = bool(len(points))
+    if len(points):
+        handle.points = points
+
+
+class _Label:
+    """A label that is there when it has something to say."""
+
+    def __init__(self, scene: Any, name: str) -> None:
+        self._handle = scene.add_label(name, '', font_screen_scale=_SMALL, visible=False)
+
+    def show(self, text: str, p_W: Floats | None) -> None:
+        self._handle.visible = p_W is not None
+        if p_W is not None:
+            self._handle.text = text
+            self._handle.position = p_W

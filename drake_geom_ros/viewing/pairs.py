@@ -1,0 +1,95 @@
+"""Pairs as they are drawn: nearest first, with lines, points and words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import SignedDistanceResults
+
+Floats = NDArray[np.float64]
+_MILLIMETRE = 1000.0
+_SHORT = 15  # characters of a name that a button has room for
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """The reported pairs, the deepest or nearest first.
+
+    ``ids`` (k, 2) are geometries A and B, ``distance`` and ``error_bound`` (k,) [m],
+    ``p_WCas`` and ``p_WCbs`` (k, 3) [m] the witnesses, ``nhat_BA_Ws`` (k, 3) the normals.
+    """
+
+    ids: NDArray[np.int64]
+    distance: Floats
+    error_bound: Floats
+    p_WCas: Floats
+    p_WCbs: Floats
+    nhat_BA_Ws: Floats
+
+    @classmethod
+    def of(cls, results: SignedDistanceResults) -> Pairs:
+        """Return the pairs of a query."""
+        ids = np.stack([results.id_A, results.id_B], axis=1)
+        return cls(
+            *(ids, results.distance, results.error_bound),
+            *(results.p_WCa, results.p_WCb, results.nhat_BA_W),
+        ).sorted()
+
+    @classmethod
+    def none(cls) -> Pairs:
+        """Return no pairs."""
+        points, numbers = np.zeros((0, 3)), np.zeros(0)
+        return cls(np.zeros((0, 2), np.int64), numbers, numbers, points, points, points)
+
+    def sorted(self) -> Pairs:
+        """Return the same pairs by their distance."""
+        return self.rows(np.argsort(self.distance, kind='stable'))
+
+    def rows(self, rows: NDArray[np.int64] | slice) -> Pairs:
+        """Return some of the pairs."""
+        return Pairs(
+            *(self.ids[rows], self.distance[rows], self.error_bound[rows]),
+            *(self.p_WCas[rows], self.p_WCbs[rows], self.nhat_BA_Ws[rows]),
+        )
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def find(self, pair: tuple[int, int]) -> int | None:
+        """Return the row of a pair of id values, in whatever order; None where it is not here."""
+        found = np.flatnonzero((self.ids == sorted(pair)).all(axis=1))
+        return int(found[0]) if len(found) else None
+
+    def segments(self) -> Floats:
+        """Return the lines (k, 2, 3) [m] between the witnesses."""
+        return np.stack([self.p_WCas, self.p_WCbs], axis=1)
+
+    def normals(self, length: float) -> Floats:
+        """Return the normals (k, 2, 3) [m] as lines from the witnesses on A, out of B."""
+        return np.stack([self.p_WCas, self.p_WCas + length * self.nhat_BA_Ws], axis=1)
+
+
+def in_words(pairs: Pairs, row: int, *, bounds: bool) -> str:
+    """Return the signed distance of a pair [mm], and, if asked for, its error bound [m]."""
+    said = f'{_MILLIMETRE * pairs.distance[row]:.3f} mm'
+    return f'{said} ± {pairs.error_bound[row]:.1e} m' if bounds else said
+
+
+def row_in_words(pairs: Pairs, row: int, names: Mapping[int, str], *, bounds: bool) -> str:
+    """Return a row of the table: how far, and which two, by the ends of their names."""
+    a, b = (_short(name) for name in pair_names(pairs, row, names))
+    return f'{in_words(pairs, row, bounds=bounds)} {a} | {b}'
+
+
+def pair_names(pairs: Pairs, row: int, names: Mapping[int, str]) -> tuple[str, str]:
+    """Return the names of A and B."""
+    a, b = (names.get(value, f'#{value}') for value in pairs.ids[row].tolist())
+    return a, b
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _SHORT else f'…{name[1 - _SHORT :]}'

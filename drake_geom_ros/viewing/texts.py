@@ -1,0 +1,34 @@
+"""The poses of now as text to be copied: the frames of a scene file, or a pose file."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+
+import yaml
+
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.yaml_values import plain_pose
+
+_COLUMNS = ('frame', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw')
+
+
+def as_yaml(X_PFs: Mapping[str, RigidTransform]) -> str:
+    """Return poses of frames in their parents, by ``source::frame``, as a scene file has them."""
+    frames = []
+    for name, X_PF in X_PFs.items():
+        source, _, frame = name.partition('::')
+        frames.append({'name': frame, 'source': source, 'pose': plain_pose(X_PF)})
+    text: str = yaml.safe_dump({'frames': frames}, sort_keys=False, default_flow_style=None)
+    return text
+
+
+def as_csv(X_PFs: Mapping[str, RigidTransform]) -> str:
+    """Return poses of frames in their parents, by ``source::frame``, as a pose file has them."""
+    file = io.StringIO()
+    writer = csv.writer(file, lineterminator='\n')
+    writer.writerow(_COLUMNS)
+    for name, X_PF in X_PFs.items():
+        writer.writerow([name, *X_PF.ToArray().tolist()])
+    return file.getvalue()

@@ -1,0 +1,122 @@
+"""The page of a running node: on the real middleware, before the node, with it, after its end."""
+
+import threading
+
+import numpy as np
+import pytest
+from drake_geom_msgs.msg import FramePoses, GeometryPoses
+from ros.harness import SENSOR, start_node
+
+from drake_geom_ros.geometry import GeometryError, Role
+from drake_geom_ros.ros.viewer.node_scene import NodeScene
+from drake_geom_ros.viewing.looks import PALETTE
+
+SCENE = """
+sources: [s]
+frames: [{name: a, source: s, pose: {position: [1, 0, 0], rpy: [0.1, 0.2, 0.3]}}]
+geometries:
+- {name: floor, source: s, shape: {type: half_space}, pose: {position: [0, 0, -1]}}
+- {name: post, source: s, shape: {type: sphere, radius: 0.2}}
+- {name: ball, source: s, frame: a, shape: {type: capsule, radius: 0.1, length: 0.3},
+   roles: {proximity: {}, illustration: {phong: {diffuse: {rgba: [1, 0, 0, 1]}}}}}
+"""
+
+
+@pytest.fixture(scope='module')
+def scene_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp('scene') / 'scene.yaml'
+    path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def shown(lone_client):
+    return NodeScene(lone_client.node)
+
+
+def wait_for_pairs(client, shown, count, reach=2.0, accuracy='exact'):
+    def found():
+        moment = shown.moment(reach, accuracy)
+        return moment if len(moment.pairs) == count else None
+
+    return client.wait_for(found, f'{count} pairs')
+
+
+def ask_in_a_thread(client, question):
+    """Return what a call gives that waits while the test's thread spins."""
+    answers = []
+
+    def ask():
+        try:
+            answers.append(question())
+        except GeometryError as error:
+            answers.append(error)
+
+    threading.Thread(target=ask).start()
+    return client.wait_for(lambda: answers, 'an answer')[0]
+
+
+def test_a_node_is_waited_for_shown_and_met_again(lone_client, shown, scene_file, tmp_path):
+    moment = shown.moment(1.0, 'exact')
+    assert list(moment.remarks) == ['waiting for /scene_graph/scene']
+    assert len(moment.pairs) == len(moment.cast.ids) == 0
+
+    for attempt in range(2):  # the second is a node that starts anew
+        node = start_node(tmp_path / f'log{attempt}', scene_file=scene_file, max_distance=0.5)
+        try:
+            # Farther than the node's topic goes: by its service.
+            moment = wait_for_pairs(lone_client, shown, 2)
+            names = moment.cast.names
+            assert sorted(names.values()) == ['s::a/ball', 's::world/floor', 's::world/post']
+            gaps = moment.pairs.p_WCas - moment.pairs.p_WCbs
+            np.testing.assert_allclose(
+                gaps, moment.pairs.distance[:, None] * moment.pairs.nhat_BA_Ws, atol=1e-9
+            )
+            assert moment.remarks[0].startswith('poses of /scene_graph ')
+            looks = {(look.name, look.role): look for look in moment.cast.looks}
+            assert looks['s::a/ball', Role.kIllustration].colour == (1.0, 0.0, 0.0, 1.0)
+            assert looks['s::world/post', Role.kProximity].colour[:3] == PALETTE[0]
+        finally:
+            node.end()
+
+    assert isinstance(ask_in_a_thread(lone_client, lambda: shown.explain((1, 2))), GeometryError)
+    lone_client.wait_for(
+        lambda: any('nothing comes' in each for each in shown.moment(0.1, 'exact').remarks),
+        'the remark that nothing comes',
+    )
+
+
+def test_poses_results_and_reasons_are_those_of_the_node(lone_client, shown, scene_file, tmp_path):
+    node = start_node(tmp_path / 'log', scene_file=scene_file, max_distance=5.0)
+    try:
+        wait_for_pairs(lone_client, shown, 2, reach=4.0, accuracy='bound')
+        poses = lone_client.publisher(FramePoses, 'frame_poses', SENSOR)
+        before = shown.version()
+        poses.publish(FramePoses(frame_names=['a'], poses=[0.5, 0, 0, 0, 0, 0, 1]))
+
+        def least():
+            pairs = shown.moment(1.0, 'exact').pairs
+            return len(pairs) and abs(pairs.distance.min() - 0.2) < 1e-9
+
+        lone_client.wait_for(least, 'the distance of the moved ball')
+        assert shown.version() != before
+        names = shown.moment(1.0, 'exact').cast.names
+        ids = {name: value for value, name in names.items()}
+        pair = ids['s::world/floor'], ids['s::world/post']
+        assert ask_in_a_thread(lone_client, lambda: shown.explain(pair)) == ['anchored']
+        pair = ids['s::a/ball'], ids['s::world/post']
+        assert ask_in_a_thread(lone_client, lambda: shown.explain(pair)) == []
+    finally:
+        node.end()
+
+
+def test_the_topic_is_silent_without_a_listener_and_flat_with_one(
+    lone_client, scene_file, tmp_path
+):
+    node = start_node(tmp_path / 'log', scene_file=scene_file)
+    try:
+        heard = lone_client.listen(GeometryPoses, 'geometry_poses')
+        message = lone_client.wait_for(lambda: heard, 'poses')[0]
+        assert len(message.poses) == 7 * len(message.ids) == 21
+    finally:
+        node.end()

@@ -1,0 +1,126 @@
+"""The page of the demo's scene in a real browser: what people see and touch."""
+
+import argparse
+import importlib.util
+
+import numpy as np
+import pytest
+from viewing.browser import PROGRAM, Browser
+from viewing.page.pages import wait_for
+
+from drake_geom_ros.command_line import view
+from drake_geom_ros.command_line.program import main
+
+pytestmark = [
+    pytest.mark.skipif(
+        importlib.util.find_spec('viser') is None,
+        reason='viser, which draws the page, is not installed',
+    ),
+    pytest.mark.skipif(PROGRAM is None, reason='there is no chromium (apt-get install chromium)'),
+]
+
+
+@pytest.fixture(scope='module')
+def page():
+    parser = argparse.ArgumentParser()
+    view.add_to(parser.add_subparsers())
+    motion = ['--motion', 'scenes/two_pandas_motion.yaml', '--port', '18090']
+    page = view.open_page(parser.parse_args(['view', 'scenes/two_pandas.yaml', *motion]))
+    yield page
+    page.close()
+
+
+@pytest.fixture(scope='module')
+def browser(page):
+    browser = Browser(f'http://{page.host}:{page.port}')
+    browser.wait_for(lambda: ' mm …' in browser.text(), 'the table')
+    yield browser
+    browser.close()
+
+
+def element(text):
+    """Return an expression for the innermost element that says just this."""
+    return f"[...document.querySelectorAll('*')].filter(e => e.innerText === {text!r}).at(-1)"
+
+
+def test_the_numbers_are_those_of_the_core(page, browser):
+    pairs = page._scene.moment(0.1, 'exact').pairs
+    shown = [line for line in browser.text().splitlines() if ' mm …' in line]
+    assert [float(line.split()[0]) for line in shown] == pytest.approx(
+        (1000.0 * pairs.distance[: len(shown)]).tolist(), abs=5e-4
+    )
+
+
+def test_a_row_that_is_clicked_on_is_selected(page, browser):
+    row = page.answer.rows[2].label
+    x, y, *_ = browser.box(element(row))
+    browser.click(x, y)
+    wait_for(lambda: page.selected == page.answer._ids[2], 'the selection')
+    a = page.moment.cast.names[page.selected[0]]
+    browser.wait_for(lambda: 'Reported' in browser.text(), 'the explanation')
+    assert a == page.filters.texts[0].value
+
+
+def test_a_geometry_that_is_clicked_on_is_chosen(page, browser):
+    page.filters.choose_pair(('', ''))
+    # The page looks at the middle of the scene.
+    x, y, *_ = browser.box("document.querySelector('canvas')")
+    browser.click(x, y)
+    wait_for(lambda: page.filters.texts[1].value, 'a geometry')
+    assert page.filters.texts[1].value in page.moment.cast.names.values()
+
+
+def test_a_joint_is_moved_by_its_slider(page, browser):
+    x, y, *_ = browser.box(element('Joints of left'))
+    browser.click(x, y)
+    joint, slider = next(iter(page.motion.sliders.items()))
+    before = slider.value
+    track = (
+        "[...document.querySelectorAll('[role=slider]')].find(s => "
+        f"+s.getAttribute('aria-valuemin') === {joint.lower} && s.offsetParent !== null)"
+    )
+    browser.wait_for(lambda: browser.ask(f'!!({track})'), 'the slider')
+    x, y, *_ = browser.box(track)
+    browser.mouse('mouseMoved', x, y)
+    browser.mouse('mousePressed', x, y)
+    for step in range(1, 6):
+        browser.mouse('mouseMoved', x + 8 * step, y)
+    browser.mouse('mouseReleased', x + 40, y)
+    wait_for(lambda: slider.value != before, 'the joint')
+    # Events of a drag go on coming for a while.
+    wait_for(lambda: page.motion._joints.value(joint) == slider.value, 'the links')
+
+    def follows():
+        now = page._scene.moment(page.answer.max_distance.value, 'exact').pairs.distance
+        return np.array_equal(page.moment.pairs.distance, now)
+
+    wait_for(follows, 'the answer')
+
+
+def test_a_motion_is_played(page, browser):
+    x, y, *_ = browser.box(f'document.getElementById({element("play")}.htmlFor)')
+    browser.click(x, y)
+    wait_for(lambda: page.motion.play.value, 'play')
+    wait_for(lambda: page.motion.time.value > 0.2, 'time to pass')
+    browser.click(x, y)
+    wait_for(lambda: not page.motion.play.value, 'pause')
+
+
+def test_a_browser_that_closes_in_the_middle_of_a_drag_harms_nobody(page, browser):
+    other = Browser(f'http://{page.host}:{page.port}')
+    other.wait_for(lambda: ' mm …' in other.text(), 'the table')
+    track = "document.querySelectorAll('[role=slider]')[0]"
+    x, y, *_ = other.box(track)
+    other.mouse('mouseMoved', x, y)
+    other.mouse('mousePressed', x, y)
+    other.mouse('mouseMoved', x + 20, y)
+    other.close()
+    page.answer.max_distance.value = 0.05
+    browser.wait_for(lambda: 'within 0.05 m' in browser.text(), 'the other page')
+    assert page.trouble == ''
+
+
+def test_wrong_files_are_said_in_one_line(capsys):
+    assert main(['view', '/nowhere.yaml']) == 2
+    assert main(['view', 'scenes/minimal.yaml', '--poses', '/nowhere.csv']) == 2
+    assert capsys.readouterr().err.count('\n') == 2

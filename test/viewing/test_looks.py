@@ -1,0 +1,43 @@
+"""Colours and layers: one colour a source, unless the scene says another."""
+
+from viewing.scenes import registered
+
+from drake_geom_ros.geometry import Role
+from drake_geom_ros.viewing.looks import PALETTE, looks_of
+
+TEXT = """
+sources: [s, t]
+frames: [{name: a, source: s, pose: {}}]
+geometries:
+  - {name: one, source: s, frame: a, shape: {type: sphere, radius: 0.1}}
+  - {name: two, source: s, shape: {type: box, size: [1, 1, 1]}}
+  - {name: other, source: t, shape: {type: sphere, radius: 0.1},
+     roles: {proximity: {}, illustration: {phong: {diffuse: {rgba: [1, 0, 0, 0.5]}}},
+             perception: {}}}
+  - {name: solid, source: t, shape: {type: box, size: [1, 1, 1]},
+     roles: {proximity: {mesh: {solid: true}}, illustration: {mesh: {solid: true}}}}
+"""
+
+
+def by_name(role):
+    found = looks_of(registered(TEXT).model_inspector())
+    return {look.name: look for look in found if look.role is role}
+
+
+def test_each_source_has_a_colour_and_its_own_is_the_first():
+    looks = by_name(Role.kProximity)
+    assert looks['s::a/one'].colour == looks['s::world/two'].colour
+    assert looks['s::a/one'].colour[:3] == PALETTE[0]
+    assert looks['t::world/other'].colour[:3] == PALETTE[1]
+    assert 0.0 < looks['s::a/one'].colour[3] < 1.0
+
+
+def test_a_role_is_a_layer_with_its_own_colour():
+    assert by_name(Role.kIllustration)['t::world/other'].colour == (1.0, 0.0, 0.0, 0.5)
+    assert by_name(Role.kPerception)['t::world/other'].colour == (*PALETTE[1], 1.0)
+    assert 's::a/one' not in by_name(Role.kIllustration)
+
+
+def test_which_meshes_are_solid_is_a_matter_of_proximity():
+    assert by_name(Role.kProximity)['t::world/solid'].solid
+    assert not by_name(Role.kIllustration)['t::world/solid'].solid
