@@ -68,7 +68,7 @@ def test_every_topic_in_the_table_is_there(minimal, lone_client):
         else f'drake_geom_msgs/{kind}'
         for name, kind in rows
     }
-    assert len(listed) == 10
+    assert len(listed) == 11
 
     def there():
         topics = dict(lone_client.node.get_topic_names_and_types())
