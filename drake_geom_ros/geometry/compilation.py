@@ -2,8 +2,20 @@
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER, Tell
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER, Tell, compilation
 from drake_geom_ros.geometry._proximity.rehearsal import compile_everything
+from drake_geom_ros.geometry.instances import GeometryInstance
+from drake_geom_ros.geometry.mesh_shapes import Mesh
+from drake_geom_ros.geometry.mesh_source import MeshData
+from drake_geom_ros.geometry.properties import PerceptionProperties
+from drake_geom_ros.geometry.render.camera_properties import CameraProperties
+from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
+from drake_geom_ros.geometry.scene_graph import SceneGraph
+from drake_geom_ros.math import RigidTransform
+
+_FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from outside
 
 
 def compile_all_kernels(tell: Tell | None = None) -> list[str]:
@@ -13,7 +25,23 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
     called before each part that the cache does not have.
     ``SceneGraphContext.compile_kernels`` does it for one scene.
     """
-    return compile_everything(tell)
+    kernels = compile_everything(tell)
+    with compilation(tell, 'images', 1, 1):
+        _take_an_image()
+    return kernels
+
+
+def _take_an_image() -> None:
+    """Take an image of one pixel of a mesh, which runs all of the renderer that is compiled."""
+    scene_graph = SceneGraph()
+    scene_graph.AddRenderer('exact', MakeRenderEngineExact())
+    tetrahedron = MeshData(np.vstack((np.zeros(3), np.eye(3))), _FACES)
+    instance = GeometryInstance(RigidTransform(), Mesh.FromMeshData(tetrahedron), 'tetrahedron')
+    instance.set_perception_properties(PerceptionProperties())
+    scene_graph.RegisterAnchoredGeometry(scene_graph.RegisterSource('images'), instance)
+    query = scene_graph.get_query_output_port().Eval(scene_graph.CreateDefaultContext())
+    camera = CameraProperties(1, 1, 1.0, 'exact')
+    query.render_images(camera, scene_graph.world_frame_id(), RigidTransform())
 
 
 def kernel_cache() -> str:

@@ -9,11 +9,14 @@ CODE = """
 import numpy as np
 from numba.core import event
 from drake_geom_ros import geometry as g
+from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.math import RigidTransform
 
 told = []
 kernels = g.compile_all_kernels(lambda *what: told.append(what))
 graph = g.SceneGraph()
+whole = g.RenderEngineExactParams(role=g.Role.kProximity)
+graph.AddRenderer('exact', g.MakeRenderEngineExact(whole))
 source = graph.RegisterSource('s')
 corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
 faces = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
@@ -49,6 +52,8 @@ with event.install_recorder('numba:compile') as recorder:
     query.FindCollisionCandidates()
     _ = query.ComputeSignedDistanceToPoint(np.zeros((3, 3))).gradients
     manager.RemoveDeclaration(filters[0])
+    camera = CameraProperties(8, 8, 1.0, 'exact')
+    query.render_images(camera, graph.world_frame_id(), RigidTransform([0, 0, -9]))
 print(len(recorder.buffer), len(kernels), len(query.ComputeSignedDistanceToPoint([0, 0, 9])))
 """
 
