@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import functools
-import inspect
-from collections.abc import Callable
-from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
+from typing import Any
 
 from drake_geom_ros.geometry._model import Model
+from drake_geom_ros.geometry._or_on_context import or_on_context
 from drake_geom_ros.geometry._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._records import WORLD_FRAME_ID, GeometryRecord
@@ -30,47 +28,6 @@ from drake_geom_ros.geometry.renderers import Renderers
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
-
-_P = ParamSpec('_P')
-_R = TypeVar('_R', covariant=True)
-
-
-class _WithOrWithoutContext(Protocol[_P, _R]):
-    """A method of a scene graph as callers see it: its arguments, a context before them or not."""
-
-    @overload
-    def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R: ...
-
-    @overload
-    def __call__(
-        self, context: SceneGraphContext | None, *args: _P.args, **kwargs: _P.kwargs
-    ) -> _R: ...
-
-
-def _or_on_context(
-    method: Callable[Concatenate[SceneGraph, SceneGraph | SceneGraphContext, _P], _R],
-) -> _WithOrWithoutContext[_P, _R]:
-    """Let a method be called with or without a context before its arguments.
-
-    The method gets whoever holds the model and the filters to change: the context if one is
-    given, else the scene graph itself.
-    """
-
-    @functools.wraps(method)
-    def call(self: SceneGraph, *args: Any, **kwargs: Any) -> _R:
-        if args and isinstance(args[0], SceneGraphContext):
-            return method(self, args[0], *args[1:], **kwargs)
-        context = kwargs.pop('context', None)
-        if context is not None:
-            checked_type(context, SceneGraphContext, f'{method.__name__}: context')
-        return method(self, context or self, *args, **kwargs)
-
-    # What help() shows: the arguments that callers give.
-    shown = inspect.signature(method)
-    given = [p for name, p in shown.parameters.items() if name != 'on']
-    given.append(inspect.Parameter('context', inspect.Parameter.KEYWORD_ONLY, default=None))
-    call.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
-    return cast('_WithOrWithoutContext[_P, _R]', call)
 
 
 class SceneGraph:
@@ -109,7 +66,7 @@ class SceneGraph:
 
     # Registration.
 
-    @_or_on_context
+    @or_on_context
     def RegisterSource(self, on: _Holder, name: str = '') -> SourceId:
         """Register a source and return its id; unnamed it becomes ``Source_<id>``.
 
@@ -117,7 +74,7 @@ class SceneGraph:
         """
         return on._model.register_source(name)
 
-    @_or_on_context
+    @or_on_context
     def RegisterFrame(
         self,
         on: _Holder,
@@ -136,7 +93,7 @@ class SceneGraph:
         definition = checked_type(frame, GeometryFrame, 'RegisterFrame: frame')
         return on._model.register_frame(source_id, definition, parent)
 
-    @_or_on_context
+    @or_on_context
     def RegisterGeometry(
         self,
         on: _Holder,
@@ -157,7 +114,7 @@ class SceneGraph:
         instance = checked_type(geometry, GeometryInstance, 'RegisterGeometry: geometry')
         return _register_geometry(on, source_id, parent, instance)
 
-    @_or_on_context
+    @or_on_context
     def RegisterAnchoredGeometry(
         self, on: _Holder, source_id: SourceId, geometry: GeometryInstance
     ) -> GeometryId:
@@ -165,7 +122,7 @@ class SceneGraph:
         instance = checked_type(geometry, GeometryInstance, 'RegisterAnchoredGeometry: geometry')
         return _register_geometry(on, source_id, WORLD_FRAME_ID, instance)
 
-    @_or_on_context
+    @or_on_context
     def RemoveGeometry(self, on: _Holder, source_id: SourceId, geometry_id: GeometryId) -> None:
         """Remove a geometry, and those that were registered on it.
 
@@ -177,7 +134,7 @@ class SceneGraph:
 
     # Changes.
 
-    @_or_on_context
+    @or_on_context
     def AssignRole(
         self,
         on: _Holder,
@@ -195,7 +152,7 @@ class SceneGraph:
         if assign is RoleAssign.kNew and isinstance(properties, ProximityProperties):
             _add_to_filters(on, record)
 
-    @_or_on_context
+    @or_on_context
     def RemoveRole(
         self,
         on: _Holder,
@@ -216,7 +173,7 @@ class SceneGraph:
                 on._filters.remove(record.id.get_value())
         return len(losing)
 
-    @_or_on_context
+    @or_on_context
     def ChangeShape(
         self,
         on: _Holder,
@@ -232,12 +189,12 @@ class SceneGraph:
         """
         on._model.change_shape(source_id, geometry_id, shape, X_FG)
 
-    @_or_on_context
+    @or_on_context
     def RenameFrame(self, on: _Holder, frame_id: FrameId, name: str) -> None:
         """Rename a frame; raises RuntimeError if its source has a frame of that name."""
         on._model.rename_frame(frame_id, name)
 
-    @_or_on_context
+    @or_on_context
     def RenameGeometry(self, on: _Holder, geometry_id: GeometryId, name: str) -> None:
         """Rename a geometry; raises RuntimeError if the name is taken for one of its roles."""
         on._model.rename_geometry(geometry_id, name)
@@ -253,13 +210,13 @@ class SceneGraph:
             on = checked_type(context, SceneGraphContext, 'collision_filter_manager: context')
         return CollisionFilterManager(on._model, on._filters)
 
-    @_or_on_context
+    @or_on_context
     def ExcludeCollisionsWithin(self, on: _Holder, set: GeometrySet) -> None:
         """Exclude all pairs within a set; the older form of a persistent declaration."""
         declaration = CollisionFilterDeclaration().ExcludeWithin(set)
         CollisionFilterManager(on._model, on._filters).Apply(declaration)
 
-    @_or_on_context
+    @or_on_context
     def ExcludeCollisionsBetween(self, on: _Holder, setA: GeometrySet, setB: GeometrySet) -> None:
         """Exclude all pairs between two sets; the older form of a persistent declaration."""
         declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
@@ -267,33 +224,33 @@ class SceneGraph:
 
     # Renderers.
 
-    @_or_on_context
+    @or_on_context
     def AddRenderer(self, on: _Holder, name: str, renderer: RenderEngine) -> None:
         """Let cameras ask a renderer by this name; raises RuntimeError if it is taken."""
         Renderers(on._model).add(name, renderer)
 
-    @_or_on_context
+    @or_on_context
     def HasRenderer(self, on: _Holder, name: str) -> bool:
         """Return whether there is a renderer of this name."""
         return name in on._model.renderers
 
-    @_or_on_context
+    @or_on_context
     def RendererCount(self, on: _Holder) -> int:
         """Return how many renderers there are."""
         return len(on._model.renderers)
 
-    @_or_on_context
+    @or_on_context
     def RegisteredRendererNames(self, on: _Holder) -> list[str]:
         """Return the names of the renderers."""
         return list(on._model.renderers)
 
-    @_or_on_context
+    @or_on_context
     def GetRendererTypeName(self, on: _Holder, name: str) -> str:
         """Return the class of a renderer by its name, or nothing where there is none such."""
         renderer = on._model.renderers.get(name)
         return '' if renderer is None else type(renderer).__name__
 
-    @_or_on_context
+    @or_on_context
     def RemoveRenderer(self, on: _Holder, name: str) -> None:
         """Forget a renderer; raises RuntimeError where there is none of this name."""
         Renderers(on._model).remove(name)
@@ -344,15 +301,16 @@ class SceneGraph:
 
     def Clone(self) -> SceneGraph:
         """Return a scene of its own, with the same ids, filters and default accuracy."""
-        other = type(self)(accuracy=self._default_accuracy)
-        other._model, other._filters = self._model.copy(), self._filters.copy()
-        return other
+        return self._copied_to(type(self))
 
     def ToAutoDiffXd(self) -> SceneGraph:
         """Return a scene of its own for poses of AutoDiffXd, with the same ids and filters."""
         from drake_geom_ros.geometry.autodiff.context import SceneGraphAutoDiffXd
 
-        other = SceneGraphAutoDiffXd(accuracy=self._default_accuracy)
+        return self._copied_to(SceneGraphAutoDiffXd)
+
+    def _copied_to(self, kind: type[SceneGraph]) -> SceneGraph:
+        other = kind(accuracy=self._default_accuracy)
         other._model, other._filters = self._model.copy(), self._filters.copy()
         return other
 
@@ -397,8 +355,5 @@ def _register_geometry(
 
 def _add_to_filters(on: _Holder, record: GeometryRecord) -> None:
     """Make a geometry that has got the proximity role known to the filters."""
-    on._filters.add(
-        record.id.get_value(),
-        record.frame_id.get_value(),
-        anchored=record.frame_id == WORLD_FRAME_ID,
-    )
+    key, frame = record.id.get_value(), record.frame_id
+    on._filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)

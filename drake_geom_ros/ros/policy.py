@@ -22,7 +22,7 @@ VERSION = '0.2.0'  # of the format
 RESULTS = tuple(
     f'~/{name}'
     for name in (
-        *('cycle_report', 'markers', 'penetrations', 'point_distances', 'scene'),
+        *('cycle_report', 'geometry_poses', 'markers', 'penetrations', 'point_distances', 'scene'),
         *('signed_distances', 'transition_event'),
         'cameras/*',  # topics of cameras come and go: the star stands for any of them
     )

@@ -77,6 +77,9 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
             'cores',
             'cores.hulls',
             'cores.supports',
+            # Imported, and not compiled before somebody asks for derivatives.
+            'features',
+            'feature_borders',
         ),
         *(
             f'closed_forms.{name}'

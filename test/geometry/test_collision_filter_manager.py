@@ -216,7 +216,7 @@ def test_ignored_groups_are_names_not_letters(scene):
 def test_explain_refuses_what_has_no_filters(scene):
     with pytest.raises(RuntimeError, match='no proximity role'):
         scene.manager.explain(scene.a[0], scene.seen)
-    with pytest.raises(RuntimeError, match='no geometry of this scene'):
+    with pytest.raises(RuntimeError, match='not a geometry of this scene'):
         scene.manager.explain(GeometryId(10**9), scene.a[0])
 
 

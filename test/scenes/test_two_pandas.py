@@ -128,6 +128,7 @@ def test_nothing_but_the_arms_and_the_table_is_in_touch_at_first(description):
             if geometry.source in sources and geometry.name != 'table_top'
         ),
         filters=(),
+        cameras=(),
     )
     scene_graph = SceneGraph()
     loaded = register(scene_graph, still)

@@ -29,7 +29,9 @@ from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, 
 def compile_everything(tell: Tell | None = None) -> list[str]:
     """Compile all that any scene may need, or load it from the cache; return the kernels."""
     rehearse(tell)
-    with compilation(tell, 'derivatives of distances', 1, 1):
+    with compilation(tell, 'points and derivatives of distances', 1, 1):
+        world, engine = _rehearse()
+        engine.point_distances(world, np.zeros((1, 3)), 0.0)
         compile_derivatives()
     return compile_rows(np.arange(len(ALL_ROWS)), tell) + compile_point_kernels(
         np.array(list(POINT_KERNELS)), tell
@@ -43,7 +45,7 @@ def rehearse(tell: Tell | None = None) -> None:
 
 
 @functools.cache
-def _rehearse() -> None:
+def _rehearse() -> tuple[World, Engine]:
     count = 3
     frames = FrameTable(np.arange(1, count + 1), np.zeros(count, dtype=np.int64))
     table = GeometryTable(
@@ -77,8 +79,8 @@ def _rehearse() -> None:
             engine.signed_distances(world, filters, 'bound', reach)
         engine.has_overlap(world, filters, 'bound')
         engine.candidates(world, filters, 0.0)
-    engine.point_distances(world, np.zeros((1, 3)), 0.0)
     _leave_at_bounds(world, filters)
+    return world, engine
 
 
 def _leave_at_bounds(world: World, filters: FilterState) -> None:

@@ -41,7 +41,7 @@ def test_peers_are_measured_where_asked_for(tmp_path, said):
     assert run.run(tiny(tmp_path, 'Box-Box', peers=('python-fcl',)), said.append) == 0
     text = (tmp_path / 'README.md').read_text()
     assert '| python-fcl | own settings |' in text
-    assert 'Least cost of a call [us]: python-fcl' in text
+    assert 'Smallest cost of a call [us]: python-fcl' in text
 
 
 def test_a_bound_below_the_error_is_caught_and_named(tmp_path, said, monkeypatch):

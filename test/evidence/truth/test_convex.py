@@ -1,9 +1,8 @@
 """The truth against distances that need no oracle, and against 50 digits."""
 
-from types import SimpleNamespace as Plain
-
 import numpy as np
 import pytest
+from oracles.forms import body
 from oracles.pairs import random_pairs
 
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
@@ -19,11 +18,6 @@ from drake_geom_ros.evidence.truth.supports import (
     MinkowskiDifference,
     posed,
 )
-
-
-def body(form, R, p=(0.0, 0.0, 0.0)):
-    """Return what the truth takes of a body."""
-    return Plain(form=form, R=R, p=np.array(p), X_WG=(R, np.array(p)))
 
 
 def bodies(pair):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from oracles.forms import signed_distance
 from oracles.pairs import random_rotation, support
 
-from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels import bounds
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval, shape_radii
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (

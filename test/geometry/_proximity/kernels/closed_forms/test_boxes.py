@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from numba import config
+from oracles.forms import signed_distance
 from oracles.pairs import (
     Pair,
     check,
@@ -15,7 +16,6 @@ from oracles.pairs import (
     random_rotation,
 )
 
-from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.boxes import box_box
 from drake_geom_ros.geometry._proximity.kinds import BOX
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numba import config
+from oracles.forms import signed_distance
 from oracles.pairs import Pair, height, random_pairs, random_rotation, width_along_normal
 
-from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.cores import convex
 from drake_geom_ros.geometry._proximity.kinds import (

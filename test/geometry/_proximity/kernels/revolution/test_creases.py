@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from numba import config
+from oracles.forms import signed_distance
 from oracles.pairs import random_pairs
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
