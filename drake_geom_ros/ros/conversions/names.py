@@ -21,6 +21,7 @@ from drake_geom_ros.geometry import (
 )
 
 WORLD = 'world'
+_LONGEST = 80  # letters of a name that are shown
 _MOST_HINTS = 64  # that are kept
 _MOST_LOOKED_AT = 5000  # names that are compared with one of them, some 10 us each
 _ID = re.compile('#[0-9]{1,20}')  # uint64 has no more digits
@@ -32,8 +33,15 @@ class UnknownNameError(GeometryError):
 
 
 def some_of(names: Sequence[object], most: int = 5) -> str:
-    """Return the first names with commas, and dots where there are more."""
-    return ', '.join(map(str, names[:most])) + (' ...' if len(names) > most else '')
+    """Return the first names with commas, and dots where there are more, or a name is long."""
+    return ', '.join(shortened(str(n)) for n in names[:most]) + (
+        ' ...' if len(names) > most else ''
+    )
+
+
+def shortened(name: str) -> str:
+    """Return a name as messages show it: a name may have a million letters."""
+    return name if len(name) <= _LONGEST else f'{name[: _LONGEST - 3]}...'
 
 
 class NameTable:
@@ -128,7 +136,7 @@ class NameTable:
     def _problem(
         self, kind: str, name: str, found: Sequence[_Id], names: Mapping[_Id, str]
     ) -> str:
-        shown = name if len(name) <= 80 else f'{name[:77]}...'
+        shown = shortened(name)
         if found:
             ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
             plural = 'geometries' if kind == 'geometry' else f'{kind}s'

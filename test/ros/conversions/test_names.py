@@ -4,7 +4,7 @@ import pytest
 from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import GeometryFrame, SceneGraph
-from drake_geom_ros.ros.conversions.names import NameTable, UnknownNameError
+from drake_geom_ros.ros.conversions.names import NameTable, UnknownNameError, some_of
 
 
 @pytest.fixture
@@ -92,3 +92,9 @@ def test_what_is_unknown_comes_with_what_may_be_meant(names, kind, name, hint):
         with pytest.raises(UnknownNameError) as caught:
             getattr(names, kind)(name)
         assert hint in str(caught.value)
+
+
+def test_of_many_names_a_few_are_told_and_of_a_long_one_its_beginning():
+    assert some_of(['a', 'b', 'c'], 2) == 'a, b ...'
+    assert some_of([1, 'n' * 80]) == f'1, {"n" * 80}'
+    assert some_of(['n' * 10**6, 'b']) == f'{"n" * 77}..., b'
