@@ -159,6 +159,9 @@ def main():
         rclpy.spin(StopMonitor())
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    except RuntimeError:  # what rclpy raises where a signal ends its context while it waits
+        if rclpy.ok():
+            raise
     finally:
         rclpy.try_shutdown()
 
