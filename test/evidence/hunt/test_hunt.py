@@ -12,7 +12,7 @@ from drake_geom_ros.evidence.hunt import asking, report, scene, search
 from drake_geom_ros.evidence.hunt.judge import LAWS
 
 SLOTS = 2 if config.DISABLE_JIT else 32
-ROUNDS = 1 if config.DISABLE_JIT else 3
+ROUNDS = 1 if config.DISABLE_JIT else 5
 PLAIN = Pair(
     Body('Box', (0.4, 0.3, 0.2), np.eye(3), np.zeros(3)),
     Body('Cylinder', (0.1, 0.5), np.array([[1, 0, 0], [0, 0.6, -0.8], [0, 0.8, 0.6]]),

@@ -79,7 +79,7 @@ def test_a_box_is_the_hull_of_its_corners():
 
 def test_no_direction_is_better():
     rng = np.random.default_rng(4)
-    directions = random_directions(rng, 20_000)
+    directions = random_directions(rng, 100_000)
     for kinds in ((CYLINDER, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, CYLINDER)):
         for pair in random_pairs(rng, kinds, 6):
             a, b = bodies(pair)

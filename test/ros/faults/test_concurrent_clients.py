@@ -10,7 +10,7 @@ from ros.scene_calls import accepted
 from bench.ros.mix import MixedClient, Tally, open_services
 
 SCENE = ROOT / 'scenes/minimal.yaml'
-SECONDS = 5.0
+SECONDS = 8.0
 
 
 @pytest.fixture

@@ -30,7 +30,7 @@ def test_the_node_answers_and_keeps_its_scene(node, lone_client, tmp_path):
         return accepted(client.call(srv.SaveScene, 'save_scene')).text
 
     before = saved()
-    for seed in range(2):
+    for seed in range(3):
         arguments = ('--clients', str(CLIENTS), '--seed', str(seed), '--life', str(LIFE))
         dying = Process(tmp_path / f'dying_{seed}', 'bench.ros.dying', *arguments)
         client.wait_for(lambda d=dying: d.popen.poll() is not None, 'the clients to die')
