@@ -48,7 +48,7 @@ def run(options: argparse.Namespace, folder: Path) -> tuple[Soak, dict]:
         listener = processes.start('bench.ros.listener')
         site = Site(driver.node, driver.spin, processes, node, SERVER, folder)
         site.pause = driver.pause
-        faults = Faults(site, options.seed)
+        faults = Faults(site, options.seed, options.first)
         soak.faults = faults.counts
         start = killed = faulted = time.monotonic()
         while time.monotonic() - start < 60.0 * options.minutes:
@@ -154,7 +154,7 @@ def main() -> int:
     parser.add_argument(
         '--faults', type=int, help='so many faults in a row instead, and no callers that change'
     )
-    parser.add_argument('--first', type=int, default=1, help='number of the first of --faults')
+    parser.add_argument('--first', type=int, default=1, help='number of the first fault')
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         if options.faults:

@@ -9,12 +9,16 @@ import numpy as np
 from drake_geom_msgs import msg, srv
 from numpy.typing import ArrayLike
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from drake_geom_ros.math import RigidTransform
 
 Poses = Mapping[str, RigidTransform | ArrayLike]
+# DDS delivers every answer of a service to all of its clients, and each keeps the last ones until
+# its node spins. Of rclpy's ten, a burst of other callers leaves nothing.
+_DEPTH = 200
 
 
 class RefusedError(RuntimeError):
@@ -45,7 +49,9 @@ class Services:
     def _client(self, name: str) -> Any:
         if name not in self._clients:
             kind = service_type(name)
-            self._clients[name] = self._node.create_client(kind, f'{self._server}/{name}')
+            self._clients[name] = self._node.create_client(
+                kind, f'{self._server}/{name}', qos_profile=QoSProfile(depth=_DEPTH)
+            )
         return self._clients[name]
 
 

@@ -7,7 +7,9 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from drake_geom_msgs import srv
 from rclpy.qos import QoSProfile
-from ros.harness import start_node
+from ros.harness import Client, start_node
+
+from drake_geom_ros.client import Services
 
 CLIENTS, CALLS = 20, 200
 NOT_ANSWERED = re.compile(r'(\d+) service calls were not answered since the last report')
@@ -40,6 +42,39 @@ def call_at_once(client, found, patience):
 def test_two_hundred_calls_at_once_are_answered(client):
     found = callers(client, CLIENTS)
     assert call_at_once(client, found * (CALLS // CLIENTS), 20.0) == CALLS
+
+
+@pytest.fixture
+def idler(client):
+    """Return a client that spins only when the test says so, beside one that does."""
+    client = Client(client.server)
+    yield client
+    client.close()
+
+
+def test_an_answer_is_displaced_by_those_to_others_where_a_client_keeps_few(client, idler):
+    few = idler.node.create_client(srv.HasCollisions, f'{client.server}/has_collisions')
+    many = Services(idler.node, client.server)
+    idler.wait_for(lambda: few.service_is_ready() and not many.missing('has_collisions'), 'both')
+
+    def call():
+        return few.call_async(srv.HasCollisions.Request()), many.send('has_collisions')
+
+    # Until the node has found both, their answers are lost.
+    idler.wait_for(lambda: all(answered(idler, future) for future in call()), 'an answer to both')
+    displaced, kept = call()
+    found = callers(client, 1)
+    assert call_at_once(client, found * (CALLS // 2), 20.0) == CALLS // 2
+    idler.wait_for(kept.done, 'the answer among many')
+    assert not answered(idler, displaced)
+    assert answered(idler, few.call_async(srv.HasCollisions.Request()))
+
+
+def answered(client, future):
+    """Return whether a call is answered within 2 s."""
+    with contextlib.suppress(AssertionError):
+        client.wait_for(future.done, 'an answer', 2.0)
+    return future.done()
 
 
 @pytest.fixture
