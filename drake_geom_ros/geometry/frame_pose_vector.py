@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
 from drake_geom_ros.geometry.ids import FrameId
@@ -110,7 +111,7 @@ class FramePoseVector:
         return len(self._ids if self._values is None else self._values)
 
     def __repr__(self) -> str:
-        return f'<FramePoseVector of {len(self)} frames>'
+        return f'<FramePoseVector of {counted(len(self), "frame")}>'
 
     @property
     def _ids(self) -> Indices:

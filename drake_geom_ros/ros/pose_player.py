@@ -27,6 +27,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.tf_sending import TransformSender
@@ -84,7 +85,7 @@ class PosePlayer(Node):
         for told in unknown_parameters(self):
             self.get_logger().warning(told)
         self.get_logger().info(
-            f'playing {len(self._message.frame_names)} frames on '
+            f'playing {counted(len(self._message.frame_names), "frame")} on '
             f'{self._poses.topic_name if self._transforms is None else "/tf"} at '
             f'{rate:g} Hz, {self._motion.duration:g} s long{", repeating" * self._loop}'
         )

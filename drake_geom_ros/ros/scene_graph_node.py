@@ -20,6 +20,7 @@ from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks
@@ -119,7 +120,8 @@ class SceneGraphNode(LifecycleNode):
             with live.editing() as scene:
                 frames, geometries = scene.add(described)
             hulls = hulls_in_words(described.geometries)
-            self.get_logger().info(f'loaded {frames} frames and {geometries} geometries{hulls}')
+            loaded = f'{counted(frames, "frame")} and {counted(geometries, "geometry")}'
+            self.get_logger().info(f'loaded {loaded}{hulls}')
         live.tell_compiling = self._tell_compiling
         kernels = live.compile_kernels()
         opened = ConfiguredNode(
@@ -133,7 +135,7 @@ class SceneGraphNode(LifecycleNode):
         )
         seconds = time.perf_counter() - start
         self.get_logger().info(
-            f'configured in {seconds:.1f} s, {len(kernels)} kernels compiled or loaded'
+            f'configured in {seconds:.1f} s, {counted(len(kernels), "kernel")} compiled or loaded'
         )
         return opened
 

@@ -10,6 +10,7 @@ from enum import Enum
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import Location
@@ -167,7 +168,7 @@ def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
         and not geometry.roles[Role.kProximity].GetPropertyOrDefault('mesh', 'solid', False)
         for geometry in geometries
     )
-    return f'; {count} meshes count as their convex hulls' if count else ''
+    return f'; of {counted(count, "mesh")} the convex hull counts' if count else ''
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ def test_ros2_launch_starts_the_node(lone_client, tmp_path):
         launch.send_signal(signal.SIGINT)
         launch.wait(30.0)
         log.close()
-    assert 'loaded 1 frames and 3 geometries' in (tmp_path / 'log').read_text()
+    assert 'loaded 1 frame and 3 geometries' in (tmp_path / 'log').read_text()
 
 
 def test_the_node_does_without_shared_memory_unless_told_otherwise(file, monkeypatch):

@@ -87,7 +87,7 @@ def test_simulated_time_rules_stamps_and_steady_time_leases(tmp_path, lone_clien
         # Time goes back, as in a simulation that is reset: poses of before have no age.
         client.wait_for(lambda: told(50), 'a node that knows that it is 50 s')
         assert age() == math.inf
-        unknown = '2 frames have poses of unknown age'
+        unknown = 'the poses of 2 frames are of unknown age'
         assert unknown in answer().message
         client.wait_for(lambda: unknown in diagnostics[-1].status[0].message, 'a warning')
         assert values(diagnostics)['jumps of the clock'] == '1'

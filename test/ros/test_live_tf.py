@@ -236,7 +236,7 @@ def test_two_sources_that_bear_a_tf_name_are_told_at_once(tf, node):
         accepted(tf.client.call(srv.RegisterFrame, 'register_frame', source=source, name='twin'))
     tf.send(transform('world', 'twin', 1))
     told = (
-        f"1 TF frames are not followed: 'twin'; frames of the sources '{tf.source}_one' and "
+        f"1 TF frame is not followed: 'twin'; frames of the sources '{tf.source}_one' and "
         f"'{tf.source}_two' have these names"
     )
     tf.client.wait_for(lambda: told in tf.message(), 'a warning')

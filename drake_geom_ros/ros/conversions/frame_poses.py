@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError, FrameId, FramePoseVector
 from drake_geom_ros.ros.conversions.names import NameTable
 
@@ -30,8 +31,8 @@ class FramePosesReader:
         poses = np.asarray(message.poses, dtype=np.float64)
         if poses.size != _POSE_WIDTH * len(frames):
             raise ArgumentError(
-                f'poses holds {poses.size} numbers for {len(frames)} frames; it must hold '
-                f'{_POSE_WIDTH} for each frame: x y z qx qy qz qw'
+                f'poses holds {poses.size} numbers for {counted(len(frames), "frame")}; it must '
+                f'hold {_POSE_WIDTH} for each frame: x y z qx qy qz qw'
             )
         return FramePoseVector.FromArrays(frames, poses.reshape(-1, _POSE_WIDTH))
 
@@ -41,8 +42,8 @@ class FramePosesReader:
         twists = np.asarray(message.twists, dtype=np.float64)
         if twists.size != _TWIST_WIDTH * len(frames) or not np.isfinite(twists).all():
             raise ArgumentError(
-                f'twists holds {twists.size} numbers for {len(frames)} frames; it must hold '
-                f'{_TWIST_WIDTH} finite ones a frame: wx wy wz vx vy vz'
+                f'twists holds {twists.size} numbers for {counted(len(frames), "frame")}; it must '
+                f'hold {_TWIST_WIDTH} finite ones a frame: wx wy wz vx vy vz'
             )
         return frames, twists.reshape(-1, _TWIST_WIDTH)
 

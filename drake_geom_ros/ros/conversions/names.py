@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 from typing import TypeVar
 
+from drake_geom_ros.common.counting import plural
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     FrameId,
@@ -139,9 +140,8 @@ class NameTable:
         shown = shortened(name)
         if found:
             ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
-            plural = 'geometries' if kind == 'geometry' else f'{kind}s'
             return (
-                f'{len(found)} {plural} share the name {shown!r}: {ids}. '
+                f'{len(found)} {plural(kind)} share the name {shown!r}: {ids}. '
                 'Add the source, as in `source::name`, or give `#<id>`.'
             )
         # A stream may name the same thing again and again, and to look for what is like it takes

@@ -33,6 +33,7 @@ from drake_geom_ros.client import (
     exclude_between,
     sleep,
 )
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.demo import reading
 from drake_geom_ros.ros.demo.filter_keeper import FilterKeeper
 from drake_geom_ros.ros.demo.live_table import Screen
@@ -192,8 +193,8 @@ class DemoClient(Node):
         self._start_result = None
         touching = len(declaration.statements) - len(self._adjacent)
         text = (
-            f'{len(self._adjacent)} pairs of adjacent links and {touching} of things that '
-            'touch at the start'
+            f'{counted(len(self._adjacent), "pair")} of adjacent links and {touching} of '
+            'things that touch at the start'
         )
         self._run(self._filters.exclude_for_good(declaration, text))
 

@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
+from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.inputs.tf_edges import Edge
@@ -61,7 +62,7 @@ def unlinked(
         if name is not None and (end := _end(name, edges, ends)):
             lost[end].append(repr(name[:80]))
     return [
-        f'{len(names)} frames arrive by TF but cannot be posed: {some_of(names, SHOWN)}; their '
+        f'{counted(len(names), "frame")} from TF cannot be posed: {some_of(names, SHOWN)}; the '
         f'chain ends in {end[:80]!r}. Publish the transform from the world frame {world_frame!r} '
         f'to {end[:80]!r}, or start the node with world_frame:={end[:80]}'
         for end, names in list(lost.items())[:SHOWN]
@@ -93,7 +94,8 @@ def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
         if len(sources) > 1 and not any(f'{source}/{name}' in edges for source in sources):
             found[tuple(sources)].append(name[:80])
     return [
-        f'{len(shorts)} TF frames are not followed: {some_of([repr(n) for n in shorts], SHOWN)}; '
+        f'{counted(len(shorts), "TF frame")} {are(len(shorts))} not followed: '
+        f'{some_of([repr(n) for n in shorts], SHOWN)}; '
         f'frames of the sources {" and ".join(map(repr, sources))} have these names. If this '
         "is one robot twice, start the node with robot_description_topic:='' or remove it from "
         f'the scene file; if they are different robots, send TF as {f"{sources[0]}/{shorts[0]}"!r}'

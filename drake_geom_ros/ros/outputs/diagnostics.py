@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from drake_geom_ros.common.counting import counted, were
 from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.outputs.answers import CallCounts
 from drake_geom_ros.ros.outputs.cycle import Cycle
@@ -112,7 +113,9 @@ class Diagnostics:
             )
         troubles += _haste(lags, passed - before)
         status.level = DiagnosticStatus.WARN if troubles else DiagnosticStatus.OK
-        status.message = '; '.join(troubles) or f'{cycle.count} cycles, {taken} pose messages'
+        status.message = '; '.join(troubles) or (
+            f'{counted(cycle.count, "cycle")}, {counted(taken, "pose message")}'
+        )
         elapsed, done = now - self._last[0], cycle.count - self._last[1]
         self._last = (now, cycle.count)
         values = {
@@ -157,7 +160,8 @@ class Diagnostics:
             counts.unanswered,
         )
         if lost:
-            add_trouble(status, f'{lost} service calls were not answered since the last report')
+            lost_calls = f'{counted(lost, "service call")} {were(lost)} not answered'
+            add_trouble(status, f'{lost_calls} since the last report')
 
 
 def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
@@ -165,7 +169,7 @@ def add_counts(status: DiagnosticStatus, counts: Counts) -> None:
     values = counts._asdict().items()
     status.values += [KeyValue(key=f'cross_check {key}', value=str(n)) for key, n in values]
     if counts.disagreements:
-        add_trouble(status, f'python-fcl disagrees with {counts.disagreements} answers')
+        add_trouble(status, f'python-fcl disagrees with {counted(counts.disagreements, "answer")}')
 
 
 def add_trouble(status: DiagnosticStatus, trouble: str) -> None:
@@ -184,8 +188,8 @@ def _haste(lags: list[float], passed_over: int) -> list[str]:
         )
     if passed_over:
         troubles.append(
-            f'{passed_over} transform messages were skipped, because more arrive than can be '
-            'read; the newest of each publisher count'
+            f'{counted(passed_over, "transform message")} {were(passed_over)} skipped, '
+            'because more arrive than can be read; the newest of each publisher count'
         )
     return troubles
 

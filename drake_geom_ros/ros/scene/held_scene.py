@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     ArgumentError,
@@ -182,8 +183,8 @@ class HeldScene:
         if not names:
             return []
         return [
-            f'{len(names)} frames are posed by {TF} and by {MESSAGES} in turn, and the last one '
-            f'counts: {some_of(names)}; stop one of the two'
+            f'{counted(len(names), "frame")} {are(len(names))} posed by {TF} and by '
+            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two'
         ]
 
     def view(self) -> SceneView:

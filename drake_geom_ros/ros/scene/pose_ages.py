@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 
@@ -26,7 +27,8 @@ class UnknownAges(NamedTuple):
         if not self.frames:
             return ''
         return (
-            f'{len(self.frames)} frames have poses of unknown age, from before the clock jumped: '
+            f'the poses of {counted(len(self.frames), "frame")} are of unknown age, from before '
+            'the clock jumped: '
             f'{some_of(self.frames)}'
         )
 

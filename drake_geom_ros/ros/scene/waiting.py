@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import QueryObject
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 
@@ -19,8 +20,8 @@ class Waiting(NamedTuple):
         if not self.frames:
             return ''
         return (
-            f'{self.pairs} pairs are left out because {len(self.frames)} frames never had a pose: '
-            f'{some_of(self.frames)}'
+            f'{counted(self.pairs, "pair")} {are(self.pairs)} left out because '
+            f'{counted(len(self.frames), "frame")} never had a pose: {some_of(self.frames)}'
         )
 
 

@@ -45,7 +45,7 @@ def test_frame_poses_by_name_and_by_id(scene, names):
         (plain_poses(['hand'], rows=[[0] * 7], source='nobody'), "no source 'nobody'"),
         (plain_poses(['hand'], rows=[[0] * 7], source='left'), "no frame 'left::hand'"),
         (plain_poses(['right::hand'], rows=[[0] * 7], source='left'), 'does not belong'),
-        (plain_poses(['hand'], rows=[[0] * 6]), '6 numbers for 1 frames'),
+        (plain_poses(['hand'], rows=[[0] * 6]), '6 numbers for 1 frame;'),
         (plain_poses(rows=[[0] * 7]), '7 numbers for 0 frames'),
         (plain_poses(['hand'], [3], rows=[[0] * 7]), 'both given'),
         (plain_poses(['hand', 'right::hand'], rows=[[0] * 7] * 2), 'named twice'),

@@ -184,7 +184,7 @@ def test_what_parameters_say_of_robots_holds_for_one_that_comes_by_topic(
     shape = f'<collision><geometry><mesh filename="file://{mesh}"/></geometry></collision>'
     links = ''.join(f'<link name="{name}">{shape}</link>' for name in ('tool', 'base', 'far'))
     done = robot.take(f'<robot name="arm">{links}</robot>')
-    assert done.endswith('; 2 meshes count as their convex hulls')
+    assert done.endswith('; of 2 meshes the convex hull counts')
     assert explain(scene, 'base', 'far')
     for name, solid in (('tool', True), ('base', False)):
         geometry = scene.names.geometry(f'{name}/collision_0')

@@ -19,7 +19,7 @@ geometries:
   - {name: ball, source: s, frame: b, shape: {type: sphere, radius: 0.1}}
   - {name: ball, source: s, frame: nowhere, shape: {type: sphere, radius: 0.1}}
 """
-LEFT_OUT = '2 pairs are left out because 1 frames never had a pose: s::nowhere'
+LEFT_OUT = '2 pairs are left out because 1 frame never had a pose: s::nowhere'
 WORLD, PARENT = 0, 1
 ANSWER = Guard(logger=None, count=None).answer
 
