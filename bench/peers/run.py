@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
-from typing import Any
+from types import ModuleType
+from typing import Any, Protocol
 
 from bench.peers import chart, first_call, report
 from bench.peers.motion import PACES
 from bench.peers.report import GROWTH, Measurement
-from bench.peers.scenes import Scene, build
-from bench.peers.sides import Side, installed
+from bench.peers.scenes import Floats, Scene, build
 from bench.peers.timing import Turn, interleave
 from drake_geom_ros.evidence.pages import table, versions
 from drake_geom_ros.evidence.peers import installed as installed_peers
 
+MODULES = ('ours', 'drake_side', 'mujoco_side', 'fcl_side', 'coal_side')
 LIMITS = {'python-fcl': 1.0, 'Coal': 1.0, 'MuJoCo': 1.0, 'pydrake': 2.0, 'ours': 30.0}  # [s]
 QUICK_LIMIT = 0.25  # [s] a cycle, of peers
 POSES = 100  # cycles until the motion is run backwards
@@ -32,6 +34,35 @@ HOW = (
     'than all of it), MuJoCo the arrays of its contacts (several a pair). python-fcl and Coal '
     'know no filters.'
 )
+
+
+class Side(Protocol):
+    """A scene in one library; each module of MODULES has its NAME and such a class.
+
+    ``answers`` holds, by the name of a query, what asks it, reads all results as arrays and
+    returns how many there are.
+    """
+
+    answers: dict[str, Callable[[], int]]
+
+    def layout(self, poses: Floats) -> Any:
+        """Return poses (n, 7), x y z [m] qx qy qz qw, as the library takes them; not timed."""
+
+    def set_poses(self, poses: Any) -> None:
+        """Pose all bodies."""
+
+
+def installed() -> tuple[list[ModuleType], list[str]]:
+    """Return the modules of the libraries that are there, and lines about those that are not."""
+    modules, missing = [], []
+    for name in MODULES:
+        try:
+            modules.append(importlib.import_module(f'bench.peers.{name}'))
+        except ImportError as error:
+            if name == 'ours':
+                raise
+            missing.append(f'not installed here, left out: {name.removesuffix("_side")} ({error})')
+    return modules, missing
 
 
 class Run:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from drake_geom_ros.evidence import laws
 from drake_geom_ros.evidence.bodies import Body, Pair
-from drake_geom_ros.evidence.peers import SIGNED_DISTANCE, PairAnswer, installed, load
+from drake_geom_ros.evidence.peers import PENETRATION, SIGNED_DISTANCE, PairAnswer, installed, load
+from drake_geom_ros.geometry import ACCURACY_LEVELS as LEVELS
 from drake_geom_ros.geometry import (
     FrameId,
     FramePoseVector,
@@ -22,6 +27,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 
 OURS = 'ours'
+POINTS = 'points'
+QUERIES = (SIGNED_DISTANCE, PENETRATION, POINTS)
 
 
 class BodyScene:
@@ -129,3 +136,41 @@ def ask_ours(pair: Pair, query: str) -> PairAnswer | None:
     if not len(found):
         return None
     return PairAnswer(-float(found.depth[0]), found.nhat_BA_W[0], found.p_WCa[0], found.p_WCb[0])
+
+
+class Certified(NamedTuple):
+    """A signed distance and its certificate [m], and whether that is wider than promised."""
+
+    distance: float
+    error_bound: float
+    is_wide: bool
+
+
+def certified(pair: Pair, query: str, levels: Sequence[str] = LEVELS) -> list[Certified | None]:
+    """Return our answer at each level, of a new scene; None: no penetration is reported."""
+    scene = BodyScene((pair.b,) if query == POINTS else (pair.a, pair.b))
+    return [_certified(scene.asked(), pair, query, level) for level in levels]
+
+
+def _certified(asked: QueryObject, pair: Pair, query: str, level: str) -> Certified | None:
+    if query == POINTS:
+        found = asked.ComputeSignedDistanceToPoint(pair.a.p, accuracy=level)
+        distance, bound = float(found.distance[0]), float(found.error_bound[0])
+        return Certified(distance, bound, laws.is_wide_to_a_point(bound, pair.b))
+    found, distances = asked_for(asked, query, level)
+    return rows(found, distances)[0] if len(found) else None
+
+
+def asked_for(asked: QueryObject, query: str, level: str, most: float = np.inf) -> tuple[Any, Any]:
+    """Return what a query of pairs finds, and the signed distances (k,) [m]."""
+    if query == PENETRATION:
+        overlaps = asked.ComputePointPairPenetration(accuracy=level)
+        return overlaps, -overlaps.depth
+    pairs = asked.ComputeSignedDistancePairwiseClosestPoints(most, accuracy=level)
+    return pairs, pairs.distance
+
+
+def rows(found: Any, distances: Any) -> list[Certified]:
+    """Return the answers of a query of pairs."""
+    columns = distances, found.error_bound, found.breaks_promise()
+    return [Certified(*row) for row in zip(*(x.tolist() for x in columns), strict=True)]

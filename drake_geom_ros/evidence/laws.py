@@ -8,11 +8,10 @@ certificate, a peer what ``hard_cases.judge`` allows.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drake_geom_ros.evidence.asking import PairScene
 from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.surfaces import height, width
@@ -25,6 +24,9 @@ from drake_geom_ros.evidence.tolerances import (
     WITNESSES,
 )
 from drake_geom_ros.geometry import ACCURACY_GAPS, METHODS, SignedDistanceResults
+
+if TYPE_CHECKING:  # it asks by these laws
+    from drake_geom_ros.evidence.asking import PairScene
 
 FALSE, WIDE = 'error_bound below the error', 'wider than promised'
 COARSE = 'coarse normal'

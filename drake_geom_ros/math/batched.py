@@ -102,11 +102,6 @@ def compose(R_ABs: Floats, p_ABs: Floats, R_BCs: Floats, p_BCs: Floats) -> tuple
     return R_ABs @ R_BCs, p_ABs + np.einsum('...ij,...j->...i', R_ABs, p_BCs)
 
 
-def invert(R_ABs: Floats, p_ABs: Floats) -> tuple[Floats, Floats]:
-    """Return R_BA (n, 3, 3) and p_BA (n, 3) of the inverse of X_AB."""
-    return np.swapaxes(R_ABs, -1, -2).copy(), -np.einsum('...ji,...j->...i', R_ABs, p_ABs)
-
-
 def checked_rows(values: ArrayLike, width: int, what: str, layout: str) -> Floats:
     """Return ``values`` as floats (n, width); RuntimeError for another shape or a NaN or inf."""
     try:

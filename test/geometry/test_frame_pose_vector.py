@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.random_poses import random_poses
+from oracles.poses import random_poses
 
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, PoseError
 from drake_geom_ros.math import RigidTransform

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.exact_poses import box_distance, nearest_rotation, vector
+from oracles.poses import box_distance, nearest_rotation, vector
 from oracles.small_scene import instance
 from scipy.spatial.transform import Rotation
 

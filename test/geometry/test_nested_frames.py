@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.exact_poses import box_distance, composed, length, vector
+from oracles.poses import box_distance, composed, length, vector
 from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (

@@ -4,8 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from oracles.exact_poses import mp, nearest_rotation
-from oracles.random_poses import random_poses
+from oracles.poses import mp, nearest_rotation, random_poses
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles.random_poses import matrix_of, random_poses
+from oracles.poses import matrix_of, random_poses
 
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles.random_poses import random_poses
+from oracles.poses import random_poses
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.math import RollPitchYaw, RotationMatrix

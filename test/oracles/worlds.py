@@ -4,6 +4,7 @@ import numpy as np
 from oracles.pairs import PARAMETERS
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
@@ -61,3 +62,12 @@ def shuffle(rng, world, spread=1.0):
     rows = np.arange(1, n + 1)
     world.set_poses(rows, random_rotations(rng, n), rng.uniform(-spread, spread, (n, 3)))
     world.update()
+
+
+def filters_of(world):
+    """Return filters that know the world's geometries, each on a frame of its own."""
+    filters = FilterState()
+    table = world.geometries
+    for key, frame, anchored in zip(table.ids, table.frames, world.anchored, strict=True):
+        filters.add(int(key), int(frame) + 100, bool(anchored))
+    return filters

@@ -11,12 +11,10 @@ from statistics import median
 import numpy as np
 
 from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.accuracy import ours
-from drake_geom_ros.evidence.accuracy.cases import ShapePair
-from drake_geom_ros.evidence.accuracy.ours import PENETRATION, POINTS, SIGNED_DISTANCE
+from drake_geom_ros.evidence.accuracy.cases import ShapePair, Subject
 from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, Answer, PeerProcess
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.accuracy.subjects import Subject
+from drake_geom_ros.evidence.asking import LEVELS, PENETRATION, POINTS, SIGNED_DISTANCE
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_rotations
 from drake_geom_ros.evidence.tolerances import EASY, PEER_TOLERANCES, TOUCHING
@@ -58,7 +56,7 @@ class _Query:
         # To peers a point is a sphere of radius 0.
         self.of_peers = peers.SIGNED_DISTANCE if query == POINTS else query
         self.known: list[Case] = []
-        mine = [Setting(OURS, level) for level in ours.LEVELS]
+        mine = [Setting(OURS, level) for level in LEVELS]
         self.mine, self.theirs = (
             [Measured(subject.name, subject.family, query, setting) for setting in settings]
             for settings in (mine, [rival.setting for rival in rivals])
@@ -155,7 +153,7 @@ class Measurement:
         spent: list[list[tuple[float, float]]] = [[] for _ in query.mine]
 
         def our_turns() -> None:
-            for level, taken in zip(ours.LEVELS, spent, strict=True):
+            for level, taken in zip(LEVELS, spent, strict=True):
                 taken.append(timed.cycle(query.name, level, self._rng, max(pairs, 1)))
 
         our_turns()  # compiles, or loads, what is needed

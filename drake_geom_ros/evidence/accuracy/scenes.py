@@ -9,17 +9,17 @@ from itertools import combinations
 import numpy as np
 
 from drake_geom_ros.evidence import arms
-from drake_geom_ros.evidence.accuracy.ours import (
+from drake_geom_ros.evidence.accuracy.samples import known
+from drake_geom_ros.evidence.accuracy.timed import TimedScene
+from drake_geom_ros.evidence.asking import (
     LEVELS,
     PENETRATION,
     SIGNED_DISTANCE,
-    Answer,
+    BodyScene,
+    Certified,
     asked_for,
     rows,
 )
-from drake_geom_ros.evidence.accuracy.samples import known
-from drake_geom_ros.evidence.accuracy.timed import TimedScene
-from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_body, random_rotation
@@ -42,7 +42,7 @@ class Scene:
         self.queries: tuple[str, ...] = (SIGNED_DISTANCE, PENETRATION)
         self.bodies = bodies
         self._numbers: dict[int, tuple[int, int]] = {}  # of the bodies of a sample
-        self._found: dict[str, list[dict[tuple[int, int], Answer]]] = {}
+        self._found: dict[str, list[dict[tuple[int, int], Certified]]] = {}
 
     def batches(self, seed: int) -> Iterator[list[Case]]:
         """Yield pairs whose bounding balls are near, in random order, until there are no more."""
@@ -62,14 +62,14 @@ class Scene:
         self._numbers[id(pair)] = i, j
         return pair
 
-    def answers(self, sample: Case, query: str) -> list[Answer | None]:
+    def answers(self, sample: Case, query: str) -> list[Certified | None]:
         """Return what the query of the whole scene says about the pair."""
         if query not in self._found:
             self._found[query] = [self._answers(query, level) for level in LEVELS]
         key = self._numbers[id(sample)]
         return [found.get(key) for found in self._found[query]]
 
-    def _answers(self, query: str, level: str) -> dict[tuple[int, int], Answer]:
+    def _answers(self, query: str, level: str) -> dict[tuple[int, int], Certified]:
         """Return our answers to the whole scene, by the numbers of the bodies."""
         scene = BodyScene(self.bodies)
         number = {each.get_value(): k for k, each in enumerate(scene.ids)}

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drake_geom_ros.evidence.accuracy.ours import LEVELS, QUERIES
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
+from drake_geom_ros.evidence.asking import LEVELS, QUERIES
 from drake_geom_ros.evidence.pages import table, three
 
 COLUMNS = (

@@ -14,8 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros import geometry
-from drake_geom_ros.evidence.accuracy.ours import POINTS, SIGNED_DISTANCE, asked_for
-from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.asking import POINTS, SIGNED_DISTANCE, BodyScene, asked_for
 from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 
 SPACING = 4.0  # [m] between the pairs of a scene of samples: none of them meets its neighbours

@@ -18,9 +18,9 @@ from drake_geom_ros.evidence.peers.answers import (
     Ask,
     PairAnswer,
     Peer,
+    SolidMesh,
     Unsupported,
 )
-from drake_geom_ros.evidence.peers.measures import SolidMesh
 from drake_geom_ros.evidence.peers.registry import installed, load, names, version
 
 __all__ = [

@@ -1,4 +1,4 @@
-"""What a peer is asked, and what it answers: numbers as it gives them, in our conventions."""
+"""What a peer is asked, shapes by their numbers, and its answers, in our conventions."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry import Shape
+from drake_geom_ros.geometry import Convex, Mesh, Shape
 from drake_geom_ros.math import RigidTransform
 
 Floats = NDArray[np.float64]
@@ -61,3 +61,32 @@ def no_tolerance(name: str, tolerance: float | None) -> None:
     """Raise Unsupported when a tolerance is given to a peer that has none to set."""
     if tolerance is not None:
         raise Unsupported(f'{name}: tolerance = {tolerance:g} cannot be set; it offers none')
+
+
+class SolidMesh(Mesh):
+    """A mesh that stands for the body which its surface encloses, for peers that take triangles.
+
+    To the others it is its convex hull, as every mesh is.
+    """
+
+    __slots__ = ()
+
+
+ACCESSORS = {
+    'Sphere': ('radius',),
+    'Box': ('width', 'depth', 'height'),
+    'Capsule': ('radius', 'length'),
+    'Cylinder': ('radius', 'length'),
+    'Ellipsoid': ('a', 'b', 'c'),
+    'HalfSpace': (),
+}
+
+
+def kind_of(shape: Shape) -> str:
+    """Return the name of a shape's type; a Mesh is a Convex, for peers get its hull."""
+    return 'Convex' if isinstance(shape, (Convex, Mesh)) else type(shape).__name__
+
+
+def measures(shape: Shape) -> tuple[float, ...]:
+    """Return what the shape was made from [m], in the order of its constructor."""
+    return tuple(float(getattr(shape, name)()) for name in ACCESSORS[type(shape).__name__])

@@ -11,8 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.evidence.peers.answers import SIGNED_DISTANCE, Ask, PairAnswer, checked
-from drake_geom_ros.evidence.peers.measures import SolidMesh, kind_of, measures
+from drake_geom_ros.evidence.peers.answers import (
+    SIGNED_DISTANCE,
+    Ask,
+    PairAnswer,
+    SolidMesh,
+    checked,
+    kind_of,
+    measures,
+)
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
 

@@ -20,10 +20,12 @@ from drake_geom_ros.evidence.peers.answers import (
     SIGNED_DISTANCE,
     Ask,
     PairAnswer,
+    SolidMesh,
     checked,
+    kind_of,
+    measures,
     no_tolerance,
 )
-from drake_geom_ros.evidence.peers.measures import SolidMesh, kind_of, measures
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
 

@@ -6,8 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.evidence.peers.answers import SIGNED_DISTANCE, Ask, Floats, PairAnswer, checked
-from drake_geom_ros.evidence.peers.measures import kind_of, measures
+from drake_geom_ros.evidence.peers.answers import (
+    SIGNED_DISTANCE,
+    Ask,
+    Floats,
+    PairAnswer,
+    checked,
+    kind_of,
+    measures,
+)
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
 

@@ -10,9 +10,10 @@ from drake_geom_ros.evidence.peers.answers import (
     PairAnswer,
     Unsupported,
     checked,
+    kind_of,
+    measures,
     no_tolerance,
 )
-from drake_geom_ros.evidence.peers.measures import kind_of, measures
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
 

@@ -3,7 +3,7 @@
 import pytest
 
 from drake_geom_ros.evidence.accuracy.cases import all_cases, chosen, round_robin
-from drake_geom_ros.evidence.accuracy.ours import POINTS
+from drake_geom_ros.evidence.asking import POINTS
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
 

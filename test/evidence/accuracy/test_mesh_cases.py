@@ -1,19 +1,25 @@
-"""Cases with solids: samples whose truth is known, and certificates that hold it."""
+"""Cases with solids: closed bodies with dents, samples whose truth is known, certificates."""
+
+import pickle
 
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.accuracy import ours
-from drake_geom_ros.evidence.accuracy.mesh_bodies import CUTS
 from drake_geom_ros.evidence.accuracy.mesh_cases import (
+    CUTS,
+    MAKERS,
     QUICK_CASES,
+    UNIT,
     MeshPair,
+    mesh_body,
     mesh_cases,
     surface_point,
 )
-from drake_geom_ros.evidence.accuracy.ours import PENETRATION, POINTS
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS
+from drake_geom_ros.evidence.asking import PENETRATION, POINTS, certified
 from drake_geom_ros.evidence.truth.meshes import point_distance
+from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._solid_mesh import merged, solid_of, volume
 
 CASES = [case for case in mesh_cases() if case.resolution == 100]
 coarse = pytest.mark.parametrize('case', CASES, ids=lambda case: case.name)
@@ -55,10 +61,10 @@ def test_open_intervals_are_promised_to_hold_only():
     case = MeshPair('L', 'L', 100)
     deep = case.sample('contained', np.random.default_rng(0))
     apart = case.sample('apart', np.random.default_rng(0))
-    (answer,) = ours.answers(deep, 'signed_distance', ['exact'])
+    (answer,) = certified(deep, 'signed_distance', ['exact'])
     assert answer.error_bound > 1e-3
     assert not answer.is_wide
-    assert ours.answers(apart, 'signed_distance', ['exact'])[0].error_bound < 1e-9
+    assert certified(apart, 'signed_distance', ['exact'])[0].error_bound < 1e-9
 
 
 @pytest.mark.parametrize('name', ['L', 'Ball'])
@@ -79,3 +85,46 @@ def test_it_is_timed_side_by_side():
     assert pairs == MeshPair.timed_pairs
     seconds = timed.cycle(POINTS, 'exact', np.random.default_rng(0), pairs)
     assert 0.0 < seconds.kernels < seconds.whole < 0.1
+
+
+names = pytest.mark.parametrize('name', MAKERS)
+
+
+@names
+@pytest.mark.parametrize('resolution', CUTS)
+def test_a_surface_is_about_as_fine_as_asked_for(name, resolution):
+    corners = mesh_body(name, resolution).corners
+    assert 0.7 * resolution < len(corners) < 1.2 * resolution
+    vertices, triangles = merged(
+        mesh_body(name, resolution).size, mesh_body(name, resolution).triangles
+    )
+    # Euler's formula: a closed surface without handles.
+    assert len(vertices) - len(triangles) // 2 == 2
+    assert volume(corners) > 0.0
+
+
+@names
+def test_it_is_a_solid_with_dents(name):
+    solid = mesh_body(name, 100).shape
+    kind, _ = solid_of(solid.mesh_data(), (1.0, 1.0, 1.0))
+    hull = solid.hull_surface()
+    assert kind == SOLID
+    assert volume(mesh_body(name, 100).corners) < 0.99 * volume(hull[0][hull[1]])
+
+
+def test_the_l_is_the_union_of_its_boxes():
+    body = mesh_body('L', 1300)
+    assert volume(body.corners) == pytest.approx(3.0 * UNIT**3, rel=1e-12)
+    points = body.corners.mean(axis=1)
+    heights = [np.abs(points - box.p) - 0.5 * np.array(box.size) for box in body.parts]
+    on_surface = np.min([height.max(axis=1) for height in heights], axis=0)
+    np.testing.assert_allclose(on_surface, 0.0, atol=1e-16)
+    assert mesh_body('Ball', 100).parts == ()
+
+
+@names
+def test_samples_that_are_pickled_together_hold_it_once(name):
+    body = mesh_body(name, 1300)
+    one, three = (pickle.dumps([body.at(np.full(3, k)) for k in range(n)]) for n in (1, 3))
+    assert len(three) < 1.1 * len(one)
+    assert pickle.loads(one)[0].shape == body.shape

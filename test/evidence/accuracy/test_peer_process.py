@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.evidence.accuracy.cases import ShapePair
-from drake_geom_ros.evidence.accuracy.ours import PENETRATION, SIGNED_DISTANCE
 from drake_geom_ros.evidence.accuracy.peer_process import (
     ANSWERED,
     MISSED,
@@ -14,6 +13,7 @@ from drake_geom_ros.evidence.accuracy.peer_process import (
     PeerProcess,
 )
 from drake_geom_ros.evidence.accuracy.samples import stream
+from drake_geom_ros.evidence.asking import PENETRATION, SIGNED_DISTANCE
 from drake_geom_ros.evidence.lost_process import CRASH, EXCEPTION, HANG
 
 

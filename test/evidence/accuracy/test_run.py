@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.accuracy import ours, run, subjects
+from drake_geom_ros.evidence.accuracy import cases, run
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.run import VIOLATED, Request
+from drake_geom_ros.evidence.asking import LEVELS
 from drake_geom_ros.geometry import SignedDistanceResults
 
 
@@ -31,7 +32,7 @@ def test_a_run_writes_all_its_files(tmp_path, said):
     with (tmp_path / 'new/measurements.csv').open() as file:
         rows = list(csv.DictReader(file))
     assert {row['library'] for row in rows} == {'drake_geom_ros'}
-    assert {row['setting'] for row in rows} == set(ours.LEVELS)
+    assert {row['setting'] for row in rows} == set(LEVELS)
     exact = [row for row in rows if row['setting'] == 'exact']
     assert all(0.0 < float(row['seconds_per_pair']) < 0.01 for row in exact)
     assert all(float(row['error_worst']) < 1e-14 for row in exact)
@@ -48,11 +49,11 @@ def test_a_bound_below_the_error_is_caught_and_named(tmp_path, said, monkeypatch
     def lying(*arguments):
         return [
             answer and answer._replace(distance=answer.distance + 2 * answer.error_bound)
-            for answer in ours_answers(*arguments)
+            for answer in ours(*arguments)
         ]
 
-    ours_answers = ours.answers
-    monkeypatch.setattr(subjects.ours, 'answers', lying)
+    ours = cases.certified
+    monkeypatch.setattr(cases, 'certified', lying)
     assert run.run(tiny(tmp_path), said.append) == VIOLATED
     assert any(line.startswith('WRONG: Sphere-Box, signed_distance, exact') for line in said)
     assert (tmp_path / 'README.md').exists()

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.filters import filters_of
-from oracles.worlds import random_world
+from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity import batches
 from drake_geom_ros.geometry._proximity.batches import PairBatch

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.filters import filters_of
-from oracles.worlds import random_world, shuffle
+from oracles.worlds import filters_of, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity import engine as engine_module
 from drake_geom_ros.geometry._proximity.budget import LONGEST_BLOCK, SHORTEST_BLOCK

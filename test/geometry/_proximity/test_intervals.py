@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 from numba import config
-from oracles.filters import filters_of
 from oracles.solids import solid
 from oracles.worlds import (
+    filters_of,
     geometry_table,
     random_parameters,
     scaled_parameters,

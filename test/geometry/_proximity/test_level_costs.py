@@ -3,8 +3,7 @@
 import math
 
 import numpy as np
-from oracles.filters import filters_of
-from oracles.worlds import random_world
+from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity import level_costs
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.filters import filters_of
-from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
+from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.near_list import PATIENCE, NearList

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.exact_poses import composed, length, mp
+from oracles.poses import composed, length, mp
 from oracles.worlds import geometry_table, random_rotations
 
 from drake_geom_ros.geometry._proximity.kinds import BOX, HALF_SPACE, SPHERE

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.exact_poses import mp, rotation_of_quaternion
+from oracles.poses import mp, rotation_of_quaternion
 
 from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_TAKEN

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.filters import filters_of
-from oracles.worlds import geometry_table, random_world
+from oracles.worlds import filters_of, geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.batches import PROMISED
 from drake_geom_ros.geometry._proximity.engine import Engine

@@ -10,7 +10,7 @@ CODE = """
 import math
 import numpy as np
 from numba.core import event
-from oracles.filters import filters_of
+from oracles.worlds import filters_of
 from oracles.worlds import random_world, shuffle
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
