@@ -82,10 +82,10 @@ class Site:
                 return answer
         raise TimeoutError(f'no answer of {name} in {PATIENCE:g} s')
 
-    def answer(self, client: Client, request: Any) -> Any:
-        """Return the answer to one call; None where it is lost."""
+    def answer(self, client: Client, request: Any, patience: float = ONE_CALL) -> Any:
+        """Return the answer to one call; None where none comes within ``patience`` [s]."""
         future = client.call_async(request)
-        end = time.monotonic() + ONE_CALL
+        end = time.monotonic() + patience
         self.wait_for(lambda: future.done() or time.monotonic() > end, client.srv_name)
         return future.result() if future.done() else None
 
