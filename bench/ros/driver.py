@@ -14,7 +14,7 @@ from drake_geom_msgs import msg, srv
 from rclpy.executors import SingleThreadedExecutor
 
 from bench.ros.faults.inputs import HAS_TF
-from bench.ros.faults.site import NODE
+from bench.ros.faults.site import NODE, PATIENCE
 from bench.ros.hostile import pose_messages
 from bench.ros.mix import MixedClient, Tally, open_services
 from bench.ros.processes import ROOT, Processes
@@ -24,7 +24,6 @@ PLAYER = 'drake_geom_ros.ros.pose_player'
 SCENE, MOTION = ROOT / 'scenes/two_pandas.yaml', ROOT / 'scenes/two_pandas_motion.yaml'
 QUIET = ('--ros-args', '--log-level', 'warn')  # each transient filter is told of otherwise
 CALL_PERIOD = 0.1  # [s] between two calls of a caller, if the first was answered
-PATIENCE = 60.0  # [s] what has no answer then has none
 HOSTILE_PERIOD = 0.2  # [s] between two hostile messages
 
 

@@ -21,13 +21,12 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
-from bench.ros.faults.site import DEPTH
+from bench.ros.faults.site import DEPTH, LOST
 from bench.ros.hostile import requests
 from drake_geom_ros.ros.services.table import SERVICES
 
 Life = Generator[Any, Any, None]
 _REASON_LENGTH = 60
-_LOST = 30.0  # [s] beside a thousand leases on a busy machine an answer takes up to 6 s
 _PATIENCE = 300.0  # [s] a node that starts for the first time compiles its kernels
 
 
@@ -73,7 +72,7 @@ class MixedClient:
         if self.finished:
             return
         if not self.is_answered():
-            if time.monotonic() > self._sent + _LOST:
+            if time.monotonic() > self._sent + LOST:
                 self._call_again()
             return
         try:
@@ -93,7 +92,7 @@ class MixedClient:
         """Give a call up, and make it once more: what it was to change may be changed already."""
         service, _ = self._request
         self._services[service].remove_pending_request(self._call)
-        self._tally.problems.append(f'{self._name}: {service} had no answer in {_LOST:g} s')
+        self._tally.problems.append(f'{self._name}: {service} had no answer in {LOST:g} s')
         self._called_again = True
         self._send()
 

@@ -25,7 +25,7 @@ from drake_geom_msgs import srv
 from bench.ros import storm
 from bench.ros.driver import SERVER, Driver, Soak, start_node, start_player
 from bench.ros.faults.order import Faults, listed
-from bench.ros.faults.site import NODE, Site
+from bench.ros.faults.site import NODE, PATIENCE, Site
 from bench.ros.listener import QUANTILES
 from bench.ros.processes import Processes, memory
 
@@ -81,7 +81,7 @@ def finish(
     """Stop the callers, kill the node, and let it come back from what it saved."""
     for caller in driver.callers:
         caller.stop()
-    end = time.monotonic() + 60.0
+    end = time.monotonic() + PATIENCE
     while not all(caller.finished for caller in driver.callers) and time.monotonic() < end:
         driver.spin(0.2)
     if not all(caller.finished for caller in driver.callers):

@@ -221,7 +221,7 @@ def test_tf_and_frame_poses_by_turns_are_told(tf, node):
 
 def test_a_chain_that_ends_elsewhere_is_told_in_the_log(tf, node):
     tf.send(transform('base_link', '.cart', 2))
-    told = f"cannot be posed: '{tf.source}/cart'; their chain ends in 'base_link'"
+    told = f"cannot be posed: '{tf.source}/cart'; the chain ends in 'base_link'"
     tf.client.wait_for(lambda: told in tf.message(), 'a warning')
     assert node.output().count(told) == 1
     tf.send(transform('world', 'base_link', 2), static=True)

@@ -13,11 +13,10 @@ from typing import Any
 from drake_geom_msgs import srv
 from rclpy.serialization import serialize_message
 
-from bench.ros.faults.site import Site
+from bench.ros.faults.site import LOST, Site
 
 SPARE_MEMORY = (8, 32, 128)  # [MiB] that the node may take on top of what it has
 POINTS = 6000  # asked about: 48 MB with two arms
-LARGE_ANSWER = 50.0  # [s] beside ten busy processes a core, 10 s were not enough for so much
 SMALL_FILE = 100  # [bytes]
 LONGEST_STOP = 1.5  # [s]
 
@@ -81,7 +80,7 @@ def little_memory(site: Site) -> str:
             site.answer(client, request)
             if problem := site.trouble():
                 return problem
-        answer = site.answer(client, request, LARGE_ANSWER)
+        answer = site.answer(client, request, LOST)
     if answer is None or not answer.success:
         return f'with memory again {service} says {answer and answer.message}'
     return '' if len(serialize_message(answer)) > 10**6 else 'the answer is small'

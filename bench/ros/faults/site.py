@@ -22,8 +22,9 @@ from bench.ros.processes import ROOT, Processes
 NODE = 'drake_geom_ros.ros.scene_graph_node'
 SPARE_SCENE = ROOT / 'scenes/minimal.yaml'
 DEPTH = 2000  # answers that wait for this process to look
-PATIENCE = 60.0  # [s] what has no answer then has none
-ONE_CALL = 10.0  # [s] an answer that has not come by then is lost
+LOST = 120.0  # [s] an answer that has not come by then is lost; at a load of 20 some took 60 s
+PATIENCE = 300.0  # [s] for all that a fault waits for
+ONE_CALL = 10.0  # [s] after which a call that may be made twice is made again
 Spin = Callable[[float], None]
 
 

@@ -41,7 +41,7 @@ def caller(sources):
 def test_a_call_that_is_late_is_made_again(caller, sources, monkeypatch):
     caller.tick()
     assert len(sources.calls) == 1
-    monkeypatch.setattr(mix, '_LOST', 0.0)
+    monkeypatch.setattr(mix, 'LOST', 0.0)
     caller.tick()
     (first, lost), (second, _) = sources.calls
     assert first is second

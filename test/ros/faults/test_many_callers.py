@@ -12,7 +12,7 @@ from ros.harness import Client, start_node
 from drake_geom_ros.client import Services
 
 CLIENTS, CALLS = 20, 200
-NOT_ANSWERED = re.compile(r'(\d+) service calls were not answered since the last report')
+NOT_ANSWERED = re.compile(r'(\d+) service calls? w(?:as|ere) not answered since the last report')
 
 
 def callers(client, count):
