@@ -11,6 +11,8 @@ import tempfile
 import time
 import urllib.request
 
+from drake_geom_ros.common.children import ends_with_parent
+
 PATIENCE = 60.0  # [s] a software renderer on a busy machine
 RESTING = 0.3  # [s] in which what rests stays where it is
 PROGRAM = next(filter(None, map(shutil.which, ('chromium', 'chromium-browser'))), None)
@@ -32,6 +34,7 @@ class Browser:
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
+            preexec_fn=ends_with_parent(),
         )
         address = next(
             line.split()[-1] for line in self._process.stderr if 'DevTools listening' in line
