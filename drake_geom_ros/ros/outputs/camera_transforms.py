@@ -10,7 +10,6 @@ from geometry_msgs.msg import TransformStamped
 
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.cameras import optical_frame
-from drake_geom_ros.ros.surface import latched, transforms
 from drake_geom_ros.scene_files import CameraDescription
 
 
@@ -22,8 +21,10 @@ class CameraTransforms:
     tf2_msgs, which not everybody has.
     """
 
-    def __init__(self, surface: Any, world_frame: str) -> None:
+    def __init__(self, surface: Any, world_frame: str, resting: Any, moving: Any) -> None:
+        """``resting`` and ``moving`` are the profiles of /tf_static and /tf."""
         self._surface, self._world_frame = surface, world_frame
+        self._profiles = {'/tf_static': resting, '/tf': moving}
         self._publishers: dict[str, Any] = {}
         self._fixed: list[str] = []  # the cameras that were told to rest
 
@@ -44,7 +45,7 @@ class CameraTransforms:
         from tf2_msgs.msg import TFMessage
 
         if topic not in self._publishers:
-            profile = latched() if topic == '/tf_static' else transforms(static=False)
+            profile = self._profiles[topic]
             self._publishers[topic] = self._surface.publisher(TFMessage, topic, profile)
         self._publishers[topic].publish(TFMessage(transforms=entries))
 

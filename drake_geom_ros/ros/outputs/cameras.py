@@ -68,12 +68,13 @@ class CameraPublisher:
         surface: Any,
         images: Any,
         latched: Any,
+        transforms: Any,
     ) -> None:
-        """``images`` and ``latched`` are the profiles of images and of legends."""
+        """``images``, ``latched`` and ``transforms`` are the profiles of images, legends and TF."""
         self._live = live
         self._surface = surface
         self._images, self._latched = images, latched
-        self._transforms = CameraTransforms(surface, live.world_frame)
+        self._transforms = CameraTransforms(surface, live.world_frame, latched, transforms)
         self.beside = Beside('cameras', self._why_not)  # what is told in the report of a cycle
         self._open: dict[str, _Open] = {}
         self._unheard, self._unchanged = 0, 0  # times that a camera was due, since last told
