@@ -70,7 +70,7 @@ class CameraPublisher:
         latched: Any,
         transforms: Any,
     ) -> None:
-        """``images``, ``latched`` and ``transforms`` are the profiles of images, legends and TF."""
+        """Take the profiles of images, of legends and /tf_static, and of /tf."""
         self._live = live
         self._surface = surface
         self._images, self._latched = images, latched
