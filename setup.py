@@ -26,6 +26,7 @@ EXTRAS = {
     'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
     'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
     'view': ['imageio>=2.20', 'viser>=1.1'],  # the page in the browser, and its pictures
+    'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
     'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
     'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],

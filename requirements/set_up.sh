@@ -47,7 +47,7 @@ compute_keys() {
   underlay=$(find_underlay)
   python=$(find_python)
   venv_key=$(printf '%s\n' "$root" "$(describe_python "$python")" "$underlay" | hash)
-  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt
+  packages_key=$(cd "$root/requirements"; GLOBIGNORE=peers.txt:mutants.txt:cluster.txt:view.txt:vtk.txt
     { echo "$venv_key"; cat -- *.txt; } | hash)
   messages_key=$({
     echo "$venv_key" "${cmake_args[@]}"

@@ -81,6 +81,11 @@ from drake_geom_ros.geometry.render.exact import (
 )
 from drake_geom_ros.geometry.render.render_engine import RenderedImages, RenderEngine
 from drake_geom_ros.geometry.render.render_label import RenderLabel
+from drake_geom_ros.geometry.render.vtk_engine import (
+    MakeRenderEngineVtk,
+    RenderEngineVtk,
+    RenderEngineVtkParams,
+)
 from drake_geom_ros.geometry.rgba import Rgba
 from drake_geom_ros.geometry.scalar_templates import (
     FramePoseVector_,
@@ -176,6 +181,8 @@ __all__ = [
     'DepthRange',
     'RenderLabel',
     'RenderEngine',
+    'MakeRenderEngineVtk',
+    'RenderEngineVtkParams',
     # queries and what they return,
     'QueryObject',
     'PenetrationAsPointPair',
@@ -231,10 +238,11 @@ __all__ = [
     'ShapeKind',
     'FilterGroup',
     'FilterStatement',
-    # the renderer that is exact,
+    # the renderer that is exact, and the one by VTK,
     'MakeRenderEngineExact',
     'RenderEngineExact',
     'RenderEngineExactParams',
+    'RenderEngineVtk',
     'RenderedImages',
     # and errors.
     'GeometryError',

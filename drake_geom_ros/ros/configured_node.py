@@ -41,7 +41,15 @@ from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.table import BESIDE, CHANGES, IMAGES, LOADING, Change
 from drake_geom_ros.ros.shown import Shown
-from drake_geom_ros.ros.surface import Surface, calls, images, latched, results, sensor_data
+from drake_geom_ros.ros.surface import (
+    Surface,
+    calls,
+    images,
+    latched,
+    results,
+    sensor_data,
+    transforms,
+)
 from drake_geom_ros.ros.tf_listening import listen_to_tf
 from drake_geom_ros.ros.together import waited
 
@@ -101,7 +109,8 @@ class ConfiguredNode:
             live, surface, settings, lambda: self._stream.active, node.get_logger().warning
         )
         self._beside = {**self._told_beside(), **self._shown.beside}
-        self._cameras = CameraPublisher(live, surface, images(), latched())
+        tf = transforms(static=False)
+        self._cameras = CameraPublisher(live, surface, images(), latched(), tf)
         told = (*self._beside.values(), self._cameras.beside)
         self._cycle = Cycle(messages, publishers, self._costs, self._replays, told)
         self._stream = PoseStream(live, settings, diagnostics, self._cycle)

@@ -27,7 +27,7 @@ RESULTS = tuple(
         'cameras/*',  # topics of cameras come and go: the star stands for any of them
     )
 )
-SHARED_RESULTS = ('/diagnostics',)
+SHARED_RESULTS = ('/diagnostics', '/tf', '/tf_static')  # TF: of cameras
 INPUTS = ('~/frame_poses', '~/frame_twists', '~/query_points', '/tf', '/tf_static')
 ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
 CLOCK = ('/clock',)

@@ -12,7 +12,8 @@ from drake_geom_ros.geometry import SignedDistanceResults
 
 Floats = NDArray[np.float64]
 _MILLIMETRE = 1000.0
-_SHORT = 15  # characters of a name that a button has room for
+_SHORT = 17  # characters of a name that a button has room for
+_SHORT_START = 2  # of these from its start
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,4 +93,7 @@ def pair_names(pairs: Pairs, row: int, names: Mapping[int, str]) -> tuple[str, s
 
 
 def _short(name: str) -> str:
-    return name if len(name) <= _SHORT else f'…{name[1 - _SHORT :]}'
+    """Return the ends of a name: two arms of a kind differ in the first, links in the last."""
+    if len(name) <= _SHORT:
+        return name
+    return f'{name[:_SHORT_START]}…{name[_SHORT_START + 1 - _SHORT :]}'

@@ -50,9 +50,13 @@ LAYERS = {
     'geometry': (
         (
             *('math', 'common', 'autodiffutils', 'sensors', 'geometry'),
-            *('geometry/_proximity', 'geometry/_rendering'),
+            *('geometry/_proximity', 'geometry/_rendering', 'geometry/_vtk'),
         ),
         ('numpy',),
+    ),
+    'geometry/_vtk': (
+        ('math', 'common', 'geometry', 'geometry/_vtk'),
+        ('numpy', 'vtkmodules'),
     ),
     'sensors': (('math', 'sensors'), ('numpy',)),
     'scene_files': (

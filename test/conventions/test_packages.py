@@ -70,7 +70,7 @@ LIBRARIES = {
 # Used where it is there.
 OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath', 'distributed', 'pyarrow'),
-    *('viser', 'imageio', 'lcm'),
+    *('viser', 'imageio', 'lcm', 'vtkmodules'),
 }
 
 

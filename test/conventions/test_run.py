@@ -102,6 +102,7 @@ def test_an_unknown_command_is_named():
         ('requirements/mutants.txt', [False, False, False, False]),
         ('requirements/cluster.txt', [False, False, False, False]),
         ('requirements/view.txt', [False, False, False, False]),
+        ('requirements/vtk.txt', [False, False, False, False]),
         ('requirements/ros.txt', [False, True, True, True]),
         ('requirements/build.txt', [False, True, True, True]),
         ('msg_defs/msg/Shape.msg', [False, False, True, True]),

@@ -18,7 +18,7 @@ from test_readme import block
 LEFT_OUT = shutil.ignore_patterns('.*', 'build', 'install', 'log', 'out', '__pycache__', 'docs')
 PINS = [part for name in ('core', 'lock') for part in ('-c', ROOT / f'requirements/{name}.txt')]
 SHARE = 'share/drake_geom_ros'
-PEERS = {'pydrake': 'drake'}  # what an import is called where it is installed
+PEERS = {'pydrake': 'drake', 'vtkmodules': 'vtk'}  # what an import is called where it is installed
 # What python3-NAME is on the system of Jazzy and Kilted. A script of colcon may refuse to start
 # where a version that is there is out of the range that setup.py says.
 UBUNTU_24_04 = {

@@ -145,6 +145,40 @@ def test_nothing_is_taken_for_nobody_and_nothing_twice(client):
     client.wait_for(lambda: told(next(stamps), 'nothing moved'), 'a word of images at rest')
 
 
+def test_optical_frames_are_in_tf(client):
+    """In the world: latched where a camera rests, with the stamp of the image where it moves."""
+    tf = pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
+    fixed = client.listen(tf.TFMessage, '/tf_static', LATCHED)
+    moving = client.listen(tf.TFMessage, '/tf', 100)
+    pose = Pose(position=Point(x=0.5), orientation=Quaternion(z=1.0, w=0.0))
+    rider = camera(name='rider', frame='a', pose=pose, images=['depth'], rate=50.0)
+    assert client.call(srv.AddCamera, 'add_camera', camera=rider).success
+    depths = client.listen(Image, 'cameras/rider/depth/image_rect_raw')
+    client.publisher(msg.FramePoses, 'frame_poses', 10).publish(
+        poses(['a'], [(1, 2, 3)], 's', stamp=9)
+    )
+
+    def told(messages, name, stamp):
+        entries = [entry for message in messages for entry in message.transforms]
+        wanted = f'{name}_optical_frame', 'world', stamp
+        return [
+            entry.transform
+            for entry in entries
+            if (entry.child_frame_id, entry.header.frame_id, entry.header.stamp.sec) == wanted
+        ]
+
+    client.wait_for(lambda: told(moving, 'rider', 9), 'the optical frame of a camera that moves')
+    X = told(moving, 'rider', 9)[-1]
+    assert (X.translation.x, X.translation.y, X.translation.z) == (1.5, 2.0, 3.0)
+    assert (X.rotation.x, X.rotation.y, abs(X.rotation.z), X.rotation.w) == (0, 0, 1, 0)
+    client.wait_for(lambda: depths and depths[-1].header.stamp.sec == 9, 'its image')
+    client.wait_for(lambda: told(fixed, 'eye', 0), 'the optical frame of a camera that rests')
+    assert told(fixed, 'eye', 0)[-1].rotation.w == 1.0
+    assert not told(fixed, 'rider', 0)
+    assert not told(moving, 'eye', 9)
+    assert client.call(srv.RemoveCamera, 'remove_camera', name='rider').success
+
+
 def test_cameras_are_added_listed_saved_and_removed(client):
     new = camera(name='new', frame='a', near=0.1, images=['label'], rate=50.0)
     assert client.call(srv.AddCamera, 'add_camera', camera=new).success

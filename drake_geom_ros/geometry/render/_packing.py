@@ -20,10 +20,12 @@ from drake_geom_ros.geometry.mesh_source import facet_colours
 from drake_geom_ros.geometry.properties import GeometryProperties, Role
 from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.geometry.rgba import Rgba
-from drake_geom_ros.geometry.shapes import MeshcatCone
+from drake_geom_ros.geometry.shapes import MeshcatCone, Shape
 
 if TYPE_CHECKING:
+    from drake_geom_ros.geometry.context import SceneGraphContext
     from drake_geom_ros.geometry.render.exact import RenderEngineExactParams
+    from drake_geom_ros.geometry.render.render_engine import RenderEngine
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +44,8 @@ class Packed(NamedTuple):
 
     ids: list[GeometryId]
     names: list[str]  # for messages
+    shapes: list[Shape]
+    diffuse_maps: list[str]  # image files of ('phong', 'diffuse_map'); empty: none
     frames: NDArray[np.int64]  # (n,) rows of the world
     R_FGs: Floats  # (n, 3, 3)
     p_FGs: Floats  # (n, 3) [m]
@@ -63,6 +67,24 @@ class Packed(NamedTuple):
                 f'{LARGEST_SIZE:g} m'
             )
         return R_WFs @ self.R_FGs, p_WGs, placed
+
+
+def kept_of(
+    context: SceneGraphContext,
+    engine: RenderEngine,
+    params: RenderEngineExactParams,
+    renderer_name: str,
+) -> Packed:
+    """Return ``packed_of`` of a context, made once a version of its geometry."""
+    versions = context._model.versions
+    key = renderer_name, engine, versions.frames, versions.roles[params.role]
+    # A snapshot shares what was packed; nothing of it ever changes.
+    kept = context._packed_scenes.get(renderer_name)
+    if kept is None or kept[0] != key:
+        kept = key, packed_of(context._model, params, renderer_name)
+        context._packed_scenes[renderer_name] = kept
+    packed: Packed = kept[1]
+    return packed
 
 
 def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str) -> Packed:
@@ -99,6 +121,8 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
     return Packed(
         [record.id for record in records],
         [named(record) for record in records],
+        [record.shape for record in records],
+        [str(_looks(record, params.role, 'diffuse_map') or '') for record in records],
         np.array([rows[record.frame_id] for record in records], dtype=np.int64),
         np.array([record.X_FG.rotation().matrix() for record in records]).reshape(-1, 3, 3),
         np.array([record.X_FG.translation() for record in records]).reshape(-1, 3),
@@ -148,11 +172,16 @@ def _numbered(given: list[int]) -> list[int]:
     return [next(free, without[0]) if label in without else label for label in given]
 
 
+def _looks(record: GeometryRecord, role: Role, name: str) -> Any:
+    """Return what a geometry has as ('phong', name), or None."""
+    # What has a part in distances only has no colour in that role.
+    others = (Role.kPerception, Role.kIllustration) if role is Role.kProximity else ()
+    return _property(record, (role, *others), 'phong', name)
+
+
 def _colour(record: GeometryRecord, params: RenderEngineExactParams, frame: int) -> Floats:
     """Return red, green and blue (3,) of a geometry on the frame of a row."""
-    # What has a part in distances only has no colour in that role.
-    others = (Role.kPerception, Role.kIllustration) if params.role is Role.kProximity else ()
-    diffuse = _property(record, (params.role, *others), 'phong', 'diffuse')
+    diffuse = _looks(record, params.role, 'diffuse')
     if diffuse is None:
         diffuse = params.default_diffuse or _PALETTE[frame % len(_PALETTE)]
     if not isinstance(diffuse, Rgba):

@@ -92,17 +92,9 @@ class RenderEngineExact(RenderEngine):
     def _packed(self, context: SceneGraphContext, renderer_name: str) -> Packed:
         """Return what the renderer shows of a context; packed once a version of its geometry."""
         # Only here: who makes no images imports nothing that does.
-        from drake_geom_ros.geometry.render._packing import packed_of
+        from drake_geom_ros.geometry.render._packing import kept_of
 
-        versions = context._model.versions
-        key = renderer_name, self, versions.frames, versions.roles[self._params.role]
-        # A snapshot shares what was packed; nothing of it ever changes.
-        kept = context._packed_scenes.get(renderer_name)
-        if kept is None or kept[0] != key:
-            kept = key, packed_of(context._model, self._params, renderer_name)
-            context._packed_scenes[renderer_name] = kept
-        packed: Packed = kept[1]
-        return packed
+        return kept_of(context, self, self._params, renderer_name)
 
     def _render(
         self,

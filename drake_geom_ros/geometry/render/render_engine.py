@@ -26,7 +26,8 @@ class RenderedImages(NamedTuple):
 class RenderEngine(ABC):
     """Makes images of the geometry with the perception role; a scene graph holds it by a name.
 
-    Made by ``MakeRenderEngineExact``. It never changes, so that scenes and contexts share it.
+    Made by ``MakeRenderEngineExact`` or ``MakeRenderEngineVtk``. It never changes, so that scenes
+    and contexts share it.
     """
 
     def Clone(self) -> RenderEngine:

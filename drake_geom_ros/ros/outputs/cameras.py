@@ -10,12 +10,14 @@ from drake_geom_msgs.msg import LabelLegend
 from sensor_msgs.msg import CameraInfo, Image
 
 from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.cameras import (
     fill_camera_info,
     fill_header,
     fill_image,
     fill_legend,
 )
+from drake_geom_ros.ros.outputs.camera_transforms import CameraTransforms
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
@@ -42,6 +44,7 @@ class _Open:
     due: float = 0.0  # [s]
     state: bytes = b''
     sent: float = 0.0  # [s]
+    X_WC: RigidTransform | None = None  # when the images were taken; None: it rests
     messages: dict[str, tuple[Any, Any]] = field(default_factory=dict)  # image, intrinsics
     legend_version: int = -1  # of the scene
 
@@ -65,11 +68,13 @@ class CameraPublisher:
         surface: Any,
         images: Any,
         latched: Any,
+        transforms: Any,
     ) -> None:
-        """``images`` and ``latched`` are the profiles of images and of legends."""
+        """Take the profiles of images, of legends and /tf_static, and of /tf."""
         self._live = live
         self._surface = surface
         self._images, self._latched = images, latched
+        self._transforms = CameraTransforms(surface, live.world_frame, latched, transforms)
         self.beside = Beside('cameras', self._why_not)  # what is told in the report of a cycle
         self._open: dict[str, _Open] = {}
         self._unheard, self._unchanged = 0, 0  # times that a camera was due, since last told
@@ -119,6 +124,9 @@ class CameraPublisher:
             if now < each.sent + _AGAIN:
                 return
         each.sent = now
+        if each.X_WC is not None:
+            stamp = each.messages[kinds[0]][0].header.stamp
+            self._transforms.move(each.camera, each.X_WC, stamp)
         for kind in kinds:
             image, info = each.messages[kind]
             each.publishers[f'{kind} info'].publish(info)
@@ -128,6 +136,8 @@ class CameraPublisher:
         """Take images of a camera, and keep them as messages."""
         camera, stamp = each.camera, view.moment.newest_stamp
         images = view.query.render_images(camera_of(camera), each.frame, camera.X_FC, kinds)
+        if each.frame != view.names.world:
+            each.X_WC = view.query.X_WF(each.frame) @ camera.X_FC
         each.messages = {}
         for kind in kinds:
             image, info = Image(), CameraInfo()
@@ -147,15 +157,21 @@ class CameraPublisher:
     def _follow(self) -> None:
         """Open and close topics as cameras come and go."""
         with self._live.reading() as scene:
-            cameras = scene.cameras
-        for name, each in list(self._open.items()):
-            if cameras.get(name) != (each.frame, each.camera):
-                del self._open[name]
-                for publisher in each.publishers.values():
-                    self._surface.close_publisher(publisher)
-        for name, (frame, camera) in cameras.items():
-            if name not in self._open:
-                self._open[name] = _Open(frame, camera, self._publishers(camera))
+            cameras, world = scene.cameras, scene.names.world
+        gone = [
+            name
+            for name, each in self._open.items()
+            if cameras.get(name) != (each.frame, each.camera)
+        ]
+        for name in gone:
+            for publisher in self._open.pop(name).publishers.values():
+                self._surface.close_publisher(publisher)
+        new = cameras.keys() - self._open.keys()
+        for name in new:
+            frame, camera = cameras[name]
+            self._open[name] = _Open(frame, camera, self._publishers(camera))
+        if gone or new:
+            self._transforms.fix(camera for frame, camera in cameras.values() if frame == world)
 
     def _publishers(self, camera: CameraDescription) -> dict[str, Any]:
         """Open the topics of a camera."""

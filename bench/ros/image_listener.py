@@ -1,0 +1,48 @@
+"""A subscriber of images that only counts them; on SIGTERM it prints one line of JSON.
+
+How many came, and in how many seconds from the first to the last.
+
+    python -m bench.ros.image_listener TOPIC ...
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import Image
+
+from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
+
+
+class ImageListener(Node):
+    """Counts what comes, as bytes: a reader of images costs more, and another process's time."""
+
+    def __init__(self, topics: list[str]) -> None:
+        super().__init__('image_listener')
+        self.times: list[float] = []  # [s] of the steady clock, when one came
+        for topic in topics:
+            self.create_subscription(Image, topic, self._take, QoSProfile(depth=10), raw=True)
+
+    def _take(self, image: bytes) -> None:
+        self.times.append(time.monotonic())
+
+
+def main() -> None:
+    """Listen until told to stop, then print."""
+    with StopSignals() as signals:
+        rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+        node = ImageListener(sys.argv[1:])
+        spin_until_stopped(node, signals)
+        rclpy.try_shutdown()
+    lasted = node.times[-1] - node.times[0] if node.times else 0.0
+    print(json.dumps({'images': len(node.times), 'seconds': lasted}), flush=True)
+
+
+if __name__ == '__main__':
+    main()
