@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.moment import Moment, Posed
 from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
 from drake_geom_ros.geometry._proximity.records import Plain, Scene
 
@@ -93,6 +95,7 @@ class World:
     def _gather_arguments(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
+        self._moment: weakref.ref[Moment] | None = None  # of now, if a query asked for it
         self._arguments = (
             self._moved,
             self.frames.parents,
@@ -223,10 +226,24 @@ class World:
         if set_poses(rows, R_PFs, p_PFs, self.R_PFs, self.p_PFs, self._moved):
             self._stale = True
 
+    def moment(self) -> Moment:
+        """Return the moment of the last update, which no later one reaches."""
+        found = self._moment and self._moment()
+        if found is None:
+            table = self.geometries
+            shapes = table.ids, table.types, table.starts, table.pool, table.frames
+            found = Moment(Posed(*shapes, self.R_WGs, self.frames.ids, self.p_WFs))
+            self._moment = weakref.ref(found)
+        return found
+
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
+        held = self._moment and self._moment()
+        if held is not None:
+            held.keep()
+        self._moment = None
         self.revision += 1
         counts = update(self.revision, *self._arguments)
         self._stale = False
