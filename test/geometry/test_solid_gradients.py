@@ -45,7 +45,7 @@ def turned(R, p=(0, 0, 0)):
 
 
 @pytest.mark.parametrize('name', OTHERS)
-@pytest.mark.parametrize('swapped', (False, True))
+@pytest.mark.parametrize('swapped', [False, True])
 def test_in_general_it_is_the_only_one_and_foretells_what_moving_does(name, swapped):
     rng = np.random.default_rng(len(name))
     shapes = (SOLIDS['U'], OTHERS[name])[:: -1 if swapped else 1]
@@ -102,7 +102,7 @@ def test_where_another_part_is_as_near_it_is_said(name):
     assert not found.is_gradient_unique[0]
 
 
-@pytest.mark.parametrize('p', ([1.5, 1.5001, 0.5], [1.5001, 1.5, 0.5]))
+@pytest.mark.parametrize('p', [[1.5, 1.5001, 0.5], [1.5001, 1.5, 0.5]])
 def test_a_little_nearer_to_one_part_is_enough(p):
     wall = pair_of(SOLIDS['L'], BALL).pose(NONE, turned(QUARTERS[0], p)).ask()
     assert wall.is_gradient_unique[0]

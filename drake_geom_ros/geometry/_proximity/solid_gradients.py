@@ -29,13 +29,13 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 
 @inlined
-def is_of_surfaces(type_a, type_b):
+def is_of_surfaces(type_a, type_b):  # type: ignore[no-untyped-def]
     """Tell whether a distance is that of a solid's surface; a half space meets its hull."""
     return (type_a == SOLID or type_b == SOLID) and type_a != HALF_SPACE and type_b != HALF_SPACE
 
 
 @allocating
-def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_BA_W):
+def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_BA_W):  # type: ignore[no-untyped-def]
     """Tell whether the witness points of any body A and a solid B are the only ones.
 
     ``nhat_BA_W`` points out of B into A.
@@ -52,7 +52,7 @@ def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_
 
 
 @allocating
-def find_unique_of_solids(rows, places, scene, unique):
+def find_unique_of_solids(rows, places, scene, unique):  # type: ignore[no-untyped-def]
     """Fill ``unique`` (k,) where a pair is of surfaces, as ``pair_gradients`` does elsewhere.
 
     Only what is apart can be unique: of the ways out of an overlap nobody knows that there is no

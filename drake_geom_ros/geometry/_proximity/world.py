@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import weakref
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,10 @@ from drake_geom_ros.geometry._proximity.records import Plain, Scene
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+def _none() -> None:
+    """Return nothing, as a reference does to what nobody holds."""
 
 
 class FrameTable(NamedTuple):
@@ -95,7 +100,7 @@ class World:
     def _gather_arguments(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        self._moment: weakref.ref[Moment] | None = None  # of now, if a query asked for it
+        self._moment: Callable[[], Moment | None] = _none  # that of now, while a result holds it
         self._arguments = (
             self._moved,
             self.frames.parents,
@@ -228,7 +233,7 @@ class World:
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
-        found = self._moment and self._moment()
+        found = self._moment()
         if found is None:
             table = self.geometries
             shapes = table.ids, table.types, table.starts, table.pool, table.frames
@@ -240,10 +245,9 @@ class World:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
-        held = self._moment and self._moment()
-        if held is not None:
+        if (held := self._moment()) is not None:
             held.keep()
-        self._moment = None
+        self._moment = _none
         self.revision += 1
         counts = update(self.revision, *self._arguments)
         self._stale = False
