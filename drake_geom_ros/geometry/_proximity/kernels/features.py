@@ -71,7 +71,7 @@ def hold_one_point(A, B):
 
 
 @inlined
-def _along(d, u, v, uu, uv, vv):
+def along(d, u, v, uu, uv, vv):
     """Return the segment along the unit d, which is at right angles to n."""
     x, y = dot(d, u), dot(d, v)
     length = math.hypot(x, y)
@@ -100,7 +100,7 @@ def _of_box(n, u, v):
     if flat == 0:
         return vertex(0.0)
     if flat == 1:
-        return _along(axis, u, v, 0.0, 0.0, 0.0)
+        return along(axis, u, v, 0.0, 0.0, 0.0)
     return _face()
 
 
@@ -113,7 +113,7 @@ def _of_cylinder(radius, n, u, v):
     t = (-n[1] / radial, n[0] / radial, 0.0)
     x, y, r = dot(t, u), dot(t, v), radius / radial
     if abs(n[2]) <= DISTINCT_NORMALS:
-        return _along(AXES[2], u, v, r * x * x, r * x * y, r * y * y)
+        return along(AXES[2], u, v, r * x * x, r * x * y, r * y * y)
     return Feature(POINT, 0.0, 0.0, r * x * x, r * x * y, r * y * y)
 
 
@@ -177,7 +177,7 @@ def feature_of(kind, shape, R, n, u, v):
         return _of_box(n, u, v)
     if kind == CAPSULE:
         if abs(n[2]) <= DISTINCT_NORMALS:
-            return _along(AXES[2], u, v, shape[0], 0.0, shape[0])
+            return along(AXES[2], u, v, shape[0], 0.0, shape[0])
         return vertex(shape[0])
     if kind == CYLINDER:
         return _of_cylinder(shape[0], n, u, v)
