@@ -54,9 +54,11 @@ def closing_speeds(
         at.append(np.searchsorted(ids, frames).clip(max=len(ids) - 1))
         known &= ids[at[-1]] == frames
     V = np.hstack((twists[at[0]], twists[at[1]]))
-    overlaps = isinstance(results, PenetrationResults)
-    sign, distance = (1.0, -results.depth) if overlaps else (-1.0, results.distance)
-    speed = np.where(known, sign * np.einsum('ki,ki->k', results.gradients, V), np.nan)
+    if isinstance(results, PenetrationResults):
+        growing, distance = results.gradients, -results.depth
+    else:
+        growing, distance = -results.gradients, results.distance
+    speed = np.where(known, np.einsum('ki,ki->k', growing, V), np.nan)
     return ClosingSpeeds(known, speed, _times_to_contact(distance, speed))
 
 

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry.render.camera_properties import CameraProperties
 from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
 from drake_geom_ros.geometry.scene_graph import SceneGraph
 from drake_geom_ros.geometry.shapes import Sphere
-from drake_geom_ros.geometry.state_queries import PackedScene, StateQueries, pose_gradients
+from drake_geom_ros.geometry.state_queries import PackedScene, StateQueries
 from drake_geom_ros.math import RigidTransform
 
 _FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from outside
@@ -72,8 +72,8 @@ def _answer_for_states() -> None:
         X_WB = np.array([3.0 * frame_row, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
         tree.put_poses(np.zeros((1, 0)), X_WB, links, poses, frame_row)
     queries.has_collisions(poses, 'exact', stop)
+    queries.within(poses, 'exact', math.inf, stop)
     queries.nearest(poses, 'exact', math.inf, 1, stop)
-    pose_gradients(queries.within(poses, 'exact', math.inf, stop)[1])
     queries.points(poses, np.zeros((1, 3)), math.inf, stop)
 
 
