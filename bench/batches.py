@@ -1,10 +1,10 @@
-"""Batches of states beside pydrake's loop over one context and its collision checker, in one run.
+"""Batches of states beside pydrake, Coal with Pinocchio, and MuJoCo in loops, in one run.
 
     python -m bench.batches [--states 2000] [--million] [--cluster]
 
 The scene is the demo's: two Pandas, a table and what lies on it. Random joint values within the
 limits; adjacent links and what the SRDF names are filtered, as are the arms' feet and what stands
-still. Both libraries get the same pairs of geometries. Times are means by state; ratios of one run
+still. All libraries get the same pairs of geometries. Times are means by state; ratios of one run
 can be compared, figures of two cannot. ``--million`` asks about a million states and tells the
 peak memory of the process; ``--cluster`` starts a Dask scheduler and one and two workers.
 """
@@ -18,15 +18,13 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drake_geom_ros import geometry
-from drake_geom_ros.batch import Joints, cluster_executor, evaluate
+from drake_geom_ros.batch import Joints, evaluate
 from drake_geom_ros.scene_files import LoadedScene, load_scene
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -34,8 +32,7 @@ SCENE = ROOT / 'scenes/two_pandas.yaml'
 FOOT = 'panda_link0'
 BELOW, FLOOR = '{position: [0, 0, -0.1]}', '{type: box, size: [4, 4, 0.2]}'
 TURNS = 3  # of which the fastest counts: what else the machine does only ever adds
-CLUSTER_STATES = 100_000
-TASKS = 500  # that do nothing: what the scheduler takes for one
+CLUSTER_STATES = 400_000  # 40 blocks: of ten, one more for a worker would be a tenth
 
 
 class Ours:
@@ -113,36 +110,48 @@ def seconds(work: Callable[[], Any], clock: Callable[[], float] = time.perf_coun
     return min(taken)
 
 
-def beside_drake(ours: Ours, states: np.ndarray) -> None:
-    """Print ours and pydrake's times by state, one thread each."""
+def sides(ours: Ours) -> list[Any]:
+    """Return the libraries that are installed here; all get the pairs that pydrake can filter."""
+    found: list[Any] = []
     try:
         from bench.batches_drake import DrakeSide
+
+        drake = DrakeSide(ours)
+        ours.keep_only(drake.pairs())
+        drake.keep_only(ours.pairs())
+        print(f'the same pairs of geometries: {ours.pairs() == drake.pairs()}')
+        found.append(drake)
     except ImportError as error:
         print(f'not installed here, left out: pydrake ({error})')
-        return
-    drake = DrakeSide(ours)
-    ours.keep_only(drake.pairs())
-    drake.keep_only(ours.pairs())
-    same = ours.pairs() == drake.pairs()
-    print(f'pairs of geometries {len(ours.pairs())}, the same in both: {same}')
+    try:
+        from bench.batches_peers import CoalSide, MujocoSide
+
+        found += [CoalSide(ours), MujocoSide(ours)]
+    except ImportError as error:
+        print(f'not installed here, left out: Coal with Pinocchio, MuJoCo ({error})')
+    return found
+
+
+def beside(ours: Ours, other: Any, states: np.ndarray) -> None:
+    """Print ours and another library's times by state, one thread each."""
     few = states[:200]
     mine = ask(ours, few, 'least', 1).distance
-    print(f'largest difference of least distances {np.abs(mine - drake.least(few)).max():.2g} m')
-    yes = ask(ours, few, 'collision', 1)
+    off, apart = np.abs(mine - other.least(few)), mine > 0.0
+    differ = int((ask(ours, few, 'collision', 1) != other.collisions(few)).sum())
     print(
-        f'colliding {yes.mean():.2f}, verdicts that differ {(yes != drake.collisions(few)).sum()}'
+        f'{other.name}: least distances differ by {off[apart].max():.2g} m apart and '
+        f'{off.max():.2g} m at most, verdicts by {differ} of {len(few)}'
     )
-    rows = (
-        ('least', 'loop over one context', lambda: drake.least(few), len(few)),
-        ('collision', 'CheckConfigsCollisionFree', lambda: drake.collisions(states), len(states)),
-    )
-    for want, name, work, count in rows:
+    rows = (('least', lambda: other.least(few), len(few)),
+            ('collision', lambda: other.collisions(states), len(states)))  # fmt: skip
+    for want, work, count in rows:
         # Of processor time: one thread each, whatever else the machine does.
         theirs = seconds(work, time.process_time) / count
         mine = seconds(lambda w=want: ask(ours, states, w, 1), time.process_time) / len(states)
         print(
-            f'{want}: ours {1e6 * mine:.1f} us, pydrake {name} {1e6 * theirs:.1f} us, '
-            f'ratio {theirs / mine:.1f}'
+            f'{want}: ours {1e6 * mine:.1f} us, {other.name} {1e6 * theirs:.1f} us, '
+            f'ratio {theirs / mine:.1f}',
+            flush=True,
         )
 
 
@@ -188,52 +197,6 @@ def million(ours: Ours) -> None:
             print(f'a million states, {what}: {took:.1f} s, peak memory at most {peak:.0f} MB')
 
 
-def on_cluster(ours: Ours) -> None:
-    """Print what one and two workers of Dask give beside as many threads."""
-    states = ours.states(CLUSTER_STATES)
-    expected = ask(ours, states, 'least', 1)
-    threads = [seconds(lambda n=n: ask(ours, states, 'least', n)) for n in (1, 2)]
-    processes: list[subprocess.Popen[bytes]] = []
-    quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
-    address = 'tcp://127.0.0.1:18786'
-
-    def start(program: str, *options: str) -> None:
-        command = [sys.executable, '-m', f'distributed.cli.{program}', *options]
-        processes.append(subprocess.Popen(command, cwd=ROOT, **quiet))
-
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            start('dask_scheduler', '--host', '127.0.0.1', '--port', '18786', '--no-dashboard')
-            for count in (1, 2):
-                options = ('--nthreads', '1', '--no-nanny', '--no-dashboard')
-                start('dask_worker', address, *options, '--local-directory', folder)
-                with cluster_executor(address) as executor:
-                    while len(executor._client.scheduler_info()['workers']) < count:
-                        time.sleep(0.1)
-                    work = lambda e=executor: ask(ours, states, 'least', 0, executor=e)  # noqa: E731
-                    found = work()
-                    assert all(np.array_equal(a, b) for a, b in zip(found, expected, strict=True))
-                    took = seconds(work)
-                    idle = seconds(partial(nothing, executor)) / TASKS
-                print(
-                    f'{count} workers: {took:.2f} s for {len(states)} states, efficiency against '
-                    f'{count} threads {threads[count - 1] / took:.2f}, a task that does nothing '
-                    f'{1000.0 * idle:.2f} ms'
-                )
-        size = sum(column.nbytes for column in expected) / len(states)
-        print(f'bytes a state: in {states.nbytes / len(states):.0f}, out {size:.0f}')
-    finally:
-        for process in reversed(processes):
-            process.kill()
-            process.wait()
-
-
-def nothing(executor: Executor) -> None:
-    """Have an executor do nothing, many times."""
-    for done in [executor.submit(abs, number) for number in range(TASKS)]:
-        done.result()
-
-
 def main() -> None:
     """Measure what is asked for."""
     parser = argparse.ArgumentParser(
@@ -247,13 +210,19 @@ def main() -> None:
     states = ours.states(given.states)
     for want in ('least', 'collision'):
         ask(ours, states[:2], want, 1)  # compiles
-    beside_drake(ours, states)
+    others = sides(ours)
+    yes = ask(ours, states, 'collision', 1)
+    print(f'pairs of geometries {len(ours.pairs())}, states that collide {yes.mean():.2f}')
+    for other in others:
+        beside(ours, other, states)
     by_threads(ours, states)
     near_states(ours, states)
     if given.million:
         million(ours)
     if given.cluster:
-        on_cluster(ours)
+        from bench.batches_cluster import on_cluster
+
+        on_cluster(ours, ours.states(CLUSTER_STATES))
 
 
 if __name__ == '__main__':

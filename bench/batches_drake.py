@@ -18,7 +18,12 @@ Name = tuple[str, str, str]
 
 
 class DrakeSide:
-    """Two arms, welded where the scene file puts them, and everything else on the world."""
+    """Two arms, welded where the scene file puts them, and everything else on the world.
+
+    Collisions are asked of its checker, ``CheckConfigsCollisionFree``.
+    """
+
+    name = 'pydrake'
 
     def __init__(self, ours: Any) -> None:
         builder = RobotDiagramBuilder(time_step=0.0)

@@ -215,10 +215,10 @@ pip_add() {
 # Each peer that has a wheel for this Python and machine.
 install_peers() {
   local name missing=()
-  for name in drake coal mujoco; do
+  for name in drake coal mujoco pin; do
     pip_add --only-binary :all: -c "$root/requirements/peers.txt" "$name" || missing+=("$name")
   done
-  ((${#missing[@]} < 3)) # all of them: not a matter of wheels
+  ((${#missing[@]} < 4)) # all of them: not a matter of wheels
 }
 
 install_view() { pip_add -r "$root/requirements/view.txt"; }

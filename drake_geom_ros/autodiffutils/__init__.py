@@ -5,6 +5,7 @@ from drake_geom_ros.autodiffutils.arrays import (
     ExtractValue,
     InitializeAutoDiff,
     InitializeAutoDiffTuple,
+    autodiff_equal_to,
 )
 from drake_geom_ros.autodiffutils.autodiff import AutoDiffXd
 from drake_geom_ros.autodiffutils.transforms import (
@@ -24,4 +25,5 @@ __all__ = [
     'ExtractValue',
     'InitializeAutoDiff',
     'InitializeAutoDiffTuple',
+    'autodiff_equal_to',
 ]

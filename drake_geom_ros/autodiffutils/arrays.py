@@ -63,6 +63,23 @@ def ExtractGradient(auto_diff_matrix: Any, num_derivatives: int | None = None) -
     return derivatives_of(numbers, num_derivatives)
 
 
+def autodiff_equal_to(a: Any, b: Any, semantic: bool = False) -> Any:
+    """Return whether numbers of two arrays have the same values and derivatives, each by itself.
+
+    With ``semantic`` a constant is the same as a number all of whose derivatives are 0.
+    """
+
+    def equal(x: Any, y: Any) -> bool:
+        of_x, of_y = (n.derivatives() if is_autodiff(n) else np.zeros(0) for n in (x, y))
+        if semantic and not (of_x.size and of_y.size):
+            same = not (of_x.any() or of_y.any())
+        else:
+            same = np.array_equal(of_x, of_y)
+        return bool(same and x == y)
+
+    return np.vectorize(equal, otypes=[bool])(a, b)
+
+
 def values_of(numbers: Any) -> Floats:
     """Return the values of an array of AutoDiffXd and floats, in its shape."""
     array = np.asarray(numbers)

@@ -29,13 +29,19 @@ class AutoDiffXd:
     __hash__ = None  # type: ignore[assignment]
 
     def __init__(
-        self, value: float, derivatives: ArrayLike | int = (), offset: int | None = None
+        self,
+        value: float,
+        derivatives: ArrayLike | int = (),
+        offset: int | None = None,
+        *,
+        size: int | None = None,
     ) -> None:
         self._value = float(value)
         if offset is None:
             self._derivatives: Floats = np.array(derivatives, dtype=np.float64).reshape(-1)
         else:
-            self._derivatives = np.eye(1, int(derivatives), offset)[0]  # type: ignore[arg-type]
+            count: Any = derivatives if size is None else size
+            self._derivatives = np.eye(1, int(count), offset)[0]
 
     def value(self) -> float:
         """Return the value."""
@@ -80,6 +86,8 @@ class AutoDiffXd:
         return _binary(other, divided)
 
     def __pow__(self, other: Any) -> Any:
+        """Return this to a power."""
+
         def raised(y: AutoDiffXd) -> AutoDiffXd:
             x, power = self._value, _power(self._value, y._value)
             slope = y._value * _power(x, y._value - 1.0) if y._value != 0.0 else 0.0
@@ -110,7 +118,29 @@ class AutoDiffXd:
         return self
 
     def __abs__(self) -> AutoDiffXd:
-        return self._after(abs(self._value), math.copysign(1.0, self._value))
+        """Return the size."""
+        return self._after(abs(self._value), 1.0 if self._value >= 0.0 else -1.0)
+
+    def __ceil__(self) -> float:
+        """Return the next whole number above the value."""
+        return float(math.ceil(self._value))
+
+    def __floor__(self) -> float:
+        """Return the next whole number below the value."""
+        return float(math.floor(self._value))
+
+    def max(self, other: Any) -> AutoDiffXd:
+        """Return the larger number; of equal ones this, unless it is a constant."""
+        y = _number(other)
+        return y if y._value > self._value or self._gives_way(y) else self
+
+    def min(self, other: Any) -> AutoDiffXd:
+        """Return the smaller number; of equal ones this, unless it is a constant."""
+        y = _number(other)
+        return y if y._value < self._value or self._gives_way(y) else self
+
+    def _gives_way(self, other: AutoDiffXd) -> bool:
+        return other._value == self._value and not self._derivatives.size
 
     def __eq__(self, other: object) -> Any:
         return _compared(other, lambda y: self._value == y)
@@ -132,6 +162,9 @@ class AutoDiffXd:
 
     def __repr__(self) -> str:
         return f'AutoDiffXd({self._value}, {self._derivatives.tolist()})'
+
+    def __str__(self) -> str:
+        return f'AD{{{self._value}, nderiv={self._derivatives.size}}}'
 
     # NumPy calls these for its functions on arrays of objects.
 
@@ -194,6 +227,10 @@ class AutoDiffXd:
 
         return _binary(x, angle)
 
+    # As pydrake has them, too.
+    abs, pow, ceil, floor = __abs__, __pow__, __ceil__, __floor__
+    acos, asin, atan, atan2 = arccos, arcsin, arctan, arctan2
+
 
 def _power(x: float, exponent: float) -> float:
     """Return x to a power, as floats do; a whole power of a negative number is a number."""
@@ -212,6 +249,14 @@ def _as_ours(number: Any) -> AutoDiffXd | None:
     if isinstance(number, (int, float, np.integer, np.floating)):
         return AutoDiffXd(float(number))
     return None
+
+
+def _number(number: Any) -> AutoDiffXd:
+    """Return a number as an AutoDiffXd of ours; raises TypeError for what is no number."""
+    found = _as_ours(number)
+    if found is None:
+        raise TypeError(f'AutoDiffXd: {number!r} is no number')
+    return found
 
 
 def _binary(other: Any, function: Callable[[AutoDiffXd], AutoDiffXd]) -> Any:

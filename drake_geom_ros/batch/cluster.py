@@ -13,7 +13,8 @@ from drake_geom_ros.batch.running import BatchError
 def cluster_executor(address: str, timeout: float = 10.0) -> Iterator[Executor]:
     """Yield an executor of the Dask scheduler at an address, as ``tcp://host:8786``.
 
-    Its workers need this package in the same version. Raises BatchError where Dask is not
+    Its workers need this package in the same version. Answers come from them straight to here, and
+    by the scheduler only where workers cannot be reached. Raises BatchError where Dask is not
     installed, or nobody answers at the address within ``timeout`` [s].
     """
     try:
@@ -24,7 +25,7 @@ def cluster_executor(address: str, timeout: float = 10.0) -> Iterator[Executor]:
             "pip install distributed, or this package with its extra 'cluster'"
         ) from None
     try:
-        client = Client(address, timeout=timeout, set_as_default=False)
+        client = Client(address, timeout=timeout, set_as_default=False, direct_to_workers=True)
     except (OSError, ValueError) as error:
         raise BatchError(f'no scheduler at {address}: {error}') from None
     with client:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
@@ -33,6 +34,7 @@ from drake_geom_ros.geometry.state_queries import StateQueries
 Floats = NDArray[np.float64]
 Block = tuple[int, int]  # the first state, and the one behind the last
 Done = tuple[Block, Columns]
+_KILLED = 'KilledWorker'  # Dask: a block that died with several workers; the others go on
 _T = TypeVar('_T')
 _B = TypeVar('_B')
 
@@ -40,6 +42,7 @@ LOCAL_BLOCK = 1024  # states: some hundredths of a second, arrays that stay in t
 REMOTE_BLOCK = 10_000  # states: what a scheduler takes for a task is nothing beside it
 AHEAD = 64  # blocks that are with an executor at once: memory stays flat
 _LOOKS = 0.2  # [s] how often a wait for blocks lets Ctrl-C in
+_GRACE = 5.0  # [s] that blocks have, one after the other, once their executor is known to be gone
 
 
 class BatchError(GeometryError):
@@ -91,9 +94,10 @@ def by_executor(
 
     Blocks name the job by its digest; it goes with one only where a worker does not know it yet.
     Blocks that are lost with a worker, or with the executor, are computed here: a RuntimeWarning
-    says why. Raises BatchError for a worker of other sources, PoseError for a state that is none.
+    says why. Nothing more is given to an executor that is gone: it may never answer. Raises
+    BatchError for a worker of other sources, PoseError for a state that is none.
     """
-    mine, digest, waiting = worker.version(), job.digest, iter(blocks)
+    mine, digest, waiting, gone = worker.version(), job.digest, iter(blocks), threading.Event()
     unknown: list[Block] = []  # blocks of which a worker did not know the job
     lost: list[Block] = []
     causes: dict[str, None] = {}
@@ -110,11 +114,9 @@ def by_executor(
         try:
             return executor.submit(worker.answer, mine, digest, sent, rows, first)
         except (RuntimeError, OSError) as error:  # it takes no more tasks
-            failed: Future[worker.Answer] = Future()
-            failed.set_exception(CancelledError(f'{type(error).__name__}: {error}'))
-            return failed
+            return _cancelled(f'{type(error).__name__}: {error}')
 
-    for (block, _), done in _in_flight(submit, take, AHEAD):
+    for (block, _), done in _in_flight(submit, take, AHEAD, gone.is_set):
         error = CancelledError() if done.cancelled() else done.exception()
         if error is None:
             answer = done.result()
@@ -127,8 +129,11 @@ def by_executor(
         elif is_loss(error):
             lost.append(block)
             causes[f'{type(error).__name__}: {error}'] = None
+            if type(error).__name__ != _KILLED:
+                gone.set()
         else:
             raise error
+    lost += [*unknown, *waiting]  # if it is gone; else there are none
     if lost:
         warnings.warn(
             f'{len(lost)} blocks of states were lost and are computed by this process: '
@@ -147,18 +152,37 @@ def is_loss(error: BaseException) -> bool:
 
 
 def _in_flight(
-    submit: Callable[[_B], Future[_T]], take: Callable[[], _B | None], most: int
+    submit: Callable[[_B], Future[_T]],
+    take: Callable[[], _B | None],
+    most: int,
+    is_gone: Callable[[], bool] = lambda: False,
 ) -> Iterator[tuple[_B, Future[_T]]]:
-    """Yield what is taken and its future as it is done; at most so many are under way."""
+    """Yield what is taken and its future as it is done; at most so many are under way.
+
+    Once whoever computes ``is_gone`` no more is taken, and what gets no answer is cancelled.
+    """
     under_way: dict[Future[_T], _B] = {}
+    last = time.monotonic()
     try:
         while True:
-            while len(under_way) < most and (block := take()) is not None:
+            while not is_gone() and len(under_way) < most and (block := take()) is not None:
                 under_way[submit(block)] = block
             if not under_way:
                 return
             for future in wait(under_way, _LOOKS, FIRST_COMPLETED).done:
                 yield under_way.pop(future), future
+                last = time.monotonic()
+            if is_gone() and time.monotonic() - last > _GRACE:
+                for block in list(under_way.values()):
+                    yield block, _cancelled('no answer any more')
+                return
     finally:
         for future in under_way:
             future.cancel()
+
+
+def _cancelled(why: str) -> Future[Any]:
+    """Return a future that was cancelled, and says why."""
+    future: Future[Any] = Future()
+    future.set_exception(CancelledError(why))
+    return future

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId
-from drake_geom_ros.geometry.query_results import SignedDistanceResults
+from drake_geom_ros.geometry.query_results import PenetrationResults, SignedDistanceResults
 from drake_geom_ros.geometry.scene_graph import SceneGraph
 
 Floats = NDArray[np.float64]
@@ -25,14 +25,14 @@ class ClosingSpeeds(NamedTuple):
     """
 
     known: NDArray[np.bool_]  # (k,)
-    speed: Floats  # (k,) [m/s], positive where bodies come together
+    speed: Floats  # (k,) [m/s], positive where bodies come together, or deeper into each other
     time_to_contact: Floats  # (k,) [s]
 
 
 def closing_speeds(
-    results: SignedDistanceResults, V_WFs: Mapping[FrameId, ArrayLike]
+    results: SignedDistanceResults | PenetrationResults, V_WFs: Mapping[FrameId, ArrayLike]
 ) -> ClosingSpeeds:
-    """Return the closing speeds of pairs at the spatial velocities of frames.
+    """Return the closing speeds of pairs, of overlaps too, at the spatial velocities of frames.
 
     ``V_WFs`` maps frames to V_WF = [w_WF, v_WFo] (6,), in World axes [rad/s, m/s]; the world frame
     stands still without being named, and pairs with any other that is not named are not known.
@@ -54,8 +54,12 @@ def closing_speeds(
         at.append(np.searchsorted(ids, frames).clip(max=len(ids) - 1))
         known &= ids[at[-1]] == frames
     V = np.hstack((twists[at[0]], twists[at[1]]))
-    speed = np.where(known, -np.einsum('ki,ki->k', results.gradients, V), np.nan)
-    return ClosingSpeeds(known, speed, _times_to_contact(results.distance, speed))
+    if isinstance(results, PenetrationResults):
+        growing, distance = results.gradients, -results.depth
+    else:
+        growing, distance = -results.gradients, results.distance
+    speed = np.where(known, np.einsum('ki,ki->k', growing, V), np.nan)
+    return ClosingSpeeds(known, speed, _times_to_contact(distance, speed))
 
 
 def _times_to_contact(distance: Floats, speed: Floats) -> Floats:

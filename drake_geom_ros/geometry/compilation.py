@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER, Tell, compilation
 from drake_geom_ros.geometry._proximity.rehearsal import compile_everything
-from drake_geom_ros.geometry.instances import GeometryInstance
+from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.joint_trees import JointTree
 from drake_geom_ros.geometry.mesh_shapes import Mesh
 from drake_geom_ros.geometry.mesh_source import MeshData
-from drake_geom_ros.geometry.properties import PerceptionProperties
+from drake_geom_ros.geometry.properties import PerceptionProperties, ProximityProperties
 from drake_geom_ros.geometry.render.camera_properties import CameraProperties
 from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
 from drake_geom_ros.geometry.scene_graph import SceneGraph
+from drake_geom_ros.geometry.shapes import Sphere
+from drake_geom_ros.geometry.state_queries import PackedScene, StateQueries
 from drake_geom_ros.math import RigidTransform
 
 _FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from outside
@@ -28,6 +33,8 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
     kernels = compile_everything(tell)
     with compilation(tell, 'images', 1, 1):
         _take_an_image()
+    with compilation(tell, 'batches of states', 1, 1):
+        _answer_for_states()
     return kernels
 
 
@@ -42,6 +49,32 @@ def _take_an_image() -> None:
     query = scene_graph.get_query_output_port().Eval(scene_graph.CreateDefaultContext())
     camera = CameraProperties(1, 1, 1.0, 'exact')
     query.render_images(camera, scene_graph.world_frame_id(), RigidTransform())
+
+
+def _answer_for_states() -> None:
+    """Ask all that can be asked about one state of two balls, which runs all loops over states."""
+    scene_graph, ids = SceneGraph(), []
+    source = scene_graph.RegisterSource('balls')
+    for name in 'ab':
+        frame = scene_graph.RegisterFrame(source, GeometryFrame(name))
+        ball = GeometryInstance(RigidTransform(), Sphere(1.0), name)
+        ball.set_proximity_properties(ProximityProperties())
+        scene_graph.RegisterGeometry(source, frame, ball)
+        ids.append(frame.get_value())
+    scene, _ = PackedScene.of(scene_graph.CreateDefaultContext(), np.array(ids, dtype=np.int64))
+    queries, stop = StateQueries(scene), np.zeros(1, dtype=np.int64)
+    poses = np.zeros((1, 2, 7))
+    none, links = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    tree = JointTree(
+        *(none, np.zeros(0), np.zeros(0), none, np.zeros((0, 3)), np.zeros((0, 7)), none, none)
+    )
+    for frame_row in range(2):
+        X_WB = np.array([3.0 * frame_row, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+        tree.put_poses(np.zeros((1, 0)), X_WB, links, poses, frame_row)
+    queries.has_collisions(poses, 'exact', stop)
+    queries.within(poses, 'exact', math.inf, stop)
+    queries.nearest(poses, 'exact', math.inf, 1, stop)
+    queries.points(poses, np.zeros((1, 3)), math.inf, stop)
 
 
 def kernel_cache() -> str:

@@ -8,13 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch
-from drake_geom_ros.geometry._proximity.derivatives import (
-    Moment,
-    Posed,
-    gradients_of_pairs,
-    places_of,
-)
+from drake_geom_ros.geometry._proximity.derivatives import gradients_of_pairs, places_of
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
+from drake_geom_ros.geometry._proximity.moment import Moment, Posed
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId
 
@@ -40,8 +36,9 @@ class PairGradients:
         """Whether each gradient (k,) is the only one: the distance has a derivative there.
 
         False where normals are equally good, where faces or edges lie parallel, where corners
-        touch, for answers from bounds alone, and for solids, of which nobody has looked whether
-        another part is as near. Rounding decides for what is so by less than about 1e-6 rad.
+        touch, for answers from bounds alone, and for solids that touch or overlap. Of solids that
+        are apart all parts are looked at that may be as near. Rounding decides for what is so by
+        less than about 1e-6 rad.
         """
         return self._derivatives()[1]
 
@@ -113,7 +110,6 @@ class PointGradients:
     _batch: PointBatch
     _moment: Moment | None
     _p_WQs: Floats  # (m, 3) [m]
-    _p_WFs: Floats  # (nf, 3) [m]
 
     @property
     def _scene(self) -> Posed:
@@ -130,7 +126,7 @@ class PointGradients:
         grads = self._batch.rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
         scene = self._scene
         frames = scene.frames[places_of(scene, self._batch.ids)]
-        p_FQs = self._p_WQs[self._batch.points] - self._p_WFs[frames]
+        p_FQs = self._p_WQs[self._batch.points] - scene.p_WFs[frames]
         return -np.hstack((np.cross(p_FQs, grads), grads))
 
     def distance_jacobian(self, J_Gs: ArrayLike, J_Qs: ArrayLike | None = None) -> Floats:

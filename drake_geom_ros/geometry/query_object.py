@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.derivatives import moment_of
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
@@ -176,7 +175,7 @@ class QueryObject(ImageQueries):
         )
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
         unsure = level == 'bound' or budget > 0.0
-        return PenetrationResults(batch.penetrating() if unsure else batch, moment_of(world))
+        return PenetrationResults(batch.penetrating() if unsure else batch, world.moment())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -218,7 +217,7 @@ class QueryObject(ImageQueries):
             *(world, context._filters, self._level(accuracy), reach),
             time_budget=_checked_budget(time_budget),
         )
-        return SignedDistanceResults(batch, moment_of(world))
+        return SignedDistanceResults(batch, world.moment())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -279,7 +278,7 @@ class QueryObject(ImageQueries):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
-        return SignedDistanceResults(batch, moment_of(world))
+        return SignedDistanceResults(batch, world.moment())
 
     def FindCollisionCandidates(
         self, *, accuracy: str | None = None
@@ -330,7 +329,7 @@ class QueryObject(ImageQueries):
         world = context._posed_world()
         points = np.array(np.atleast_2d(p_WQs), order='C')  # the results keep it
         batch = context._engine.point_distances(world, points, reach)
-        return PointDistanceResults(batch, moment_of(world), points)
+        return PointDistanceResults(batch, world.moment(), points)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

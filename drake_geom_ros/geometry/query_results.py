@@ -23,7 +23,6 @@ from drake_geom_ros.geometry._proximity.batches import (
     PairBatch,
     PointBatch,
 )
-from drake_geom_ros.geometry._proximity.derivatives import Moment
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -41,6 +40,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_NEAREST,
     POINT_UNIQUE,
 )
+from drake_geom_ros.geometry._proximity.moment import Moment
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.query_gradients import PairGradients, PointGradients
 from drake_geom_ros.geometry.query_records import (
@@ -284,8 +284,8 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
         """Without a ``moment``, of points in many states, there are no derivatives."""
         super().__init__(batch)
         self._moment = moment
-        if moment is not None and p_WQs is not None:
-            self._p_WQs, self._p_WFs = p_WQs, moment.world.p_WFs.copy()
+        if p_WQs is not None:
+            self._p_WQs = p_WQs
 
     @property
     def id_G(self) -> NDArray[np.int64]:

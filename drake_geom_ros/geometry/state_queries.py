@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.batches import P_FACA, P_FBCB
+from drake_geom_ros.geometry._proximity.derivatives import gradients_of_rows
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.state_loops import StateLoops
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
@@ -168,10 +168,8 @@ class StateQueries:
 
 
 def pose_gradients(results: SignedDistanceResults) -> Floats:
-    """Return ``SignedDistancePair.gradient()`` of each pair (k, 12): for A, then for B."""
-    rows, n = results._rows, results.nhat_BA_W
-    p_FaCa, p_FbCb = rows[:, P_FACA : P_FACA + 3], rows[:, P_FBCB : P_FBCB + 3]
-    return np.hstack((np.cross(p_FaCa, n), n, -np.cross(p_FbCb, n), -n))
+    """Return the gradients (k, 12) of distances as ``SignedDistanceResults`` of one state does."""
+    return gradients_of_rows(results._rows)
 
 
 def _gap(accuracy: str) -> float:

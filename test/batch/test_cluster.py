@@ -9,12 +9,13 @@ import socket
 import subprocess
 import sys
 import time
+from concurrent.futures import Executor
 
 import pytest
 from batch.test_evaluation import same
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.batch import BatchError, cluster_executor, evaluate
+from drake_geom_ros.batch import BatchError, cluster_executor, evaluate, running
 
 pytestmark = pytest.mark.skipif(
     not importlib.util.find_spec('distributed'), reason="Dask's distributed is not installed"
@@ -33,6 +34,20 @@ def start(folder, program, *arguments, path=ROOT):
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
+
+
+class Watched(Executor):
+    """An executor that does something when so many tasks were given to it."""
+
+    def __init__(self, executor, number, action):
+        self._executor, self._number, self._action = executor, number, action
+        self.count = 0
+
+    def submit(self, *task):
+        self.count += 1
+        if self.count == self._number:
+            self._action()
+        return self._executor.submit(*task)
 
 
 class Cluster:
@@ -85,23 +100,21 @@ def test_workers_give_the_same_bits(cell, cluster, asked):
         assert same(evaluate(cell.scene_graph, executor=executor, **given), expected)
 
 
+# Of 100 blocks at most 64 are under way at once, and each may be asked for twice: the second time
+# with the scene, which a worker did not know. So when this many were asked for some are done.
+IN_THE_MIDDLE = 2 * 64 + 10
+
+
 def test_a_worker_that_is_killed_costs_no_result(cell, cluster, asked):
     given, expected = asked
     victim = cluster.worker()
-    done = []
-
-    def kill(states, total):
-        done.append(states)
-        if len(done) == 1:
-            os.kill(victim.pid, signal.SIGKILL)
-
     with cluster_executor(cluster.address) as executor:
         executor.submit(os.getpid).result()
         while len(executor._client.scheduler_info()['workers']) < 3:
             time.sleep(0.1)
-        found = evaluate(
-            cell.scene_graph, executor=executor, progress=kill, **{**given, 'block_size': 20}
-        )
+        watched = Watched(executor, 80, lambda: os.kill(victim.pid, signal.SIGKILL))
+        found = evaluate(cell.scene_graph, executor=watched, **{**given, 'block_size': 20})
+    assert watched.count >= 100
     assert victim.wait() == -signal.SIGKILL
     assert same(found, expected)
 
@@ -131,3 +144,24 @@ def test_a_worker_of_other_sources_is_refused_by_name(cell, tmp_path, asked):
             evaluate(cell.scene_graph, executor=executor, **given)
     finally:
         there.close()
+
+
+def test_a_scheduler_that_goes_away_costs_no_result_and_is_named(
+    cell, tmp_path, asked, monkeypatch
+):
+    """What its workers had done is kept, and only the rest is computed here."""
+    given, expected = asked
+    there, here, by_threads = Cluster(tmp_path), [], running.by_threads
+
+    def note(job, states, blocks, threads=0):
+        here.extend(blocks)
+        return by_threads(job, states, blocks, threads)
+
+    monkeypatch.setattr(running, 'by_threads', note)
+    there.worker()
+    with contextlib.closing(there), cluster_executor(there.address) as executor:
+        watched = Watched(executor, IN_THE_MIDDLE, there.scheduler.kill)
+        with pytest.warns(RuntimeWarning, match=r'blocks of states were lost .*: .*[Cc]ancelled'):
+            found = evaluate(cell.scene_graph, executor=watched, **{**given, 'block_size': 20})
+    assert same(found, expected)
+    assert 0 < len(here) < 100

@@ -69,7 +69,7 @@ LIBRARIES = {
 }
 # Used where it is there.
 OPTIONAL = {
-    *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'mpmath', 'distributed', 'pyarrow'),
+    *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
     *('viser', 'imageio', 'lcm', 'vtkmodules'),
 }
 

@@ -48,3 +48,14 @@ def test_what_is_no_twist_is_refused(twist):
     pair = MovingPair(Sphere(0.1), Sphere(0.1))
     with pytest.raises(ArgumentError, match='six finite numbers'):
         closing_speeds(pair.ask(), {pair.frames[0]: twist})
+
+
+def test_of_overlaps_it_is_how_fast_they_grow():
+    pair = random_pair(np.random.default_rng(3), ('box', 'cylinder'), -0.01)
+    V = np.random.default_rng(4).normal(size=12)
+    twists = dict(zip(pair.frames, (V[:6], V[6:]), strict=True))
+    found = closing_speeds(pair.query.ComputePointPairPenetration(), twists)
+    same = closing_speeds(pair.ask(), twists)
+    assert found.speed.tolist() == same.speed.tolist()
+    assert found.time_to_contact.tolist() == same.time_to_contact.tolist() == [0.0]
+    assert closing_speeds(pair.query.ComputePointPairPenetration(), {}).known.tolist() == [False]

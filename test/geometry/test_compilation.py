@@ -9,7 +9,9 @@ CODE = """
 import numpy as np
 from numba.core import event
 from drake_geom_ros import geometry as g
+from drake_geom_ros.batch import Joints, evaluate
 from drake_geom_ros.geometry.render import CameraProperties
+from drake_geom_ros.scene_files import load_scene
 from drake_geom_ros.math import RigidTransform
 
 told = []
@@ -54,6 +56,17 @@ with event.install_recorder('numba:compile') as recorder:
     manager.RemoveDeclaration(filters[0])
     camera = CameraProperties(8, 8, 1.0, 'exact')
     query.render_images(camera, graph.world_frame_id(), RigidTransform([0, 0, -9]))
+    of_arms, states = g.SceneGraph(), {}
+    joints = Joints.of(load_scene('test/batch/cell.yaml', of_arms))
+    for scene in (graph, of_arms):
+        for want in ('collision', 'least', 'nearest', 'within', 'points'):
+            points = np.zeros((2, 3)) if want == 'points' else None
+            states = {'frame_ids': [], 'poses': np.zeros((2, 0, 7))}
+            if scene is of_arms:
+                states = {'states': np.zeros((2, joints.count)), 'joints': joints}
+            evaluate(
+                context if scene is graph else scene, want=want, points=points, threads=1, **states
+            )
 print(len(recorder.buffer), len(kernels), len(query.ComputeSignedDistanceToPoint([0, 0, 9])))
 """
 

@@ -5,17 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.moving_pairs import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
-from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (
-    METHODS,
     ArgumentError,
     Box,
     Capsule,
     Cylinder,
     GeometryError,
     HalfSpace,
-    Mesh,
     SignedDistanceResults,
     Sphere,
 )
@@ -130,16 +127,6 @@ def test_it_is_the_same_with_the_roles_exchanged(names, distance, seed):
     assert found.is_gradient_unique[0] == swapped.is_gradient_unique[0]
     if found.is_gradient_unique[0]:
         np.testing.assert_allclose(np.roll(swapped.gradients[0], 6), found.gradients[0], atol=1e-6)
-
-
-def test_a_solid_has_a_gradient_and_nobody_vouches_that_it_is_the_only_one():
-    notched = Mesh.FromMeshData(surface_of('L'))
-    pair = MovingPair(notched, Sphere(0.1), *2 * [RigidTransform()], solid=True)
-    pair.pose(RigidTransform(), RigidTransform([2.6, 0.7, 0.6]))
-    found = pair.ask()
-    assert found.method[0] == METHODS['mesh']
-    assert not found.is_gradient_unique[0]
-    assert pair.foretells(found.gradients[0], np.random.default_rng(0).normal(size=12))
 
 
 def test_answers_from_bounds_vouch_for_none():

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from drake_geom_msgs import msg
+from drake_geom_msgs import msg, srv
 from ros.harness import Client, start_node
 from ros.scene_calls import add_pair, poses
 
@@ -90,6 +90,19 @@ def test_speeds_come_from_poses_and_from_twists_that_are_not_older(client):
     assert told.closing_speed[0] == pytest.approx(-0.25)
     assert told.time_to_contact[0] == math.inf
 
+    for name, request in (
+        ('pairwise', {}),
+        ('pair', {'geometry_a': 'a/ball', 'geometry_b': 'b/ball'}),
+    ):
+        kind = getattr(srv, f'ComputeSignedDistance{name.capitalize()}')
+        service = f'compute_signed_distance_{name}'
+        answer = client.call(kind, service, **request).result
+        assert list(answer.closing_speed) == list(told.closing_speed)
+        assert list(answer.time_to_contact) == [math.inf]
+        asked = poses(['b'], [(0.7, 0, 0)], source='pair')
+        what_if = client.call(kind, service, poses=asked, **request).result
+        assert (len(what_if.distance), len(what_if.closing_speed)) == (1, 0)
+
 
 def test_without_the_parameter_nobody_listens_and_nothing_is_said(tmp_path):
     process, client = start_node(tmp_path / 'log', name='still', max_distance=10.0), None
@@ -104,6 +117,8 @@ def test_without_the_parameter_nobody_listens_and_nothing_is_said(tmp_path):
             return heard and heard[-1]
 
         answer = client.wait_for(answered, 'an answer')
+        asked = client.call(srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise')
+        assert (len(asked.result.distance), len(asked.result.closing_speed)) == (1, 0)
         fields = (answer.has_closing_speed, answer.closing_speed, answer.time_to_contact)
         assert [len(field) for field in fields] == [0, 0, 0]
         assert '/still/frame_twists' not in dict(client.node.get_topic_names_and_types())

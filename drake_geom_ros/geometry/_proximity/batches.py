@@ -87,7 +87,7 @@ def gathered(
     """
     ids = np.empty((len(hits), 2), dtype=np.int64)
     rows = np.empty((len(hits), BATCH_WIDTH))
-    _gather(hits, pairs, slots, answers, gap, *world.posed, ids, rows)
+    gather_rows(hits, pairs, slots, answers, gap, *world.posed, ids, rows)
     # Whoever asks again gets the same arrays, if nothing has changed.
     ids.setflags(write=False)
     rows.setflags(write=False)
@@ -95,7 +95,7 @@ def gathered(
 
 
 @compiled
-def _gather(  # type: ignore[no-untyped-def]
+def gather_rows(  # type: ignore[no-untyped-def]
     hits,
     pairs,
     slots,

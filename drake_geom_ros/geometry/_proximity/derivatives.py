@@ -35,18 +35,32 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kernels.feature_borders import is_inside
-from drake_geom_ros.geometry._proximity.kernels.features import FACE, POINT, Feature, feature_of
+from drake_geom_ros.geometry._proximity.kernels.features import (
+    FACE,
+    POINT,
+    Feature,
+    along,
+    feature_of,
+    hold_one_point,
+    vertex,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    column,
     cross,
+    dot,
     norm,
     perpendicular,
     scale,
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CAPSULE, SPHERE
+from drake_geom_ros.geometry._proximity.moment import Posed
+from drake_geom_ros.geometry._proximity.solid_gradients import (
+    find_unique_of_solids,
+    is_of_surfaces,
+)
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SOFT
-from drake_geom_ros.geometry._proximity.world import World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -59,41 +73,6 @@ class Features(NamedTuple):
     axes: Floats  # (k, 2, 3) unit vectors u, v at right angles to the normal
     numbers: Floats  # (k, 2, 6) those of a ``Feature``
     inside: Booleans  # (k, 2) whether the witness point is inside the edge or face
-
-
-class Posed(NamedTuple):
-    """The shapes and where they were when a query was answered, for what is asked of it later."""
-
-    ids: Indices  # (n,) of the geometries, ascending
-    types: Indices
-    starts: Indices
-    pool: Floats
-    frames: Indices  # (n,) rows of the frames
-    R_WGs: Floats  # (n, 3, 3)
-    frame_ids: Indices  # (nf,)
-
-
-class Moment(NamedTuple):
-    """A world, whose tables never change, and the orientations (n, 3, 3) of one moment of it.
-
-    Every query keeps one, so it is no more than that.
-    """
-
-    world: World
-    R_WGs: Floats
-
-    def posed(self) -> Posed:
-        """Return the shapes as they were then."""
-        table = self.world.geometries
-        return Posed(
-            *(table.ids, table.types, table.starts, table.pool, table.frames),
-            *(self.R_WGs, self.world.frames.ids),
-        )
-
-
-def moment_of(world: World) -> Moment:
-    """Return the moment of now, which no later one reaches."""
-    return Moment(world, world.R_WGs.copy())
 
 
 @inlined
@@ -115,33 +94,35 @@ def _is_stiff(distance, A, B, extent):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_unique(numbers, type_a, A, type_b, B, extent):  # type: ignore[no-untyped-def]
+def _is_sure(numbers):  # type: ignore[no-untyped-def]
+    """Tell whether more than bounds answered, and no other normal is as good."""
+    return numbers[UNIQUE] != 0.0 and numbers[METHOD] != BOUND_ONLY
+
+
+@inlined
+def _is_unique(numbers, A, B, extent):  # type: ignore[no-untyped-def]
     """Tell whether a row's normal, and the points nearest along it, are the only ones.
 
     But for bodies that touch at the border of a feature.
     """
-    if numbers[UNIQUE] == 0.0 or numbers[METHOD] == BOUND_ONLY:
+    if not _is_sure(numbers) or not hold_one_point(A, B):
         return False
-    # What other parts of a solid, or the way out of it, would say nobody has looked at.
-    if (type_a == SOLID or type_b == SOLID) and not (type_a == HALF_SPACE or type_b == HALF_SPACE):
-        return False
-    freedom = A.freedom + B.freedom
-    if freedom > FACE or (
-        freedom == FACE
-        and A.freedom == B.freedom
-        and abs(A.du * B.dv - A.dv * B.du) <= DISTINCT_NORMALS
-    ):
-        return False
-    return freedom == FACE or _is_stiff(numbers[DISTANCE], A, B, extent)
+    return A.freedom + B.freedom == FACE or _is_stiff(numbers[DISTANCE], A, B, extent)
 
 
-@compiled
+@inlined
 def _look_at(g, scene, n, u, v):  # type: ignore[no-untyped-def]
     """Return the feature of geometry g along the outward unit n; n, u and v in World."""
     types, starts, pool, R_WGs = scene
+    if types[g] == SPHERE:  # whichever way it is turned
+        return vertex(pool[starts[g]])
     R = row(R_WGs, g)
-    shape = part(pool, starts[g], starts[g + 1])
-    return feature_of(types[g], shape, R, n, u, v)
+    if types[g] == CAPSULE:  # without a call, which beside so short a query counts
+        axis, radius = column(R, 2), pool[starts[g]]
+        if abs(dot(axis, n)) > DISTINCT_NORMALS:
+            return vertex(radius)
+        return along(axis, u, v, radius, 0.0, radius)
+    return feature_of(types[g], part(pool, starts[g], starts[g + 1]), R, n, u, v)
 
 
 @compiled
@@ -213,32 +194,55 @@ def _find(known, ids, places):  # type: ignore[no-untyped-def]
         places[k] = middle
 
 
+@inlined
+def _put_gradient(numbers, gradients, k):  # type: ignore[no-untyped-def]
+    """Fill row k of ``gradients`` (k, 12): by the velocities of both frames, see ``gradients``."""
+    n = vector_at(numbers, NORMAL)
+    of_A, of_B = cross(vector_at(numbers, P_FACA), n), cross(vector_at(numbers, P_FBCB), n)
+    for c in range(3):
+        gradients[k, c], gradients[k, 3 + c] = of_A[c], n[c]
+        gradients[k, 6 + c], gradients[k, 9 + c] = -of_B[c], -n[c]
+
+
+@compiled
+def _put_gradients(rows, gradients):  # type: ignore[no-untyped-def]
+    for k in range(rows.shape[0]):
+        _put_gradient(row(rows, k), gradients, k)
+
+
 @compiled
 def pair_gradients(rows, places, scene, gradients, unique):  # type: ignore[no-untyped-def]
     """Fill ``gradients`` (k, 12) and ``unique`` (k,) of the distances of the rows.
 
-    ``places`` (k, 2) are the places of A and of B among the geometries.
+    ``places`` (k, 2) are the places of A and of B among the geometries. Return whether surfaces of
+    solids are among them, for which it is left to ``find_unique_of_solids``.
     """
-    types = scene[0]
+    types, starts, pool, _ = scene
+    surfaces = False
     for k in range(places.shape[0]):
         numbers = row(rows, k)
-        n = vector_at(numbers, NORMAL)
-        of_A, of_B = cross(vector_at(numbers, P_FACA), n), cross(vector_at(numbers, P_FBCB), n)
-        for c in range(3):
-            gradients[k, c], gradients[k, 3 + c] = of_A[c], n[c]
-            gradients[k, 6 + c], gradients[k, 9 + c] = -of_B[c], -n[c]
+        _put_gradient(numbers, gradients, k)
         a, b = places[k, 0], places[k, 1]
+        if is_of_surfaces(types[a], types[b]):
+            surfaces = True
+            continue
+        if types[a] == SPHERE and types[b] == SPHERE:  # half of the time of all that follows
+            extent = pool[starts[a]] + pool[starts[b]]
+            unique[k] = _is_sure(numbers) and numbers[DISTANCE] + extent > SOFT * extent
+            continue
+        n = vector_at(numbers, NORMAL)
         u, v = _axes(n)
         m, w = scale(-1.0, n), scale(-1.0, u)  # out of A; w, v and m are right-handed, too
         A, B = _look_at(a, scene, m, u, v), _look_at(b, scene, n, u, v)
         extent = _extent(numbers)
         slack = DISTINCT_NORMALS * extent
-        unique[k] = _is_unique(numbers, types[a], A, types[b], B, extent)
+        unique[k] = _is_unique(numbers, A, B, extent)
         if unique[k] and abs(numbers[DISTANCE]) <= SOFT * extent:
             turned = Feature(A.freedom, -A.du, A.dv, A.uu, -A.uv, A.vv)
             unique[k] = _holds(
                 a, scene, turned, m, w, v, vector_at(numbers, P_ACA), slack
             ) and _holds(b, scene, B, n, u, v, vector_at(numbers, P_BCB), slack)
+    return surfaces
 
 
 def places_of(scene: Posed, ids: Indices) -> Indices:
@@ -262,10 +266,19 @@ def gradients_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> tuple[Floats
     """
     gradients, unique = np.empty((len(ids), 12)), np.empty(len(ids), dtype=np.bool_)
     shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
-    pair_gradients(_read_only(rows), places_of(scene, ids), shapes, gradients, unique)
+    asked = _read_only(rows), places_of(scene, ids), shapes
+    if pair_gradients(*asked, gradients, unique):
+        find_unique_of_solids(*asked, unique)
     for array in (gradients, unique):
         array.setflags(write=False)
     return gradients, unique
+
+
+def gradients_of_rows(rows: Floats) -> Floats:
+    """Return the gradients (k, 12) of the distances in rows (k, BATCH_WIDTH) alone."""
+    gradients = np.empty((len(rows), 12))
+    _put_gradients(_read_only(rows), gradients)
+    return gradients
 
 
 def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
@@ -280,7 +293,11 @@ def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
 def compile_derivatives() -> None:
     """Compile all of this file, or load it from the cache."""
     none, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
-    scene = Posed(nobody, nobody, nobody, none, nobody, np.zeros((0, 3, 3)), nobody)
+    Rs, ps = np.zeros((0, 3, 3)), np.zeros((0, 3))
+    scene = Posed(nobody, nobody, nobody, none, nobody, Rs, nobody, ps)
     pairs, rows = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
     gradients_of_pairs(scene, pairs, rows)
+    gradients_of_rows(rows)
     features_of_pairs(scene, pairs, rows)
+    shapes = scene.types, scene.starts, scene.pool, Rs
+    find_unique_of_solids(_read_only(rows), pairs, shapes, np.zeros(0, dtype=np.bool_))

@@ -12,8 +12,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH
-from drake_geom_ros.geometry._proximity.batches import _gather as gather_rows
+from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,

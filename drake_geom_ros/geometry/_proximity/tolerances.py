@@ -74,6 +74,11 @@ CLOSED_FORM_ROUNDING = 32.0 * EPS
 # Sine above which two normals are told apart when it is asked whether the normal is unique.
 DISTINCT_NORMALS = 2.0**-20
 
+# Nearest points, relative to the pair's size, and normals this far apart [-], as GJK finds them on
+# triangles that share an edge, are the same: of rims it finds them to the root of EPS or two times
+# as many thousandths.
+SAME_WITNESS = 2.0**-16
+
 # Stiffness [-], relative to the pair's extent, below which a turn of the normal costs nothing: the
 # direction of a gap this short has lost so much to rounding that it is off by DISTINCT_NORMALS.
 SOFT = EPS / DISTINCT_NORMALS

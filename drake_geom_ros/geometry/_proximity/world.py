@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import weakref
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,11 +11,16 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.moment import Moment, Posed
 from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
 from drake_geom_ros.geometry._proximity.records import Plain, Scene
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+def _none() -> None:
+    """Return nothing, as a reference does to what nobody holds."""
 
 
 class FrameTable(NamedTuple):
@@ -93,6 +100,7 @@ class World:
     def _gather_arguments(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
+        self._moment: Callable[[], Moment | None] = _none  # that of now, while a result holds it
         self._arguments = (
             self._moved,
             self.frames.parents,
@@ -223,10 +231,23 @@ class World:
         if set_poses(rows, R_PFs, p_PFs, self.R_PFs, self.p_PFs, self._moved):
             self._stale = True
 
+    def moment(self) -> Moment:
+        """Return the moment of the last update, which no later one reaches."""
+        found = self._moment()
+        if found is None:
+            table = self.geometries
+            shapes = table.ids, table.types, table.starts, table.pool, table.frames
+            found = Moment(Posed(*shapes, self.R_WGs, self.frames.ids, self.p_WFs))
+            self._moment = weakref.ref(found)
+        return found
+
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
+        if (held := self._moment()) is not None:
+            held.keep()
+        self._moment = _none
         self.revision += 1
         counts = update(self.revision, *self._arguments)
         self._stale = False

@@ -123,7 +123,7 @@ class PointWitnesses:
         self._found, self._number = found, number
         scene = found._scene
         self._places = places_of(scene, found.id_G)
-        self._p_FQs = found._p_WQs[found.point_index] - found._p_WFs[scene.frames[self._places]]
+        self._p_FQs = found._p_WQs[found.point_index] - scene.p_WFs[scene.frames[self._places]]
         self.velocities: Floats = V_WFs[scene.frames[self._places]]
         self.of_points: Floats = v_Qs[found.point_index]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from drake_geom_ros.geometry.autodiff.records import (
     SignedDistancePairAutoDiffXd,
     SignedDistanceToPointAutoDiffXd,
 )
-from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.query_object import QueryObject
 
@@ -44,7 +44,6 @@ class QueryObjectAutoDiffXd:
     """
 
     def __init__(self, context: SceneGraphContextAutoDiffXd | None = None) -> None:
-        self._maybe_context = context
         self._values = QueryObject(context)
 
     def __copy__(self) -> QueryObjectAutoDiffXd:
@@ -55,12 +54,7 @@ class QueryObjectAutoDiffXd:
 
     @property
     def _context(self) -> SceneGraphContextAutoDiffXd:
-        if self._maybe_context is None:
-            raise GeometryError(
-                'A default QueryObject was asked a query, and it belongs to no scene: take one '
-                'from the query output port of a SceneGraph_[AutoDiffXd].'
-            )
-        return self._maybe_context
+        return cast('SceneGraphContextAutoDiffXd', self._values._context)
 
     def inspector(self) -> SceneGraphInspector:
         """Return the inspector of this context's model."""

@@ -52,8 +52,10 @@ def _fill_pairs(message: Any, results: PenetrationResults | SignedDistanceResult
     message.method = uint8s(results.method)
 
 
-def fill_closing_speeds(message: Any, speeds: ClosingSpeeds) -> None:
-    """Fill the closing speeds of a SignedDistancePairs message."""
+def fill_closing_speeds(message: Any, speeds: ClosingSpeeds | None) -> None:
+    """Fill the closing speeds of a message of pairs; leave them empty where nobody watches."""
+    if speeds is None:
+        return
     message.has_closing_speed = speeds.known.tolist()
     message.closing_speed = floats(speeds.speed)
     message.time_to_contact = floats(speeds.time_to_contact)

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from drake_geom_ros.geometry import METHODS, Effects
+from drake_geom_ros.geometry import METHODS, Effects, closing_speeds
 from drake_geom_ros.ros.conversions.fields import floats
 from drake_geom_ros.ros.conversions.results import (
     fill_closing_speeds,
@@ -124,8 +124,8 @@ class Cycle:
         if wanted['signed_distances']:
             message = self._messages['signed_distances']
             fill_signed_distances(message, distances, max_distance)
-            if (speeds := scene.closing_speeds(distances)) is not None:
-                fill_closing_speeds(message, speeds)
+            if (twists := scene.twists()) is not None:
+                fill_closing_speeds(message, closing_speeds(distances, twists))
             published[1] = self._publish('signed_distances', moment)
         if self.cross_check is not None:
             self.cross_check.look_at(scene, distances, reach)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     ArgumentError,
-    ClosingSpeeds,
     FrameId,
     FramePoseVector,
     GeometryId,
@@ -17,7 +19,6 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     SceneGraphContext,
     SceneGraphInspector,
-    SignedDistanceResults,
     SourceId,
     closing_speeds,
 )
@@ -152,13 +153,14 @@ class HeldScene:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
         self._longest_gap, self._twists = longest_gap, FrameTwists(longest_gap)
         # Of no pair at all: what it takes is there now, and not in the first cycle only.
-        self.closing_speeds(self.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf))
+        none = self.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf)
+        closing_speeds(none, self.twists() or {})
 
-    def closing_speeds(self, distances: SignedDistanceResults) -> ClosingSpeeds | None:
-        """Return how fast pairs come together at the twists of now; None: nobody watches."""
+    def twists(self) -> dict[FrameId, NDArray[np.float64]] | None:
+        """Return the twists V_WF (6,) of now of the frames that have one; None: nobody watches."""
         if self._twists is None:
             return None
-        return closing_speeds(distances, self._twists.in_world(self.query, self._ages.static()))
+        return self._twists.in_world(self.query, self._ages.static())
 
     def tell_effects(self, *, detailed: bool) -> None:
         """Have queries tell the seconds of the cache apart, which costs them microseconds."""
@@ -187,12 +189,14 @@ class HeldScene:
             f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two'
         ]
 
-    def view(self) -> SceneView:
-        """Return a snapshot, which may be kept."""
+    def view(self, *, moving: bool = False) -> SceneView:
+        """Return a snapshot, which may be kept; ``moving``: with the twists of now."""
         context = self._context.what_if()
         filters = self._scene_graph.collision_filter_manager(context)
         owners = self.filter_owners()
-        return SceneView(context, filters, self.names, self.moment(), owners, self.unknown_ages())
+        twists = self.twists() if moving else None
+        told = self.moment(), owners, self.unknown_ages(), twists
+        return SceneView(context, filters, self.names, *told)
 
     def copy(self) -> SceneGraphContext:
         """Return a copy that may be kept and changed."""

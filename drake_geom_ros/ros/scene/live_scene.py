@@ -78,12 +78,13 @@ class LiveScene:
     def view(self, message: Any = None) -> SceneView:
         """Return the scene of now, with other poses for the frames that a FramePoses names.
 
-        Frames that are not named keep their live poses. Raises RuntimeError for a message that
+        Frames that are not named keep their live poses; where none is named, the view knows how
+        all move, if anybody watches that. Raises RuntimeError for a message that
         ``take_poses`` would refuse.
         """
         with self.reading() as scene:
             poses = None if message is None else scene.read_poses(message)
-            view = scene.view()
+            view = scene.view(moving=poses is not None and not len(poses))
         if poses is not None and len(poses):
             view.context.UpdateFramePoses(poses)
         return view

@@ -6,7 +6,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_geom_ros.geometry import CollisionFilterManager, QueryObject, SceneGraphContext
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import (
+    ClosingSpeeds,
+    CollisionFilterManager,
+    FrameId,
+    QueryObject,
+    SceneGraphContext,
+    SignedDistanceResults,
+    closing_speeds,
+)
 from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.pose_ages import UnknownAges
 from drake_geom_ros.ros.scene.waiting import waiting
@@ -41,11 +52,16 @@ class SceneView:
     moment: Moment
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
     unknown_ages: UnknownAges
+    twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches
 
     @property
     def query(self) -> QueryObject:
         """The query object of this moment."""
         return QueryObject(self.context)
+
+    def closing_speeds(self, results: SignedDistanceResults) -> ClosingSpeeds | None:
+        """Return how fast pairs come together at the twists of this moment; None: nobody knows."""
+        return None if self.twists is None else closing_speeds(results, self.twists)
 
     def reservations(self) -> str:
         """Return in words what an answer leaves out, and which poses it should not be built on."""

@@ -22,6 +22,7 @@ from drake_geom_ros.ros.conversions.results import (
     PENETRATION_SIZE,
     POINT_DISTANCE_SIZE,
     SIGNED_DISTANCE_SIZE,
+    fill_closing_speeds,
     fill_penetrations,
     fill_point_distances,
     fill_signed_distances,
@@ -108,6 +109,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     )
     _require_room(live, len(results), SIGNED_DISTANCE_SIZE, instead)
     fill_signed_distances(response.result, results, limit)
+    fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
     response.message = view.reservations()
 
@@ -118,6 +120,7 @@ def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
     results = view.query.signed_distance_of_pair(a, b, accuracy=_accuracy(request))
     fill_signed_distances(response.result, results, math.inf)
+    fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
 
 

@@ -59,7 +59,19 @@ class Feature(NamedTuple):
 
 
 @inlined
-def _along(d, u, v, uu, uv, vv):
+def hold_one_point(A, B):
+    """Tell whether the features of two bodies leave no room: one pair of points is nearest.
+
+    Not so of faces and edges in line with each other, whose nearest points fill more than a point.
+    """
+    freedom = A.freedom + B.freedom
+    if freedom != FACE or A.freedom != B.freedom:
+        return freedom <= FACE
+    return abs(A.du * B.dv - A.dv * B.du) > DISTINCT_NORMALS
+
+
+@inlined
+def along(d, u, v, uu, uv, vv):
     """Return the segment along the unit d, which is at right angles to n."""
     x, y = dot(d, u), dot(d, v)
     length = math.hypot(x, y)
@@ -67,7 +79,7 @@ def _along(d, u, v, uu, uv, vv):
 
 
 @inlined
-def _vertex(radius):
+def vertex(radius):
     """Return a point with a ball around it."""
     return Feature(POINT, 0.0, 0.0, radius, 0.0, radius)
 
@@ -86,9 +98,9 @@ def _of_box(n, u, v):
             flat += 1
             axis = AXES[k]
     if flat == 0:
-        return _vertex(0.0)
+        return vertex(0.0)
     if flat == 1:
-        return _along(axis, u, v, 0.0, 0.0, 0.0)
+        return along(axis, u, v, 0.0, 0.0, 0.0)
     return _face()
 
 
@@ -101,7 +113,7 @@ def _of_cylinder(radius, n, u, v):
     t = (-n[1] / radial, n[0] / radial, 0.0)
     x, y, r = dot(t, u), dot(t, v), radius / radial
     if abs(n[2]) <= DISTINCT_NORMALS:
-        return _along(AXES[2], u, v, r * x * x, r * x * y, r * y * y)
+        return along(AXES[2], u, v, r * x * x, r * x * y, r * y * y)
     return Feature(POINT, 0.0, 0.0, r * x * x, r * x * y, r * y * y)
 
 
@@ -118,7 +130,7 @@ def _of_ellipsoid(shape, n, u, v):
     n, u, v = _times(axes, n), _times(axes, u), _times(axes, v)
     h = norm(n)
     if h == 0.0:
-        return _vertex(0.0)
+        return vertex(0.0)
     s_u, s_v = dot(n, u) / h, dot(n, v) / h
     scale = largest / h
     uu, uv, vv = dot(u, u) - s_u * s_u, dot(u, v) - s_u * s_v, dot(v, v) - s_v * s_v
@@ -157,7 +169,7 @@ def feature_of(kind, shape, R, n, u, v):
     hull.
     """
     if kind == SPHERE:
-        return _vertex(shape[0])
+        return vertex(shape[0])
     if kind == HALF_SPACE:
         return _face()
     n, u, v = unrotate(R, n), unrotate(R, u), unrotate(R, v)
@@ -165,8 +177,8 @@ def feature_of(kind, shape, R, n, u, v):
         return _of_box(n, u, v)
     if kind == CAPSULE:
         if abs(n[2]) <= DISTINCT_NORMALS:
-            return _along(AXES[2], u, v, shape[0], 0.0, shape[0])
-        return _vertex(shape[0])
+            return along(AXES[2], u, v, shape[0], 0.0, shape[0])
+        return vertex(shape[0])
     if kind == CYLINDER:
         return _of_cylinder(shape[0], n, u, v)
     if kind == ELLIPSOID:

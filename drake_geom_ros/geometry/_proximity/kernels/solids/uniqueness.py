@@ -1,0 +1,94 @@
+"""Whether the points where a solid is nearest are the only ones, so that its distance has a slope.
+
+The distance of two surfaces is the least of those of their leaves, triangles or a core. Of those
+that attain it each is of two convex bodies, and has a derivative where their features leave no
+room (``features``); so has the least of finitely many, where all attain it with the same points.
+Bodies are given as in ``distance``.
+"""
+
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
+from drake_geom_ros.geometry._proximity.kernels.features import (
+    POINT,
+    Feature,
+    feature_of,
+    hold_one_point,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap
+from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+    CORNERS,
+    first_of_leaf,
+    next_leaves,
+    walk,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    dot,
+    norm,
+    perpendicular,
+    scale,
+    sub,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SAME_WITNESS
+
+
+@compiled
+def feature_of_triangle(shape, tree, j, n, u, v):
+    """Return the corner, edge or face of triangle j that is extreme along the unit n."""
+    at, here = tree.corners + CORNERS * j, 0
+    for k in range(1, 3):
+        if dot(sub(vector_at(shape, at + 3 * k), vector_at(shape, at + 3 * here)), n) > 0.0:
+            here = k
+    freedom, du, dv = POINT, 0.0, 0.0
+    for k in range(1, 3):
+        other = at + 3 * ((here + k) % 3)
+        edge = sub(vector_at(shape, other), vector_at(shape, at + 3 * here))
+        length = norm(edge)
+        if abs(dot(edge, n)) <= DISTINCT_NORMALS * length:
+            freedom += 1
+            du, dv = dot(edge, u) / length, dot(edge, v) / length
+    return Feature(freedom, du, dv, 0.0, 0.0, 0.0)
+
+
+@compiled
+def hold_leaves_one_point(A, i, B, j, n):
+    """Tell whether two leaves that are apart along n, from A to B, are so at one point alone."""
+    v = perpendicular(n)
+    u = cross(v, n)
+    if A.kind == SOLID:
+        m, x, y = unrotate(A.R, n), unrotate(A.R, u), unrotate(A.R, v)
+        mine = feature_of_triangle(A.shape, A.tree, i, m, x, y)
+    else:
+        mine = feature_of(A.kind, A.shape, A.R, n, u, v)
+    return hold_one_point(mine, feature_of_triangle(B.shape, B.tree, j, scale(-1.0, n), u, v))
+
+
+@allocating
+def is_nearest_alone(A, B, p, n, size, limit):
+    """Tell whether no other points of A's core and of B's surface are as near as the nearest.
+
+    All leaves are looked at that are not certified to be farther apart than ``limit`` [m], which
+    is no less than the distance. False where rounding leaves it open.
+    """
+    path, top = walk(A, B, p), 1
+    count, b, slack = 0, p, SAME_WITNESS * size
+    while True:
+        top, i, j, _ = next_leaves(A, B, p, path, top, limit)
+        if i < 0:
+            return count > 0
+        for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
+            for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
+                found = leaf_gap(A, k, B, m, p, n, size, 0.0, limit)
+                if found.end == BEYOND_CUTOFF:
+                    continue
+                if found.end == OVERLAP or not hold_leaves_one_point(A, k, B, m, found.n):
+                    return False
+                if count == 0:
+                    b, n = found.b, found.n
+                count += 1
+                apart = norm(sub(found.b, b)) > slack
+                if apart or norm(sub(found.n, n)) > SAME_WITNESS:
+                    return False

@@ -1,0 +1,77 @@
+"""What results remember of the poses that they are for, when the poses change."""
+
+import threading
+
+import numpy as np
+import pytest
+from oracles.moving_pairs import random_pair
+
+from drake_geom_ros.geometry import GeometryError, SignedDistanceResults
+from drake_geom_ros.math import RigidTransform
+
+AWAY = RigidTransform([0.3, 5.0, 5.0]), RigidTransform([2.0, 0.0, 0.1])
+
+
+@pytest.fixture
+def pair():
+    return random_pair(np.random.default_rng(7), ('box', 'cylinder'), 0.05)
+
+
+def told(results):
+    return results.gradients.copy(), results.is_gradient_unique.copy()
+
+
+def test_answers_do_not_change_with_the_poses(pair):
+    expected = told(pair.ask())
+    point = pair.query.ComputeSignedDistanceToPoint([1.0, 2.0, 3.0])
+    of_point = point.gradients.copy()
+    late, again = pair.ask(), pair.query.ComputeSignedDistanceToPoint([1.0, 2.0, 3.0])
+    pair.pose(*AWAY)
+    pair.ask()  # poses are taken over by the next query
+    for found, wanted in zip(told(late), expected, strict=True):
+        np.testing.assert_array_equal(found, wanted)
+    np.testing.assert_array_equal(again.gradients, of_point)
+    assert not np.array_equal(pair.ask().gradients, expected[0])
+
+
+def test_arrays_are_copied_only_for_results_that_somebody_holds(pair):
+    world = pair.context._posed_world()
+    held, shared = pair.ask(), pair.ask()
+    assert held._moment is shared._moment
+    assert held._moment._posed.R_WGs is world.R_WGs
+    pair.pose(*AWAY)
+    pair.ask()
+    assert held._moment._posed.R_WGs is not world.R_WGs
+    del held, shared
+    pair.ask()
+    assert world._moment() is None
+
+
+def test_a_copy_of_a_context_shares_no_moment(pair):
+    held = pair.ask()
+    expected, copy = told(pair.ask()), pair.context.copy()
+    assert copy._posed_world()._moment() is None
+    pair.pose(*AWAY)
+    pair.ask()
+    np.testing.assert_array_equal(told(held)[0], expected[0])
+
+
+def test_one_thread_asks_while_another_moves(pair):
+    """What was read is of one moment, whole, however the poses change beside it."""
+    expected = [X.rotation().matrix() for X in pair.poses]
+    for _ in range(50):
+        results = pair.ask()
+        asked = []
+        reader = threading.Thread(target=lambda r=results, a=asked: a.append(r._moment.posed()))
+        reader.start()
+        pair.poses, back = AWAY, pair.poses
+        pair.pose(*AWAY)
+        pair.ask()
+        reader.join()
+        pair.pose(*back)
+        np.testing.assert_array_equal(asked[0].R_WGs, expected)
+
+
+def test_results_of_many_states_have_no_moment(pair):
+    with pytest.raises(GeometryError, match='results of many states'):
+        SignedDistanceResults(pair.ask()._batch).is_gradient_unique  # noqa: B018

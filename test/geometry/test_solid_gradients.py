@@ -1,0 +1,132 @@
+"""Gradients of solids: the only ones where no other part is as near, and said so only there."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from oracles.moving_pairs import BLOCK, QUARTERS, MovingPair
+from oracles.solids import CELLS, surface_of
+
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.geometry import (
+    METHODS,
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    Mesh,
+    MeshData,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+
+SOLIDS = {name: Mesh.FromMeshData(surface_of(name)) for name in CELLS}
+OTHERS = {
+    'sphere': Sphere(0.5),
+    'box': Box(1, 1, 2),
+    'capsule': Capsule(0.5, 1),
+    'cylinder': Cylinder(0.5, 1),
+    'ellipsoid': Ellipsoid(0.5, 0.5, 1),
+    'convex': Convex.FromMeshData(MeshData(5 * BLOCK, ())),
+    'L': SOLIDS['L'],
+}
+NONE = RigidTransform()
+seeds = st.integers(0, 2**32 - 1)
+
+
+def pair_of(first, second, X_FG=NONE):
+    return MovingPair(first, second, X_FG, X_FG, solid=True)
+
+
+def turned(R, p=(0, 0, 0)):
+    return RigidTransform(RotationMatrix(R), p)
+
+
+@pytest.mark.parametrize('name', OTHERS)
+@pytest.mark.parametrize('swapped', [False, True])
+def test_in_general_it_is_the_only_one_and_foretells_what_moving_does(name, swapped):
+    rng = np.random.default_rng(len(name))
+    shapes = (SOLIDS['U'], OTHERS[name])[:: -1 if swapped else 1]
+    pair = pair_of(*shapes, RigidTransform([0.1, -0.2, 0.3]))
+    for distance in (0.5, 0.05, 0.01):
+        for _ in range(3):
+            X_WA, X_WB = turned(random_rotation(rng)), turned(random_rotation(rng))
+            p_WB = 6.0 * random_directions(rng, 1)[0]
+            pair.pose(X_WA, RigidTransform(X_WB.rotation(), p_WB)).bring_to(distance)
+            found = pair.ask()
+            assert found.method[0] == METHODS['mesh']
+            assert found.is_gradient_unique[0]
+            assert pair.foretells(found.gradients[0], rng.normal(size=12))
+
+
+@settings(max_examples=120, deadline=None)
+@given(
+    st.sampled_from(sorted(SOLIDS)),
+    st.sampled_from(sorted(OTHERS)),
+    st.tuples(*2 * [st.integers(0, 23)]),
+    st.tuples(*3 * [st.integers(-8, 8)]),
+    seeds,
+)
+def test_it_is_said_to_be_the_only_one_only_where_it_is(solid, other, turns, place, seed):
+    """On a lattice of half a cell faces, edges and walls lie parallel, in line and opposite."""
+    pair = pair_of(SOLIDS[solid], OTHERS[other])
+    X_WA, X_WB = (turned(QUARTERS[k]) for k in turns)
+    pair.pose(X_WA, RigidTransform(X_WB.rotation(), 0.5 * np.array(place)))
+    found = pair.ask()
+    if found.is_gradient_unique[0]:
+        assert found.distance[0] > 0.0
+        assert pair.foretells(found.gradients[0], np.random.default_rng(seed).normal(size=12))
+
+
+FINE, BALL = Mesh.FromMeshData(surface_of('L', cuts=3)), Sphere(0.25)
+AMBIGUOUS = {
+    'a ball as near to both walls': (SOLIDS['U'], BALL, [1.5, 1.5, 0.5]),
+    'a ball in the hole of a ring': (SOLIDS['ring'], BALL, [1.5, 1.5, 0.5]),
+    'a ball in the corner of a dent': (SOLIDS['L'], BALL, [1.5, 1.5, 0.5]),
+    'faces that lie parallel': (SOLIDS['L'], Box(0.5, 0.5, 0.5), [0.5, 0.5, 2.0]),
+    'faces of many triangles': (FINE, Box(0.5, 0.5, 0.5), [0.5, 0.5, 2.0]),
+    'a capsule above faces in line': (SOLIDS['L'], Capsule(0.2, 1.0), [0.0, 0.5, 2.0]),
+}
+
+
+@pytest.mark.parametrize('name', AMBIGUOUS)
+def test_where_another_part_is_as_near_it_is_said(name):
+    solid, other, p = AMBIGUOUS[name]
+    X_WB = turned(QUARTERS[0], p)
+    if isinstance(other, Capsule):
+        X_WB = RigidTransform(RotationMatrix.MakeXRotation(np.pi / 2), p)
+    found = pair_of(solid, other).pose(NONE, X_WB).ask()
+    assert found.distance[0] > 0.0
+    assert not found.is_gradient_unique[0]
+
+
+@pytest.mark.parametrize('p', [[1.5, 1.5001, 0.5], [1.5001, 1.5, 0.5]])
+def test_a_little_nearer_to_one_part_is_enough(p):
+    wall = pair_of(SOLIDS['L'], BALL).pose(NONE, turned(QUARTERS[0], p)).ask()
+    assert wall.is_gradient_unique[0]
+
+
+def test_a_corner_that_many_triangles_share_is_one_point():
+    found = pair_of(FINE, BALL)
+    found = found.pose(NONE, turned(QUARTERS[0], [-0.5, -0.4, 1.6])).ask()
+    assert found.is_gradient_unique[0]
+
+
+def test_of_what_touches_or_overlaps_and_of_bounds_nobody_vouches():
+    pair = pair_of(SOLIDS['L'], BALL)
+    for x in (2.25, 2.2, 1.5):
+        found = pair.pose(NONE, turned(QUARTERS[0], [x, 0.5, 0.5])).ask()
+        assert found.distance[0] < 1e-9
+        assert not found.is_gradient_unique[0]
+    pair.pose(NONE, turned(QUARTERS[0], [3.0, 0.45, 0.55]))
+    assert pair.ask().is_gradient_unique[0]
+    assert not pair.ask(accuracy='bound').is_gradient_unique[0]
+
+
+def test_a_half_space_meets_the_hull_as_it_meets_that_of_any_body():
+    pair = pair_of(HalfSpace(), SOLIDS['U'])
+    tilted = turned(random_rotation(np.random.default_rng(0)), [0, 0, 9.0])
+    assert pair.pose(NONE, tilted).ask().is_gradient_unique[0]
+    assert not pair.pose(NONE, turned(QUARTERS[0], [0, 0, 9.0])).ask().is_gradient_unique[0]
