@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
-from drake_geom_ros.geometry._proximity.records import Plain, Scene
+from drake_geom_ros.geometry._proximity.records import Plain, Scene, WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -60,8 +61,9 @@ class World:
         self._last_named = b'', np.zeros(0, dtype=np.int64)
         self._moved = np.ones(count, dtype=np.bool_)
         self._stale = True
-        self._allocate_geometries()
         self._posed = np.zeros(count, dtype=np.bool_)
+        self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
+        self._allocate_geometries()
         self.placings = 0  # grows with each first pose
         self._place(np.zeros(1, dtype=np.int64))
 
@@ -90,9 +92,42 @@ class World:
         self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
         self._gather_arguments()
 
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._gather_arguments()  # the arrays of a copy are elsewhere
+
     def _gather_arguments(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
+        self.handle = handle_of(
+            WorldArrays(
+                moved=self._moved,
+                parents=self.frames.parents,
+                R_PFs=self.R_PFs,
+                p_PFs=self.p_PFs,
+                R_WFs=self.R_WFs,
+                p_WFs=self.p_WFs,
+                frame_roundings=self._frame_roundings,
+                movable=self.movable,
+                ids=table.ids,
+                frames=table.frames,
+                waiting=self.waiting,
+                R_FGs=table.R_FGs,
+                p_FGs=table.p_FGs,
+                kept=self._kept,
+                types=table.types,
+                starts=table.starts,
+                pool=table.pool,
+                R_WGs=self.R_WGs,
+                p_WGs=self.p_WGs,
+                roundings=self.roundings,
+                half_extents=self.half_extents,
+                outer=self.outer_radii,
+                inner=self.inner_radii,
+                stamps=self.stamps,
+                travels=self.travels,
+            )
+        )
         self._arguments = (
             self._moved,
             self.frames.parents,
@@ -200,7 +235,7 @@ class World:
         self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
-        self.waiting = ~self.placed[self.geometries.frames]  # (n,)
+        self.waiting[:] = ~self.placed[self.geometries.frames]
         self.placings += 1
 
     def unposed_frames(self) -> Indices:
@@ -223,11 +258,19 @@ class World:
         if set_poses(rows, R_PFs, p_PFs, self.R_PFs, self.p_PFs, self._moved):
             self._stale = True
 
+    @property
+    def is_stale(self) -> bool:
+        """Whether world poses and bounds have to be brought up to date."""
+        return self._stale
+
+    def note_update(self, revision: int) -> None:
+        """Note that a cycle has brought everything up to date."""
+        self.revision, self._stale = revision, False
+
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
-        self.revision += 1
-        counts = update(self.revision, *self._arguments)
-        self._stale = False
+        counts = update(self.revision + 1, *self._arguments)
+        self.note_update(self.revision + 1)
         return counts  # type: ignore[no-any-return]

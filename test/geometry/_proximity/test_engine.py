@@ -25,8 +25,8 @@ from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
     asked = []
-    nothing = np.zeros_like(kernel_table._COMPILED)
-    monkeypatch.setattr(kernel_table, '_COMPILED', nothing)
+    nothing = np.zeros_like(kernel_table.COMPILED_ROWS)
+    monkeypatch.setattr(kernel_table, 'COMPILED_ROWS', nothing)
     monkeypatch.setattr(
         kernel_table, 'compiled_address', lambda kernel: asked.append(kernel.__name__) or 0
     )
@@ -41,8 +41,10 @@ def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
 
 def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(monkeypatch):
     asked = []
-    # Not yet, each time: so those that are compiled by now are asked for, too.
-    monkeypatch.setattr(engines, 'are_compiled', lambda types, pairs: bool(asked.append(1)))
+    # As if none were there, so those that are compiled by now are asked for, too.
+    nothing = np.zeros_like(kernel_table.COMPILED_ROWS)
+    monkeypatch.setattr(kernel_table, 'COMPILED_ROWS', nothing)
+    monkeypatch.setattr(engines, 'compile_rows', lambda rows: asked.append(1) or [])
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     engine, filters = Engine(), filters_of(world)
     for level, count in (('bound', 0), ('exact', 1), ('exact', 1), ('bound', 1), ('fast', 1)):

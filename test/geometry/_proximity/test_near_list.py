@@ -8,7 +8,8 @@ from oracles.filters import filters_of
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.near_list import PATIENCE, NearList
+from drake_geom_ros.geometry._proximity.list_making import PATIENCE
+from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
@@ -126,15 +127,15 @@ def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
         assert len(set(slots.values())) == len(slots)
         for pair, slot in slots.items():
             if pair in known:
-                assert near.slacks[slot] == known[pair]
+                assert near.arrays.slacks[slot] == known[pair]
             else:
                 # A new pair knows nothing, whoever had the slot before.
-                assert near.slacks[slot] == -math.inf
-                assert near.seen[slot] == -1
+                assert near.arrays.slacks[slot] == -math.inf
+                assert near.arrays.seen[slot] == -1
                 assert not near.answers[slot].any()
-            near.slacks[slot] = rng.random()
-            near.seen[slot], near.answers[slot] = 5, 1.0
-        known = {pair: near.slacks[slot] for pair, slot in slots.items()}
+            near.arrays.slacks[slot] = rng.random()
+            near.arrays.seen[slot], near.answers[slot] = 5, 1.0
+        known = {pair: near.arrays.slacks[slot] for pair, slot in slots.items()}
         creep(rng, world, np.arange(1, 61), 0.03)
 
 
@@ -157,7 +158,7 @@ def test_slots_are_used_to_the_last_one_and_keep_what_they_hold_when_they_grow()
         assert before.items() <= after.items()
         for (i, j), slot in before.items():
             assert near.answers[slot].tolist() == [i] * near.answers.shape[1]
-            assert (near.slacks[slot], near.seen[slot], near.gaps[slot]) == (j, i + j, i * j)
+            assert (near.arrays.slacks[slot], near.arrays.seen[slot], near.arrays.gaps[slot]) == (j, i + j, i * j)
         for (i, j), slot in after.items():
             for held, value in zip(near.memory, (i, j, i + j, i * j), strict=True):
                 held[slot] = value
