@@ -1,4 +1,4 @@
-"""The steady clock in compiled code: the seconds of ``time.perf_counter``, without a call to it."""
+"""The steady clock in compiled code: the seconds of ``time.perf_counter``."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ LIST_MADE = 2
 CONSIDERED, LISTED_PAIRS = 3, 4  # pairs before and after the filters
 LAST_CONTACT = 5  # number of the pair in which the last contact was
 TOLD = 6
-# Places of ``ReportArrays.moments`` [s]: when a step ended, each where the next one begins; and how
-# long filters, and looks at what was known, took.
+# Places of ``ReportArrays.moments`` [s]: when a step ended, each where the next one begins; and
+# how long filters, and looks at what was known, took.
 BEGUN, POSED, LISTED, COMPILED, ANSWERED, FILTERING, KNOWING = range(7)
 MOMENTS = 7
 

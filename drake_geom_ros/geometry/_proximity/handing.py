@@ -1,10 +1,10 @@
 """How a record of many arrays is handed to compiled code: as one array of addresses.
 
 Numba takes 65 to 95 ns to recognise each array that it is given, and a query is about eighty:
-longer than its work, in a small scene. So what stays from cycle to cycle is a *handle*: the address
-and the length of each array, which compiled code makes the record of again. That costs nothing
-there, and no reference is counted: whoever has a handle keeps the arrays, and makes it anew when
-one of them is another. Handles mean nothing to another process or to a copy.
+longer than its work, in a small scene. So what stays from cycle to cycle is a *handle*: the
+address and the length of each array, of which compiled code makes the record again. That costs
+nothing there, and no reference is counted: whoever has a handle keeps the arrays, and makes it
+anew when one of them is another. Handles mean nothing to another process or to a copy.
 
 Under ``NUMBA_DISABLE_JIT=1`` a handle is the record itself.
 """
@@ -20,8 +20,8 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
-# The fields of records that are handed over: the type of their numbers, and the extents that follow
-# the first one, None for those that differ from array to array.
+# The fields of records that are handed over: the type of their numbers, and the extents that
+# follow the first one, None for those that differ from array to array.
 Flags: TypeAlias = Annotated[NDArray[np.bool_], np.bool_, ()]
 Integers: TypeAlias = Annotated[NDArray[np.int64], np.int64, ()]
 IndexPairs: TypeAlias = Annotated[NDArray[np.int64], np.int64, (2,)]
