@@ -30,14 +30,10 @@ else:
             function = cgutils.get_or_insert_function(builder.module, kind, 'clock_gettime')
             told = cgutils.alloca_once(builder, timespec)
             builder.call(function, [ir.Constant(int32, _CLOCK), told])
-            seconds, nanoseconds = (
-                builder.sitofp(
-                    builder.load(cgutils.gep_inbounds(builder, told, 0, k)), ir.DoubleType()
-                )
-                for k in range(2)
-            )
-            return builder.fadd(
-                seconds, builder.fmul(nanoseconds, ir.Constant(ir.DoubleType(), 1e-9))
-            )
+            double, zero = ir.DoubleType(), cgutils.gep_inbounds(builder, told, 0, 0)
+            seconds = builder.sitofp(builder.load(zero), double)
+            one = cgutils.gep_inbounds(builder, told, 0, 1)
+            nanoseconds = builder.sitofp(builder.load(one), double)
+            return builder.fadd(seconds, builder.fdiv(nanoseconds, ir.Constant(double, 1e9)))
 
         return types.float64(), codegen

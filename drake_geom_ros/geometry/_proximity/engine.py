@@ -15,7 +15,6 @@ from drake_geom_ros.geometry._proximity.batches import (
     frozen,
     gathered,
 )
-from drake_geom_ros.geometry._proximity.budget import Pace
 from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
@@ -53,10 +52,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
     CACHED,
     FAR,
-    POSTPONED,
     WIDE,
-    answer_pairs,
-    bound_pairs,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.point_phase import (
@@ -64,7 +60,8 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     compile_point_kernels,
     point_phase,
 )
-from drake_geom_ros.geometry._proximity.records import Plain, empty_memory
+from drake_geom_ros.geometry._proximity.records import empty_memory
+from drake_geom_ros.geometry._proximity.stepwise import Stepwise
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -75,7 +72,6 @@ ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
-_AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
 _NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
 _KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
 
@@ -93,10 +89,10 @@ class Engine:
         self._hands: dict[bool, tuple[object, Handle]] = {}  # by list: of what, and the handle
         self._last: tuple[tuple[object, ...], PairBatch] | None = None
         self._rooms: dict[object, int] = {}  # rows made ready for an answer, by what is asked
-        self._pace = Pace()
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
         self._report_handle = handle_of(self._report)
+        self._steps = Stepwise(self._report)
         self._unrefined = 0
         self._kernels: list[str] = []
 
@@ -165,14 +161,15 @@ class Engine:
         """
         query = _GAPS[accuracy], cutoff, penetrating
         moment = world.revision, world.placings, filters.version, query
-        if self._last is not None and self._last[0] == moment and world is self._world:
-            if not world.is_stale:
-                return self._as_before(self._last[1])
+        stands = not world.is_stale and world is self._world
+        if stands and self._last is not None and self._last[0] == moment:
+            return self._as_before(self._last[1])
         limited = time_budget > 0.0 and accuracy != 'bound'
         if self.detailed or limited:
-            near, batch = self._answer_in_steps(world, filters, accuracy, query, time_budget)
+            budget = time_budget if limited else 0.0
+            batch = self._answer_in_steps(world, filters, query, budget)
         else:
-            near, batch = self._answer_at_once(world, filters, query)
+            batch = self._answer_at_once(world, filters, query)
         # What was left at its bounds is refined when somebody asks again.
         moment = world.revision, *moment[1:]
         self._last = None if self._unrefined else (moment, batch)
@@ -209,7 +206,7 @@ class Engine:
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
         memory, hits = empty_memory(answers), np.empty(1, dtype=np.int64)
         query = _GAPS[accuracy], math.inf, False
-        hits = self._answer(world, pair, slots, memory, query, hits)
+        hits = self._steps.answer(world, pair, slots, memory, query, hits)
         self._moments[ANSWERED] = time.perf_counter()
         return gathered(world, hits, pair, slots, answers, query[0])
 
@@ -326,8 +323,8 @@ class Engine:
 
     def _answer_at_once(
         self, world: World, filters: FilterState, query: tuple[float, float, bool]
-    ) -> tuple[NearList, PairBatch]:
-        """Return the list and the answer, in one compiled call where its length is as before."""
+    ) -> PairBatch:
+        """Return the answer, in one compiled call where its length is about as before."""
         room = self._rooms.get(query[1:], 16)
         ids, rows = np.empty((room, 2), dtype=np.int64), np.empty((room, BATCH_WIDTH))
         near, count = self._cycle(world, filters, query, ANSWERS, ids, rows)
@@ -337,115 +334,22 @@ class Engine:
             hits = near.arrays.hits[:count]
             batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
             self._moments[ANSWERED] = time.perf_counter()
-            return near, batch
-        return near, frozen(ids[:count], rows[:count])
+            return batch
+        return frozen(ids[:count], rows[:count])
 
     def _answer_in_steps(
         self,
         world: World,
         filters: FilterState,
-        accuracy: str,
         query: tuple[float, float, bool],
-        time_budget: float,
-    ) -> tuple[NearList, PairBatch]:
-        """Return the list and the answer, the seconds of steps told apart or limited."""
+        budget: float,
+    ) -> PairBatch:
+        """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
         near, _ = self._cycle(world, filters, query, LIST)
-        if accuracy != 'bound' and not near.has_kernels:
+        if not (math.isinf(query[0]) or near.has_kernels):
             self._compile_for(world, near)
-        limited = time_budget > 0.0 and accuracy != 'bound'
-        if limited and not self._pace.fits(near.count, time_budget):
-            hits = self._answer_within(world, near, query, time_budget)
-        elif self.detailed:
-            hits = self._answer_apart(world, near, query)
-        else:
-            asked = near.pairs, near.slots, near.memory, query
-            hits = self._answer(world, *asked, near.arrays.hits)
-            computed = int(self._counts[BY_METHOD:].sum())
-            self._pace.learn(computed, time.perf_counter() - self._moments[COMPILED])
+        hits = self._steps.answer_list(world, near, query, budget)
+        self._unrefined = self._steps.unrefined
         batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
         self._moments[ANSWERED] = time.perf_counter()
-        return near, batch
-
-    def _answer(
-        self,
-        world: World,
-        pairs: Indices,
-        slots: Indices,
-        memory: Plain,
-        query: tuple[float, float, bool],
-        hits: Indices,
-        queue: tuple[Indices, Floats] = _AT_ONCE,
-    ) -> Indices:
-        """Return the numbers of the pairs that ``query`` is about, their slots up to date.
-
-        With a ``queue`` for all pairs, those that need a kernel are put there instead.
-        """
-        found = answer_pairs(
-            ADDRESSES,
-            pairs,
-            slots,
-            memory,
-            world.scene,
-            world.revision,
-            query,
-            -1,
-            queue,
-            hits,
-            self._counts,
-        )
-        return hits[:found]
-
-    def _answer_apart(
-        self, world: World, near: NearList, query: tuple[float, float, bool]
-    ) -> Indices:
-        """Return what ``_answer`` does: first what is known, then what kernels have to compute."""
-        queue = np.empty(len(near.pairs), dtype=np.int64), _AT_ONCE[1]
-        asked, room = (near.pairs, near.slots, near.memory, query), near.arrays.hits
-        known = self._answer(world, *asked, room, queue=queue).copy()
-        total = self._counts.copy()
-        if total[CACHED]:
-            self._moments[KNOWING] = time.perf_counter() - self._moments[COMPILED]
-        some = queue[0][: total[POSTPONED]]
-        total[POSTPONED] = 0
-        hits = some[self._answer(world, near.pairs[some], near.slots[some], *asked[2:], room)]
-        self._counts += total
-        return np.sort(np.concatenate((known, hits)))
-
-    def _answer_within(
-        self, world: World, near: NearList, query: tuple[float, float, bool], seconds: float
-    ) -> Indices:
-        """Return what ``_answer`` does, kernels for the nearest pairs only as time lasts."""
-        most, room = near.count, near.arrays.hits
-        waiting, distances = queue = np.empty(most, dtype=np.int64), np.empty(most)
-        start = float(self._moments[COMPILED])
-        known = self._answer(world, near.pairs, near.slots, near.memory, query, room, queue=queue)
-        hits, total = [known.copy()], self._counts.copy()
-        count = int(total[POSTPONED])
-        total[POSTPONED] = 0
-
-        def compute(block: Indices) -> None:
-            some = waiting[block]
-            asked = near.pairs[some], near.slots[some], near.memory, query
-            hits.append(some[self._answer(world, *asked, room)])
-            total[:] += self._counts
-
-        # What is left is bounded once more, as all that wait were just now.
-        reserve = (time.perf_counter() - start) / max(1, count)
-        left = self._pace.spend(distances[:count], compute, start + seconds, reserve)
-        if len(left):
-            some = waiting[left]
-            found = bound_pairs(
-                near.pairs[some],
-                near.slots[some],
-                near.memory,
-                world.scene,
-                world.revision,
-                query,
-                room,
-                self._counts,
-            )
-            hits.append(some[room[:found]])
-            total += self._counts
-            self._unrefined = found
-        self._counts[:] = total
-        return np.sort(np.concatenate(hits))
+        return batch

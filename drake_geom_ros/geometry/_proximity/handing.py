@@ -44,7 +44,7 @@ Extents: TypeAlias = tuple[int | None, ...]
 def _fields(record: type[Any]) -> list[tuple[str, type[Any], Extents]]:
     """Return name, type of number and following extents of each field."""
     hints = get_type_hints(record, include_extras=True)
-    return [(name, *get_args(hints[name])[1:]) for name in record._fields]  # type: ignore[attr-defined]
+    return [(name, *get_args(hints[name])[1:]) for name in record._fields]
 
 
 def handle_of(record: Any) -> Handle:
@@ -53,13 +53,14 @@ def handle_of(record: Any) -> Handle:
         return record
     numbers: list[int] = []
     for (name, dtype, extents), array in zip(_fields(type(record)), record, strict=True):
-        shape = tuple(s if e is None else e for e, s in zip(extents, array.shape[1:], strict=True))
-        if array.dtype != dtype or array.shape[1:] != shape or not array.flags.c_contiguous:
+        fits = array.dtype == dtype and array.flags.c_contiguous and array.ndim == 1 + len(extents)
+        given = list(zip(extents, array.shape[1:], strict=False))
+        if not fits or any(extent not in (None, size) for extent, size in given):
             raise TypeError(
                 f'{type(record).__name__}.{name} is {array.dtype} {array.shape}, or not in one '
                 f'piece; it must be {np.dtype(dtype)} {("n", *extents)}'
             )
-        varying = [s for e, s in zip(extents, shape, strict=True) if e is None]
+        varying = [size for extent, size in given if extent is None]
         numbers += [array.__array_interface__['data'][0], len(array), *varying]
     return np.array(numbers, dtype=np.int64)
 
@@ -103,9 +104,9 @@ class _Numbers:
         return self._builder.load(place)
 
 
-def _array(  # type: ignore[no-untyped-def]
-    context, builder, kind, address, extents, numbers
-):
+def _array(
+    context: Any, builder: Any, kind: Any, address: Any, extents: list[Any], numbers: _Numbers
+) -> Any:
     """Return the array of some kind at an address; extents that are None come from the handle."""
     element = context.get_data_type(kind.dtype)
     size = context.get_constant(types.intp, context.get_abi_sizeof(element))
@@ -116,7 +117,8 @@ def _array(  # type: ignore[no-untyped-def]
         shape.append(
             context.get_constant(types.intp, extent) if isinstance(extent, int) else extent
         )
-    strides, step = [], size
+    strides: list[Any] = []
+    step = size
     for extent in reversed(shape):
         strides.insert(0, step)
         step = builder.mul(step, extent)

@@ -126,9 +126,9 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
     distance = max(distance, 0.0)
     lengths[WANTED] = max(lengths[WANTED], distance)
     stands = distance <= lengths[REACH]
-    if stands and version == numbers[VERSION] and placings == numbers[PLACINGS]:
-        if math.isinf(lengths[REACH]) or not _somebody_left(near, world, revision):
-            return STANDS
+    stands = stands and version == numbers[VERSION] and placings == numbers[PLACINGS]
+    if stands and (math.isinf(lengths[REACH]) or not _somebody_left(near, world, revision)):
+        return STANDS
     lengths[REACH] = -1.0  # until it is made
     reach, n = lengths[WANTED], near.is_plane.size
     active, idle = _set_boxes(near, world, revision, reach)

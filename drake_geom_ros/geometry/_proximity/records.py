@@ -8,6 +8,7 @@ a record on inside a loop over pairs does cost, see ``narrow_phase``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -77,6 +78,13 @@ class WorldArrays(NamedTuple):
     stamps: Integers
     travels: Reals
 
+    def some(self, names: Sequence[str]) -> Plain:
+        """Return some of the arrays, by their names, as a plain tuple."""
+        return tuple(getattr(self, name) for name in names)
+
+
+# What ``batches.gather`` takes of it.
+POSED = 'ids', 'types', 'frames', 'R_WGs', 'p_WGs', 'roundings', 'p_WFs', 'outer'
 
 world_of = taker(WorldArrays)
 

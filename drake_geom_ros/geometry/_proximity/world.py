@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
-from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
-from drake_geom_ros.geometry._proximity.records import Plain, Scene, WorldArrays
+from drake_geom_ros.geometry._proximity.posing import PACE, UPDATED, set_poses, update
+from drake_geom_ros.geometry._proximity.records import POSED, Plain, Scene, WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -99,84 +99,38 @@ class World:
     def _gather_arguments(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        self.handle = handle_of(
-            WorldArrays(
-                moved=self._moved,
-                parents=self.frames.parents,
-                R_PFs=self.R_PFs,
-                p_PFs=self.p_PFs,
-                R_WFs=self.R_WFs,
-                p_WFs=self.p_WFs,
-                frame_roundings=self._frame_roundings,
-                movable=self.movable,
-                ids=table.ids,
-                frames=table.frames,
-                waiting=self.waiting,
-                R_FGs=table.R_FGs,
-                p_FGs=table.p_FGs,
-                kept=self._kept,
-                types=table.types,
-                starts=table.starts,
-                pool=table.pool,
-                R_WGs=self.R_WGs,
-                p_WGs=self.p_WGs,
-                roundings=self.roundings,
-                half_extents=self.half_extents,
-                outer=self.outer_radii,
-                inner=self.inner_radii,
-                stamps=self.stamps,
-                travels=self.travels,
-            )
+        arrays = WorldArrays(
+            moved=self._moved,
+            parents=self.frames.parents,
+            R_PFs=self.R_PFs,
+            p_PFs=self.p_PFs,
+            R_WFs=self.R_WFs,
+            p_WFs=self.p_WFs,
+            frame_roundings=self._frame_roundings,
+            movable=self.movable,
+            ids=table.ids,
+            frames=table.frames,
+            waiting=self.waiting,
+            R_FGs=table.R_FGs,
+            p_FGs=table.p_FGs,
+            kept=self._kept,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            R_WGs=self.R_WGs,
+            p_WGs=self.p_WGs,
+            roundings=self.roundings,
+            half_extents=self.half_extents,
+            outer=self.outer_radii,
+            inner=self.inner_radii,
+            stamps=self.stamps,
+            travels=self.travels,
         )
-        self._arguments = (
-            self._moved,
-            self.frames.parents,
-            self.R_PFs,
-            self.p_PFs,
-            self.R_WFs,
-            self.p_WFs,
-            self._frame_roundings,
-            self.movable,
-            table.frames,
-            table.R_FGs,
-            table.p_FGs,
-            self._kept,
-            table.types,
-            table.starts,
-            table.pool,
-            self.R_WGs,
-            self.p_WGs,
-            self.roundings,
-            self.half_extents,
-            self.stamps,
-            self.travels,
-        )
-        self.scene: Plain = tuple(
-            Scene(
-                types=table.types,
-                starts=table.starts,
-                pool=table.pool,
-                R_WGs=self.R_WGs,
-                p_WGs=self.p_WGs,
-                roundings=self.roundings,
-                half_extents=self.half_extents,
-                outer=self.outer_radii,
-                inner=self.inner_radii,
-                travels=self.travels,
-                stamps=self.stamps,
-            )
-        )
+        self.handle = handle_of(arrays)
+        self._arguments = arrays.some(UPDATED)
+        self.scene: Plain = arrays.some(Scene._fields)
         # For those who gather results.
-        self.posed = (
-            table.ids,
-            table.types,
-            table.frames,
-            self.R_WGs,
-            self.p_WGs,
-            self.roundings,
-            self.p_WFs,
-            self.outer_radii,
-        )
+        self.posed = arrays.some(POSED)
 
     @property
     def paces(self) -> Floats:

@@ -158,7 +158,11 @@ def test_slots_are_used_to_the_last_one_and_keep_what_they_hold_when_they_grow()
         assert before.items() <= after.items()
         for (i, j), slot in before.items():
             assert near.answers[slot].tolist() == [i] * near.answers.shape[1]
-            assert (near.arrays.slacks[slot], near.arrays.seen[slot], near.arrays.gaps[slot]) == (j, i + j, i * j)
+            assert (near.arrays.slacks[slot], near.arrays.seen[slot], near.arrays.gaps[slot]) == (
+                j,
+                i + j,
+                i * j,
+            )
         for (i, j), slot in after.items():
             for held, value in zip(near.memory, (i, j, i + j, i * j), strict=True):
                 held[slot] = value
