@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.list_making import (
     list_of,
 )
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs, near_pairs
+from drake_geom_ros.geometry._proximity.plain_contacts import plain_contact
 from drake_geom_ros.geometry._proximity.posing import update
 from drake_geom_ros.geometry._proximity.records import scene_of, world_of
 
@@ -51,8 +52,8 @@ LACKS_KERNELS = LACKS_SLOTS + 1  # of the pairs of the list; the others are thos
 FRAMES_MOVED, BODIES_MOVED = 0, 1
 LIST_MADE = 2
 CONSIDERED, LISTED_PAIRS = 3, 4  # pairs before and after the filters
-LAST_CONTACT = 5  # number of the pair in which the last contact was
-TOLD = 6
+CONTACT_A, CONTACT_B = 5, 6  # rows of the pair in which the last contact was; -1: none yet
+TOLD = 7
 # Places of ``ReportArrays.moments`` [s]: when a step ended, each where the next one begins; and
 # how long filters, and looks at what was known, took.
 BEGUN, POSED, LISTED, COMPILED, ANSWERED, FILTERING, KNOWING = range(7)
@@ -134,6 +135,8 @@ def run_cycle(  # type: ignore[no-untyped-def]
             moved = _update(world, revision)
             report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = moved
         moments[POSED], moments[KNOWING] = now(), 0.0
+        if mode == CONTACT and _is_plain_contact(world, filters_of(hands.filters), report, gap):
+            return 1
     if lacking != LACKS_KERNELS:
         done = bring_up_to_date(
             near,
@@ -213,6 +216,35 @@ def _update(world, revision):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def _is_plain_contact(world, filters, report, gap):  # type: ignore[no-untyped-def]
+    """Tell whether a contact was seen without a list, and report so."""
+    told, moments = report.told, report.moments
+    a, b = plain_contact(world, filters, gap, told[CONTACT_A], told[CONTACT_B])
+    if a < 0:
+        return False
+    told[CONTACT_A], told[CONTACT_B] = a, b
+    told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, 0, 0
+    report.counts[:] = 0
+    moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
+    moments[FILTERING] = 0.0
+    return True
+
+
+@inlined
+def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
+    """Return the number of the pair in which the last contact was, or of the one after it."""
+    a, b, n = report.told[CONTACT_A], report.told[CONTACT_B], near.is_plane.size
+    low, high = 0, near.numbers[PAIRS]
+    while low < high:
+        middle = (low + high) // 2
+        if near.codes[middle] < a * n + b:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@inlined
 def _answer(kernels, world, near, report, revision, query, mode):  # type: ignore[no-untyped-def]
     """Fill in the hits of the list's pairs; return how many there are."""
     count, scene = near.numbers[PAIRS], scene_of(world)
@@ -222,7 +254,7 @@ def _answer(kernels, world, near, report, revision, query, mode):  # type: ignor
         return near_pairs(pairs, scene, query[1], near.hits)
     memory = near.answers, near.slacks, near.seen, near.gaps
     # Where there was a contact there still is one, mostly.
-    first = report.told[LAST_CONTACT] if mode == CONTACT else -1
+    first = _place_of_contact(near, report) if mode == CONTACT else -1
     found = answer_pairs(
         kernels,
         pairs,
@@ -237,5 +269,6 @@ def _answer(kernels, world, near, report, revision, query, mode):  # type: ignor
         report.counts,
     )
     if mode == CONTACT and found:
-        report.told[LAST_CONTACT] = near.hits[0]
+        report.told[CONTACT_A] = near.pairs[near.hits[0], 0]
+        report.told[CONTACT_B] = near.pairs[near.hits[0], 1]
     return found

@@ -24,6 +24,8 @@ from drake_geom_ros.geometry._proximity.cycle import (
     COMPILED,
     CONSIDERED,
     CONTACT,
+    CONTACT_A,
+    CONTACT_B,
     FILTERING,
     FRAMES_MOVED,
     KNOWING,
@@ -303,6 +305,7 @@ class Engine:
         """Return the list for queries with or without a limit, and the handle of all it needs."""
         if world is not self._world:
             self._world, self._lists, self._last, self._hands = world, {}, None, {}
+            self._report.told[[CONTACT_A, CONTACT_B]] = -1
         near = self._lists.get(unlimited)
         if near is None:
             near = self._lists[unlimited] = NearList(world)
