@@ -135,9 +135,8 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
     if math.isinf(reach) or world.movable.size * n <= MOST_LOOKS:
         count = _look_at_all(near, world, reach)
     else:
-        if reach > lengths[RESTING_WITHIN] or _many_have_changed(
-            numbers, n, revision, active, idle
-        ):
+        changed = _many_have_changed(numbers, n, revision, active, idle)
+        if reach > lengths[RESTING_WITHIN] or changed:
             if not _settle(near, world, boxes, resting, revision, reach):
                 return LACKS_RESTING
             active = numbers[ACTIVE_THEN]

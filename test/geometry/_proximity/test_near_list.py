@@ -8,7 +8,7 @@ from oracles.filters import filters_of
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.list_making import PATIENCE
+from drake_geom_ros.geometry._proximity.list_making import MOST_LOOKS, PATIENCE
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
@@ -55,14 +55,16 @@ def test_whatever_is_near_is_listed_and_the_list_stands_for_a_while(anchored, mo
     assert near_pairs(world, 0.05) <= listed(near)
 
 
-@pytest.mark.parametrize('anchored', [0, 25, 49])
+# By a look at each pair, and by grids.
+@pytest.mark.parametrize(('count', 'anchored'), [(50, 0), (50, 25), (50, 49), (90, 0), (90, 25)])
 @pytest.mark.parametrize('distance', [0.0, 0.3])
-def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(anchored, distance):
+def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(count, anchored, distance):
     """Whoever came from afar just now, or rests, gets no margin."""
     rng = np.random.default_rng(anchored)
-    world = random_world(rng, 50, anchored=anchored)
+    world = random_world(rng, count, anchored=anchored)
+    assert (world.movable.size * count > MOST_LOOKS) == (count == 90)
     filters = filters_of(world)
-    i, j = np.triu_indices(50, k=1)
+    i, j = np.triu_indices(count, k=1)
     for updates in (0, PATIENCE, 1):
         for _ in range(updates):  # all but the first frame come to rest
             world.set_poses(np.array([1]), world.R_PFs[1:2], rng.uniform(-1.0, 1.0, (1, 3)))
