@@ -121,12 +121,15 @@ def test_penetrating_pairs_are_those_of_negative_distance():
     assert not engine.has_overlap(world, filters, 'exact')
 
 
-def test_has_overlap_stops_at_the_first():
+@pytest.mark.parametrize('balls', [True, False])
+def test_has_overlap_stops_at_the_first(balls):
+    """Where the balls inside the bodies show it no kernel runs at all."""
     world = random_world(np.random.default_rng(11), 60, spread=0.1)
+    world.inner_radii[:] *= balls
     engine, filters = Engine(), filters_of(world)
     for _ in range(3):
         assert engine.has_overlap(world, filters, 'exact')
-        assert engine.effects.narrowphase_pairs + engine.effects.cached_pairs == 1
+        assert engine.effects.narrowphase_pairs + engine.effects.cached_pairs == 1 - balls
         world.set_poses(np.array([1]), np.eye(3)[None], world.p_PFs[1:2] + 1e-6)
 
 
