@@ -4,10 +4,12 @@
     python -m bench.peers --quick spheres arms         # scenes whose names begin so
     python -m bench.peers --queries near all --variant full --paces robot
     NUMBA_NUM_THREADS=1 python -m bench.peers          # what one thread gives
+    python -m bench.peers --sizes                      # 1000 to 100 000 balls instead
 
-Writes peers.md and peers.png into --out. Figures of one run can be compared, figures of two
-cannot. Variants: ``full`` (all bodies move), ``tenth`` (a tenth does), ``apart`` (nothing
-touches; for has_collisions). Paces: slow, robot (10 mm a cycle), jump (every pose new).
+Writes peers.md and peers.png, or sizes.md and sizes.png, into --out. Figures of one run can be
+compared, figures of two cannot. Variants: ``full`` (all bodies move), ``tenth`` (a tenth does),
+``apart`` (nothing touches; for has_collisions). Paces: slow, robot (10 mm a cycle), jump (every
+pose new).
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from bench.peers import scenes
+from bench.peers import scenes, sizes
 from bench.peers.motion import PACES
 from bench.peers.run import Run
 
@@ -35,6 +37,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument('--paces', nargs='+', choices=PACES, default=PACES)
     parser.add_argument('--quick', action='store_true', help='a fifth of the time, no first calls')
     parser.add_argument('--seconds', type=float, help='of each query of each scene (1)')
+    parser.add_argument('--sizes', action='store_true', help='what size costs, of balls only')
     parser.add_argument('--out', type=Path, default=ROOT / 'out/bench', help='folder')
     given = parser.parse_args()
     given.seconds = given.seconds or (0.2 if given.quick else 1.0)
@@ -50,9 +53,24 @@ def arguments() -> argparse.Namespace:
     return given
 
 
+def measure_sizes(seconds: float, folder: Path) -> None:
+    """Measure scenes of more and more balls, and write what was measured until interrupted."""
+    growth = sizes.Growth(seconds)
+    try:
+        for count in sizes.SIZES:
+            growth.size(count)
+    except KeyboardInterrupt:
+        print('interrupted: what was measured until now is written')
+    growth.write(folder)
+
+
 def main() -> None:
     """Measure, and write what was measured even when interrupted."""
     given = arguments()
+    given.out.mkdir(parents=True, exist_ok=True)
+    if given.sizes:
+        measure_sizes(given.seconds, given.out)
+        return
     run = Run(given.seconds, given.queries, given.quick, given.paces)
     try:
         for name in given.names:
@@ -62,7 +80,6 @@ def main() -> None:
             run.first_calls()
     except KeyboardInterrupt:
         print('interrupted: what was measured until now is written')
-    given.out.mkdir(parents=True, exist_ok=True)
     run.write(given.out)
 
 

@@ -160,14 +160,15 @@ class SceneGraphContext:
         Raises PoseError when a frame does not exist; nothing changes then.
         """
         world = self._up_to_date_world()
-        rows = world.rows_to_pose(poses._ids)
+        ids, R_PFs, p_PFs = poses._as_arrays()
+        rows = world.rows_to_pose(ids)
         if rows is None:
-            unknown = poses._ids[~world.has_frames(poses._ids)]
+            unknown = ids[~world.has_frames(ids)]
             raise PoseError(
                 'Poses were refused, nothing was changed: these frames are not in this scene: '
                 f'{self._describe(sorted(unknown.tolist()))}.'
             )
-        world.set_poses(rows, poses._R_PFs, poses._p_PFs)
+        world.set_poses(rows, R_PFs, p_PFs)
 
     def _describe(self, values: list[int]) -> str:
         """Name frames for an error message."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
+from drake_geom_ros.geometry._proximity.poses import read_frame_poses
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.instances import checked_pose, checked_type
@@ -52,20 +52,8 @@ class FramePoseVector:
         twice.
         """
         ids = _id_values(frame_ids)
-        R_PFs, p_PFs = _matrices(poses)
-        if len(ids) != len(p_PFs):
-            raise PoseError(
-                f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(p_PFs)} poses'
-            )
-        if not ascending(ids):
-            values, counts = np.unique(ids, return_counts=True)
-            if len(values) != len(ids):
-                twice = values[counts > 1][0]
-                raise PoseError(
-                    f'FramePoseVector.FromArrays: frame {twice} is named more than once'
-                )
-        vector = cls()
-        vector._values, vector._arrays = None, (ids, R_PFs, p_PFs)
+        vector = cls.__new__(cls)
+        vector._values, vector._arrays = None, (ids, *_matrices(ids, poses))
         return vector
 
     def set_value(self, id: FrameId, value: RigidTransform) -> None:
@@ -150,14 +138,34 @@ class FramePoseVector:
         return self._arrays
 
 
-def _matrices(poses: ArrayLike) -> tuple[Floats, Floats]:
-    """Return R (n, 3, 3) and p (n, 3) of poses (n, 7); raises PoseError for what is no pose."""
-    if isinstance(poses, np.ndarray) and poses.dtype == np.float64 and poses.ndim == 2:
-        n = len(poses)
-        Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
-        if poses.shape[1] == 7 and read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps) == n:
+def _matrices(ids: Indices, poses: ArrayLike) -> tuple[Floats, Floats]:
+    """Return R (n, 3, 3) and p (n, 3) of the poses (n, 7) of as many different frames.
+
+    Raises PoseError for what is no pose, another number of poses, and a frame that is there twice.
+    """
+    known = False
+    if (
+        isinstance(poses, np.ndarray)
+        and poses.dtype == np.float64
+        and poses.shape == (len(ids), 7)
+    ):
+        Rs, ps = np.empty((len(ids), 3, 3)), np.empty((len(ids), 3))
+        known, rising = read_frame_poses(ids, poses, QUATERNION_NORM, FARTHEST, Rs, ps)
+        if known and rising:
             return Rs, ps
-    # Whatever the compiled code does not take is named here.
+    if not known:  # whatever the compiled code does not take is named
+        Rs, ps = _read_slowly(poses)
+    if len(ids) != len(ps):
+        raise PoseError(f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(ps)} poses')
+    values, counts = np.unique(ids, return_counts=True)
+    if len(values) != len(ids):
+        twice = values[counts > 1][0]
+        raise PoseError(f'FramePoseVector.FromArrays: frame {twice} is named more than once')
+    return Rs, ps
+
+
+def _read_slowly(poses: ArrayLike) -> tuple[Floats, Floats]:
+    """Return R (n, 3, 3) and p (n, 3) of poses (n, 7); raises PoseError for what is no pose."""
     try:
         Rs, ps = matrices_from_poses(poses)
     except RuntimeError as error:

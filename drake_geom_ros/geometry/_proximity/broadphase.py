@@ -20,14 +20,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.records import Plain
+from drake_geom_ros.geometry._proximity.handing import Bounds, Cells, Integers, Reals
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # A cell is wider than the boxes in it by more than rounding moves a centre: by a sixteenth, and by
 # this share [-] of the farthest coordinate, of which a centre's cell is known to 2^-14 of a cell.
@@ -47,35 +43,33 @@ NOBODY = np.zeros(0, dtype=np.bool_)
 class Boxes(NamedTuple):
     """Room for the boxes around n bodies, in hashed cells, by their buckets."""
 
-    rows: Indices  # (n,) of the world
-    bounds: Floats  # (n, 6) lower and upper ends [m], in one place of memory
-    cells: Indices  # (n, 4) the cell along x, y and z, and its GRID
-    starts: Indices  # (buckets + 1,) where the boxes of each bucket begin
-    grids: Indices  # (MOST_GRIDS,) those that are in use
-    counts: Indices  # (3,) of bodies and of grids; one less than the number of buckets
-    width: Floats  # (1,) of the cells of grid 0 [m]
+    rows: Integers  # (n,) of the world
+    bounds: Bounds  # (n, 6) lower and upper ends [m], in one place of memory
+    cells: Cells  # (n, 4) the cell along x, y and z, and its GRID
+    starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
+    grids: Integers  # (MOST_GRIDS,) those that are in use
+    counts: Integers  # (3,) of bodies and of grids; one less than the number of buckets
+    width: Reals  # (1,) of the cells of grid 0 [m]
     # While boxes are put in, in the order of the rows that are given.
-    widths: Floats  # (n,) the largest of each [m]
-    found: Indices  # (n, 4) the cells
-    buckets: Indices  # (n,)
+    widths: Reals  # (n,) the largest of each [m]
+    found: Cells  # (n, 4) the cells
+    buckets: Integers  # (n,)
 
 
-def room_for(count: int) -> Plain:
-    """Return empty ``Boxes`` with room for some bodies, as a plain tuple."""
+def room_for(count: int) -> Boxes:
+    """Return empty ``Boxes`` with room for some bodies."""
     buckets = 1 << max(2 * count - 1, 1).bit_length()
-    return tuple(
-        Boxes(
-            rows=np.zeros(count, dtype=np.int64),
-            bounds=np.zeros((count, 6)),
-            cells=np.zeros((count, 4), dtype=np.int64),
-            starts=np.zeros(buckets + 1, dtype=np.int64),
-            grids=np.zeros(MOST_GRIDS, dtype=np.int64),
-            counts=np.zeros(3, dtype=np.int64),
-            width=np.zeros(1),
-            widths=np.zeros(count),
-            found=np.zeros((count, 4), dtype=np.int64),
-            buckets=np.zeros(count, dtype=np.int64),
-        )
+    return Boxes(
+        rows=np.zeros(count, dtype=np.int64),
+        bounds=np.zeros((count, 6)),
+        cells=np.zeros((count, 4), dtype=np.int64),
+        starts=np.zeros(buckets + 1, dtype=np.int64),
+        grids=np.zeros(MOST_GRIDS, dtype=np.int64),
+        counts=np.zeros(3, dtype=np.int64),
+        width=np.zeros(1),
+        widths=np.zeros(count),
+        found=np.zeros((count, 4), dtype=np.int64),
+        buckets=np.zeros(count, dtype=np.int64),
     )
 
 
@@ -189,7 +183,7 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
 
     Paddings (n,) [m] are for every side, one for each row of the world.
     """
-    boxes, size = Boxes(*boxes), 1
+    size = 1
     while size < 2 * rows.size:
         size *= 2
     farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
@@ -279,7 +273,6 @@ def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def
     ``nobody`` is NOBODY: as a constant it would be of another type than ``skipped`` elsewhere, and
     everything below would be compiled twice.
     """
-    boxes = Boxes(*boxes)
     cells, mask = boxes.cells, boxes.counts[MASK]
     for a in range(boxes.counts[BODIES]):
         x, y, z, grid = cells[a, 0], cells[a, 1], cells[a, 2], cells[a, GRID]
@@ -304,7 +297,6 @@ def pairs_between(some, others, skipped, n, codes, count):  # type: ignore[no-un
 
     Those of ``others`` for which ``skipped`` (n,) holds are left out; none if it is empty.
     """
-    some, others = Boxes(*some), Boxes(*others)
     for a in range(some.counts[BODIES]):
         for k in range(others.counts[GRIDS]):
             count = _in_grid(some, a, others, others.grids[k], skipped, n, codes, count)

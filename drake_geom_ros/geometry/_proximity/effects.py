@@ -30,24 +30,24 @@ class Effects:
     seconds: dict[str, float] = field(default_factory=dict)
 
 
-@dataclass
-class Moments:
-    """When the steps of the last query ended [s], each where the next one begins."""
+def seconds_by_step(
+    begun: float,
+    posed: float,
+    listed: float,
+    compiled: float,
+    answered: float,
+    filtering: float,
+    knowing: float,
+) -> dict[str, float]:
+    """Return the seconds of each step, from when they ended [s].
 
-    begun: float = 0.0
-    posed: float = 0.0
-    listed: float = 0.0
-    compiled: float = 0.0
-    answered: float = 0.0
-
-    def seconds(self, filtering: float, known: float) -> dict[str, float]:
-        """Return the seconds of each step, those of the filters and the cache told apart."""
-        search, narrow = self.listed - self.posed, self.answered - self.compiled
-        return {
-            'update': self.posed - self.begun,
-            'broadphase': search - filtering,
-            'filter': filtering,
-            'compile': self.compiled - self.listed,
-            'cache': known,
-            'narrowphase': narrow - known,
-        }
+    Those of the filters, and of looks at what was known, are told apart.
+    """
+    return {
+        'update': posed - begun,
+        'broadphase': listed - posed - filtering,
+        'filter': filtering,
+        'compile': compiled - listed,
+        'cache': knowing,
+        'narrowphase': answered - compiled - knowing,
+    }

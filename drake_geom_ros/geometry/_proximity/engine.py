@@ -8,14 +8,42 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch, gathered
-from drake_geom_ros.geometry._proximity.budget import Pace
+from drake_geom_ros.geometry._proximity.batches import (
+    BATCH_WIDTH,
+    PairBatch,
+    PointBatch,
+    frozen,
+    gathered,
+)
 from drake_geom_ros.geometry._proximity.compiled import Tell
-from drake_geom_ros.geometry._proximity.effects import Effects, Moments
+from drake_geom_ros.geometry._proximity.cycle import (
+    ANSWERED,
+    ANSWERS,
+    BODIES_MOVED,
+    CANDIDATES,
+    COMPILED,
+    CONSIDERED,
+    CONTACT,
+    CONTACT_A,
+    CONTACT_B,
+    FILTERING,
+    FRAMES_MOVED,
+    KNOWING,
+    LACKS_KERNELS,
+    LIST,
+    LIST_MADE,
+    LISTED,
+    LISTED_PAIRS,
+    POSED,
+    Hands,
+    empty_report,
+    run_cycle,
+)
+from drake_geom_ros.geometry._proximity.effects import Effects, seconds_by_step
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.geometry._proximity.handing import Handle, handle_of
 from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
-    are_compiled,
     compile_rows,
     table_rows,
 )
@@ -25,13 +53,8 @@ from drake_geom_ros.geometry._proximity.kinds import SPHERE, Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
     CACHED,
-    COUNTS,
     FAR,
-    POSTPONED,
     WIDE,
-    answer_pairs,
-    bound_pairs,
-    near_pairs,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.point_phase import (
@@ -39,7 +62,8 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     compile_point_kernels,
     point_phase,
 )
-from drake_geom_ros.geometry._proximity.records import Plain, empty_memory
+from drake_geom_ros.geometry._proximity.records import empty_memory
+from drake_geom_ros.geometry._proximity.stepwise import Stepwise
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -50,7 +74,7 @@ ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
-_AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
+_NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
 _KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
 
 
@@ -64,28 +88,37 @@ class Engine:
         self.detailed = False  # tell the cache's seconds from those of the kernels, for some more
         self._world: World | None = None
         self._lists: dict[bool, NearList] = {}
-        self._hits: Indices = np.zeros(0, dtype=np.int64)
+        self._hands: dict[bool, tuple[object, Handle]] = {}  # by list: of what, and the handle
         self._last: tuple[tuple[object, ...], PairBatch] | None = None
-        self._last_contact = 0
-        self._pace = Pace()
+        self._rooms: dict[object, int] = {}  # rows made ready for an answer, by what is asked
         # What the last query did; put in words only for those who ask.
-        self._counts = np.zeros(COUNTS, dtype=np.int64)
-        self._moved = 0, 0
-        self._considered = self._filtered = self._unrefined = 0
-        self._list_made = False
+        self._report = empty_report()
+        self._report_handle = handle_of(self._report)
+        self._steps = Stepwise(self._report)
+        self._unrefined = 0
         self._kernels: list[str] = []
-        self._moments = Moments()
-        self._filter_seconds = self._cache_seconds = 0.0
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._report_handle, self._hands = handle_of(self._report), {}
+
+    @property
+    def _counts(self) -> Indices:
+        return self._report.counts
+
+    @property
+    def _moments(self) -> Floats:
+        return self._report.moments
 
     @property
     def effects(self) -> Effects:
         """What the last query did and what it skipped."""
-        counts, at = self._counts.tolist(), self._moments
+        counts, told = self._counts.tolist(), self._report.told.tolist()
         return Effects(
-            frames_moved=self._moved[0],
-            geometries_updated=self._moved[1],
-            broadphase_pairs=self._considered,
-            filtered_pairs=self._filtered,
+            frames_moved=told[FRAMES_MOVED],
+            geometries_updated=told[BODIES_MOVED],
+            broadphase_pairs=told[CONSIDERED],
+            filtered_pairs=told[CONSIDERED] - told[LISTED_PAIRS],
             far_pairs=counts[FAR],
             cached_pairs=counts[CACHED],
             narrowphase_pairs=sum(counts[BY_METHOD:]),
@@ -96,9 +129,9 @@ class Engine:
                 for name, number in METHODS.items()
                 if counts[BY_METHOD + number]
             },
-            near_list_made=self._list_made,
+            near_list_made=bool(told[LIST_MADE]),
             kernels_compiled=list(self._kernels),
-            seconds=at.seconds(self._filter_seconds, self._cache_seconds),
+            seconds=seconds_by_step(*self._moments.tolist()),
         )
 
     def prepare(self, world: World, tell: Tell | None = None) -> list[str]:
@@ -109,12 +142,9 @@ class Engine:
 
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
-        near = self._near(world, filters, distance)
-        count = near_pairs(near.pairs, world.scene, distance, self._hits)
-        self._counts[:] = 0
-        self._counts[FAR] = len(near.pairs) - count
-        self._moments.answered = time.perf_counter()
-        pairs: Indices = near.pairs[self._hits[:count]]
+        near, count = self._cycle(world, filters, (math.inf, distance, False), CANDIDATES)
+        pairs: Indices = near.arrays.pairs[near.arrays.hits[:count]]
+        self._counts[FAR] = near.count - count
         return pairs
 
     def signed_distances(
@@ -131,31 +161,21 @@ class Engine:
         Of pairs that are answered from bounds alone, by the level or because the narrow phase has
         spent its ``time_budget`` [s] (0: none), all that may be.
         """
-        near = self._near(world, filters, cutoff)
         query = _GAPS[accuracy], cutoff, penetrating
-        moment = (world.revision, world.placings, filters.version, query)
-        if self._last is not None and self._last[0] == moment:
-            self._counts[:] = 0
-            self._counts[CACHED] = len(near.pairs)
-            self._moments.answered = time.perf_counter()
-            self._cache_seconds = self._moments.answered - self._moments.compiled
-            return self._last[1]
-        self._compile_for(world, near, accuracy)
+        moment = world.revision, world.placings, filters.version, query
+        stands = not world.is_stale and world is self._world
+        if stands and self._last is not None and self._last[0] == moment:
+            return self._as_before(self._last[1])
         limited = time_budget > 0.0 and accuracy != 'bound'
-        if limited and not self._pace.fits(len(near.pairs), time_budget):
-            hits = self._answer_within(world, near, query, time_budget)
-        elif self.detailed:
-            hits = self._answer_apart(world, near, query)
+        if self.detailed or limited:
+            budget = time_budget if limited else 0.0
+            batch = self._answer_in_steps(world, filters, query, budget)
         else:
-            hits = self._answer(world, near.pairs, near.slots, near.memory, query)
-            if limited:
-                computed = int(self._counts[BY_METHOD:].sum())
-                self._pace.learn(computed, time.perf_counter() - self._moments.compiled)
-        batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
-        self._moments.answered = time.perf_counter()
+            batch = self._answer_at_once(world, filters, query)
         # What was left at its bounds is refined when somebody asks again.
+        moment = world.revision, *moment[1:]
         self._last = None if self._unrefined else (moment, batch)
-        if len(near.pairs) > _KEPT_PAIRS:
+        if self._report.told[LISTED_PAIRS] > _KEPT_PAIRS:
             self._last = None
             self._lists.pop(math.isinf(cutoff))
         return batch
@@ -165,16 +185,7 @@ class Engine:
 
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
-        near = self._near(world, filters, 0.0)
-        self._compile_for(world, near, accuracy)
-        query = _GAPS[accuracy], 0.0, True
-        # Where there was a contact there still is one, mostly.
-        first = min(self._last_contact, len(near.pairs))
-        hits = self._answer(world, near.pairs, near.slots, near.memory, query, first)
-        self._moments.answered = time.perf_counter()
-        if len(hits):
-            self._last_contact = int(hits[0])
-        return len(hits) > 0
+        return self._cycle(world, filters, (_GAPS[accuracy], 0.0, True), CONTACT)[1] > 0
 
     def distance_of_pair(
         self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
@@ -193,22 +204,21 @@ class Engine:
         if rows[0] < 0:
             return gathered(world, slots[:0], pair, slots, answers, math.inf)
         self._kernels = compile_rows(rows)
-        self._considered, self._filtered = 1, 0
-        self._moments.listed = self._moments.compiled = time.perf_counter()
-        self._make_room(1)
-        memory = empty_memory(answers)
+        self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
+        self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
+        memory, hits = empty_memory(answers), np.empty(1, dtype=np.int64)
         query = _GAPS[accuracy], math.inf, False
-        hits = self._answer(world, pair, slots, memory, query)
-        self._moments.answered = time.perf_counter()
+        hits = self._steps.answer(world, pair, slots, memory, query, hits)
+        self._moments[ANSWERED] = time.perf_counter()
         return gathered(world, hits, pair, slots, answers, query[0])
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
         self._begin(world)
-        self._moments.listed = time.perf_counter()
+        self._moments[LISTED] = time.perf_counter()
         table = world.geometries
         self._kernels = compile_point_kernels(table.types)
-        self._moments.compiled = time.perf_counter()
+        self._moments[COMPILED] = time.perf_counter()
         pair_rows = table_rows(np.full_like(table.types, SPHERE), table.types)
         capacity = len(p_WQs) * len(table.types)
         rows, found = np.empty((capacity, POINT_WIDTH)), np.zeros(capacity, dtype=np.bool_)
@@ -228,9 +238,9 @@ class Engine:
             ids,
             self._counts[BY_METHOD:],
         )
-        self._considered, self._filtered = capacity, 0
+        self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = capacity
         self._counts[FAR] = capacity - count
-        self._moments.answered = time.perf_counter()
+        self._moments[ANSWERED] = time.perf_counter()
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])
         there = np.flatnonzero(~world.waiting[np.searchsorted(table.ids, ids[:count])])
@@ -239,126 +249,112 @@ class Engine:
     # Steps.
 
     def _begin(self, world: World) -> None:
-        """Bring the world up to date."""
-        self._moments.begun = time.perf_counter()
-        if world is not self._world:
-            self._world, self._lists, self._last = world, {}, None
-        self._moved = world.update()
-        self._list_made, self._kernels, self._unrefined = False, [], 0
-        self._filter_seconds = self._cache_seconds = 0.0
-        self._moments.posed = time.perf_counter()
+        """Bring the world up to date, without a list."""
+        self._moments[:] = time.perf_counter()
+        told = self._report.told
+        told[FRAMES_MOVED], told[BODIES_MOVED] = world.update()
+        told[LIST_MADE] = 0
+        self._kernels, self._unrefined = [], 0
+        self._moments[POSED] = time.perf_counter()
+        self._moments[FILTERING] = self._moments[KNOWING] = 0.0
 
-    def _near(self, world: World, filters: FilterState, distance: float) -> NearList:
-        """Return the list of the unfiltered pairs within ``distance``, the world up to date."""
-        self._begin(world)
+    def _as_before(self, batch: PairBatch) -> PairBatch:
+        """Return the last answer, which still stands."""
+        self._moments[:] = time.perf_counter()
+        told = self._report.told
+        told[FRAMES_MOVED] = told[BODIES_MOVED] = told[LIST_MADE] = 0
+        self._counts[:] = 0
+        self._counts[CACHED] = told[LISTED_PAIRS]
+        self._kernels, self._unrefined = [], 0
+        self._moments[FILTERING] = 0.0
+        self._moments[KNOWING] = self._moments[ANSWERED] - self._moments[COMPILED]
+        return batch
+
+    def _cycle(
+        self,
+        world: World,
+        filters: FilterState,
+        query: tuple[float, float, bool],
+        mode: int,
+        ids: Indices = _NO_IDS,
+        rows: Floats = _NO_ROWS,
+    ) -> tuple[NearList, int]:
+        """Run a cycle of this mode; return the list of its pairs and how many it is about."""
         # A list of all pairs would be a burden to the queries of near ones.
-        unlimited = distance == math.inf
+        unlimited = query[1] == math.inf
+        near, hands = self._handed(world, filters, unlimited)
+        self._kernels, self._unrefined = [], 0
+        stale, lacking = world.is_stale, 0
+        state = world.revision + stale, filters.version, world.placings
+        if stale:
+            world.leave_moment()
+        while True:
+            count = run_cycle(hands, ADDRESSES, lacking, stale, *state, *query, mode, ids, rows)
+            if stale:
+                world.note_update(state[0])
+            if count >= 0:
+                return near, count
+            lacking = -count
+            if lacking == LACKS_KERNELS:
+                self._compile_for(world, near)
+            else:
+                near.make_room(lacking)
+                near, hands = self._handed(world, filters, unlimited)
+
+    def _handed(
+        self, world: World, filters: FilterState, unlimited: bool
+    ) -> tuple[NearList, Handle]:
+        """Return the list for queries with or without a limit, and the handle of all it needs."""
+        if world is not self._world:
+            self._world, self._lists, self._last, self._hands = world, {}, None, {}
+            self._report.told[[CONTACT_A, CONTACT_B]] = -1
         near = self._lists.get(unlimited)
         if near is None:
             near = self._lists[unlimited] = NearList(world)
-        self._list_made = near.bring_up_to_date(world, filters, distance)
-        if self._list_made:
-            self._make_room(len(near.pairs))
-            self._filter_seconds = near.filter_seconds
-        self._considered = near.considered
-        self._filtered = near.considered - len(near.pairs)
-        self._moments.listed = self._moments.compiled = time.perf_counter()
-        return near
+        near.look_at(world, filters)
+        hands = self._hands.get(unlimited)
+        if hands is None or hands[0] is not near.handles:
+            handles = Hands(world.handle, *near.handles, self._report_handle)
+            # Who has the handle of handles keeps these, too.
+            hands = self._hands[unlimited] = near.handles, handle_of(handles)
+        return near, hands[1]
 
-    def _compile_for(self, world: World, near: NearList, accuracy: str) -> None:
-        """Compile the kernels of the pairs of a list, once in its life; bounds need none."""
-        if not near.has_kernels and accuracy != 'bound':
-            types = world.geometries.types
-            if not are_compiled(types, near.pairs):
-                of_pairs = types[near.pairs]
-                self._kernels = compile_rows(table_rows(of_pairs[:, 0], of_pairs[:, 1]))
-            near.has_kernels = True
-            self._moments.compiled = time.perf_counter()
+    def _compile_for(self, world: World, near: NearList) -> None:
+        """Compile the kernels of the pairs of a list."""
+        of_pairs = world.geometries.types[near.pairs]
+        self._kernels = compile_rows(table_rows(of_pairs[:, 0], of_pairs[:, 1]))
+        near.know_kernels()
+        self._moments[COMPILED] = time.perf_counter()
 
-    def _make_room(self, pairs: int) -> None:
-        if len(self._hits) < pairs:
-            self._hits = np.empty(2 * pairs, dtype=np.int64)
+    def _answer_at_once(
+        self, world: World, filters: FilterState, query: tuple[float, float, bool]
+    ) -> PairBatch:
+        """Return the answer, in one compiled call where its length is about as before."""
+        room = self._rooms.get(query[1:], 16)
+        ids, rows = np.empty((room, 2), dtype=np.int64), np.empty((room, BATCH_WIDTH))
+        near, count = self._cycle(world, filters, query, ANSWERS, ids, rows)
+        if not room // 2 <= count <= room:
+            self._rooms[query[1:]] = max(16, count + count // 4)
+        if count > room:
+            hits = near.arrays.hits[:count]
+            batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
+            self._moments[ANSWERED] = time.perf_counter()
+            return batch
+        return frozen(ids[:count], rows[:count])
 
-    def _answer(
+    def _answer_in_steps(
         self,
         world: World,
-        pairs: Indices,
-        slots: Indices,
-        memory: Plain,
+        filters: FilterState,
         query: tuple[float, float, bool],
-        first: int = -1,
-        queue: tuple[Indices, Floats] = _AT_ONCE,
-    ) -> Indices:
-        """Return the numbers of the pairs that ``query`` is about, their slots up to date.
-
-        With a ``queue`` for all pairs, those that need a kernel are put there instead.
-        """
-        found = answer_pairs(
-            ADDRESSES,
-            pairs,
-            slots,
-            memory,
-            world.scene,
-            world.revision,
-            query,
-            first,
-            queue,
-            self._hits,
-            self._counts,
-        )
-        return self._hits[:found]
-
-    def _answer_apart(
-        self, world: World, near: NearList, query: tuple[float, float, bool]
-    ) -> Indices:
-        """Return what ``_answer`` does: first what is known, then what kernels have to compute."""
-        queue = np.empty(len(near.pairs), dtype=np.int64), _AT_ONCE[1]
-        asked = near.pairs, near.slots, near.memory, query
-        known = self._answer(world, *asked, queue=queue).copy()
-        total = self._counts.copy()
-        if total[CACHED]:
-            self._cache_seconds = time.perf_counter() - self._moments.compiled
-        some = queue[0][: total[POSTPONED]]
-        total[POSTPONED] = 0
-        hits = some[self._answer(world, near.pairs[some], near.slots[some], *asked[2:])]
-        self._counts += total
-        return np.sort(np.concatenate((known, hits)))
-
-    def _answer_within(
-        self, world: World, near: NearList, query: tuple[float, float, bool], seconds: float
-    ) -> Indices:
-        """Return what ``_answer`` does, kernels for the nearest pairs only as time lasts."""
-        room = len(near.pairs)
-        waiting, distances = queue = np.empty(room, dtype=np.int64), np.empty(room)
-        start = self._moments.compiled
-        known = self._answer(world, near.pairs, near.slots, near.memory, query, queue=queue)
-        hits, total = [known.copy()], self._counts.copy()
-        count = int(total[POSTPONED])
-        total[POSTPONED] = 0
-
-        def compute(block: Indices) -> None:
-            some = waiting[block]
-            asked = near.pairs[some], near.slots[some], near.memory, query
-            hits.append(some[self._answer(world, *asked)])
-            total[:] += self._counts
-
-        # What is left is bounded once more, as all that wait were just now.
-        reserve = (time.perf_counter() - start) / max(1, count)
-        left = self._pace.spend(distances[:count], compute, start + seconds, reserve)
-        if len(left):
-            some = waiting[left]
-            found = bound_pairs(
-                near.pairs[some],
-                near.slots[some],
-                near.memory,
-                world.scene,
-                world.revision,
-                query,
-                self._hits,
-                self._counts,
-            )
-            hits.append(some[self._hits[:found]])
-            total += self._counts
-            self._unrefined = found
-        self._counts[:] = total
-        return np.sort(np.concatenate(hits))
+        budget: float,
+    ) -> PairBatch:
+        """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
+        near, _ = self._cycle(world, filters, query, LIST)
+        if not (math.isinf(query[0]) or near.has_kernels):
+            self._compile_for(world, near)
+        hits = self._steps.answer_list(world, near, query, budget)
+        self._unrefined = self._steps.unrefined
+        batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
+        self._moments[ANSWERED] = time.perf_counter()
+        return batch

@@ -17,7 +17,7 @@ ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
 # Kernels are compiled once a process, whatever scene asked for them.
 ADDRESSES = address_table(len(ALL_ROWS) + 1)
 AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
-_COMPILED = np.zeros(len(ALL_ROWS), dtype=np.bool_)
+COMPILED_ROWS = np.zeros(len(ALL_ROWS), dtype=np.bool_)
 
 
 def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -29,7 +29,7 @@ def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArra
 
 def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]:
     """Compile the kernels of table rows that are not compiled yet; return their names."""
-    missing = np.unique(rows[(rows >= 0) & ~_COMPILED[rows]]).tolist()
+    missing = np.unique(rows[(rows >= 0) & ~COMPILED_ROWS[rows]]).tolist()
     if missing and not ADDRESSES[AT_ONE_METRE]:
         ADDRESSES[AT_ONE_METRE] = address_at_one_metre()
     names = list(dict.fromkeys(ALL_ROWS[number].kernel for number in missing))
@@ -37,21 +37,19 @@ def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]
         row = ALL_ROWS[number]
         with compilation(tell, row.kernel, names.index(row.kernel) + 1, len(names)):
             ADDRESSES[number] = compiled_address(row.load_kernel())
-        _COMPILED[number] = True
+        COMPILED_ROWS[number] = True
     return names
 
 
-def are_compiled(types: NDArray[np.int64], pairs: NDArray[np.int64]) -> bool:
-    """Tell whether the kernels of all pairs (k, 2) are compiled, for shapes of these types."""
-    return bool(_has_each(types, pairs, ROWS, _COMPILED))
-
-
 @compiled
-def _has_each(types, pairs, rows, there):  # type: ignore[no-untyped-def]
-    """Tell whether the row of each pair is there; that of two half spaces is none."""
-    for k in range(pairs.shape[0]):
+def has_each(types, pairs, count, there):  # type: ignore[no-untyped-def]
+    """Tell whether the kernel of each of the first so many pairs is there, for these shape types.
+
+    ``there`` are ``COMPILED_ROWS``; two half spaces have no kernel and need none.
+    """
+    for k in range(count):
         a, b = types[pairs[k, 0]], types[pairs[k, 1]]
-        row = rows[min(a, b) * TYPE_COUNT + max(a, b)]
+        row = ROWS[min(a, b) * TYPE_COUNT + max(a, b)]
         if row >= 0 and not there[row]:
             return False
     return True

@@ -43,9 +43,12 @@ def read_poses(poses, norm_tolerance, farthest, Rs, ps):  # type: ignore[no-unty
 
 
 @compiled
-def ascending(ids):  # type: ignore[no-untyped-def]
-    """Return whether the ids (n,) rise strictly, as they do when frames come in their order."""
+def read_frame_poses(ids, poses, norm_tolerance, farthest, Rs, ps):  # type: ignore[no-untyped-def]
+    """Do what ``read_poses`` does; return if all are poses, and if the ids (n,) rise strictly.
+
+    They do when frames come in their order, and then all of them are different.
+    """
+    rising = True
     for k in range(1, ids.size):
-        if ids[k] <= ids[k - 1]:
-            return False
-    return True
+        rising &= ids[k] > ids[k - 1]
+    return read_poses(poses, norm_tolerance, farthest, Rs, ps) == ids.size, rising

@@ -8,10 +8,23 @@ a record on inside a loop over pairs does cost, see ``narrow_phase``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.handing import (
+    Flags,
+    Integers,
+    Matrices,
+    RealPairs,
+    Reals,
+    Rows,
+    Vectors,
+    taker,
+)
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -32,6 +45,66 @@ class Scene(NamedTuple):
     inner: Floats
     travels: Floats
     stamps: Indices
+
+
+class WorldArrays(NamedTuple):
+    """All arrays of a ``World`` of nf frames and n geometries, for a handle."""
+
+    # Of frames (nf,).
+    moved: Flags
+    parents: Integers
+    R_PFs: Matrices
+    p_PFs: Vectors
+    R_WFs: Matrices
+    p_WFs: Vectors
+    frame_roundings: RealPairs
+    # Of geometries (n,), but for ``movable``: the rows of those that are not anchored.
+    movable: Integers
+    ids: Integers
+    frames: Integers
+    waiting: Flags
+    R_FGs: Matrices
+    p_FGs: Vectors
+    kept: Rows  # see ``posing``
+    types: Integers
+    starts: Integers  # (n + 1,)
+    pool: Reals
+    R_WGs: Matrices
+    p_WGs: Vectors
+    roundings: RealPairs
+    half_extents: Vectors
+    outer: Reals
+    inner: Reals
+    stamps: Integers
+    travels: Reals
+
+    def some(self, names: Sequence[str]) -> Plain:
+        """Return some of the arrays, by their names, as a plain tuple."""
+        return tuple(getattr(self, name) for name in names)
+
+
+# What ``batches.gather`` takes of it.
+POSED = 'ids', 'types', 'frames', 'R_WGs', 'p_WGs', 'roundings', 'p_WFs', 'outer'
+
+world_of = taker(WorldArrays)
+
+
+@inlined
+def scene_of(world):  # type: ignore[no-untyped-def]
+    """Return the ``Scene`` of ``WorldArrays``."""
+    return Scene(
+        world.types,
+        world.starts,
+        world.pool,
+        world.R_WGs,
+        world.p_WGs,
+        world.roundings,
+        world.half_extents,
+        world.outer,
+        world.inner,
+        world.travels,
+        world.stamps,
+    )
 
 
 class Memory(NamedTuple):

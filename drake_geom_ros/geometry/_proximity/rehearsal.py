@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, bound_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, POINT_KERNELS
 from drake_geom_ros.geometry._proximity.point_phase import compile_point_kernels
-from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
+from drake_geom_ros.geometry._proximity.poses import read_frame_poses
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 
 
@@ -72,8 +72,7 @@ def _rehearse() -> tuple[World, Engine]:
     for step in (0.1, 0.2, 0.2, 50.0):
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
         Rs, ps = np.empty((count - 1, 3, 3)), np.empty((count - 1, 3))
-        read_poses(poses, 0.1, math.inf, Rs, ps)
-        ascending(rows)
+        read_frame_poses(rows, poses, 0.1, math.inf, Rs, ps)
         world.set_poses(rows, Rs, ps)
         for reach in (0.0, math.inf):
             engine.signed_distances(world, filters, 'bound', reach)

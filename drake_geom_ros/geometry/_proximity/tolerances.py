@@ -44,6 +44,10 @@ TOUCHING_DEPTH = 1e-14
 UNSEEN_DEPTH = 1e-3
 
 
+# Depth [-], relative to the smaller of the balls inside two bodies, from which on a contact is
+# plain: a hundred times what the widest bound that was ever found leaves open.
+PLAIN_DEPTH = 2.0**-10
+
 # A direction whose component [-] along an edge is below this is at right angles to the edge: a few
 # EPS, what is left of an exact right angle after turning a unit vector into another frame. The
 # midpoint taken there is this times the edge's length below the true support value.

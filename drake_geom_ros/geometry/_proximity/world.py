@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.moment import Moment, Posed
-from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
-from drake_geom_ros.geometry._proximity.records import Plain, Scene
+from drake_geom_ros.geometry._proximity.posing import PACE, UPDATED, set_poses, update
+from drake_geom_ros.geometry._proximity.records import POSED, Plain, Scene, WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -67,8 +68,9 @@ class World:
         self._last_named = b'', np.zeros(0, dtype=np.int64)
         self._moved = np.ones(count, dtype=np.bool_)
         self._stale = True
-        self._allocate_geometries()
         self._posed = np.zeros(count, dtype=np.bool_)
+        self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
+        self._allocate_geometries()
         self.placings = 0  # grows with each first pose
         self._place(np.zeros(1, dtype=np.int64))
 
@@ -97,59 +99,56 @@ class World:
         self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
         self._gather_arguments()
 
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._gather_arguments()  # the arrays of a copy are elsewhere
+
     def _gather_arguments(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
         self._moment: Callable[[], Moment | None] = _none  # that of now, while a result holds it
-        self._arguments = (
-            self._moved,
-            self.frames.parents,
-            self.R_PFs,
-            self.p_PFs,
-            self.R_WFs,
-            self.p_WFs,
-            self._frame_roundings,
-            self.movable,
-            table.frames,
-            table.R_FGs,
-            table.p_FGs,
-            self._kept,
-            table.types,
-            table.starts,
-            table.pool,
-            self.R_WGs,
-            self.p_WGs,
-            self.roundings,
-            self.half_extents,
-            self.stamps,
-            self.travels,
+        self._posed_now = Posed(
+            ids=table.ids,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            frames=table.frames,
+            R_WGs=self.R_WGs,
+            frame_ids=self.frames.ids,
+            p_WFs=self.p_WFs,
         )
-        self.scene: Plain = tuple(
-            Scene(
-                types=table.types,
-                starts=table.starts,
-                pool=table.pool,
-                R_WGs=self.R_WGs,
-                p_WGs=self.p_WGs,
-                roundings=self.roundings,
-                half_extents=self.half_extents,
-                outer=self.outer_radii,
-                inner=self.inner_radii,
-                travels=self.travels,
-                stamps=self.stamps,
-            )
+        arrays = WorldArrays(
+            moved=self._moved,
+            parents=self.frames.parents,
+            R_PFs=self.R_PFs,
+            p_PFs=self.p_PFs,
+            R_WFs=self.R_WFs,
+            p_WFs=self.p_WFs,
+            frame_roundings=self._frame_roundings,
+            movable=self.movable,
+            ids=table.ids,
+            frames=table.frames,
+            waiting=self.waiting,
+            R_FGs=table.R_FGs,
+            p_FGs=table.p_FGs,
+            kept=self._kept,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            R_WGs=self.R_WGs,
+            p_WGs=self.p_WGs,
+            roundings=self.roundings,
+            half_extents=self.half_extents,
+            outer=self.outer_radii,
+            inner=self.inner_radii,
+            stamps=self.stamps,
+            travels=self.travels,
         )
+        self.handle = handle_of(arrays)
+        self._arguments = arrays.some(UPDATED)
+        self.scene: Plain = arrays.some(Scene._fields)
         # For those who gather results.
-        self.posed = (
-            table.ids,
-            table.types,
-            table.frames,
-            self.R_WGs,
-            self.p_WGs,
-            self.roundings,
-            self.p_WFs,
-            self.outer_radii,
-        )
+        self.posed = arrays.some(POSED)
 
     @property
     def paces(self) -> Floats:
@@ -208,7 +207,7 @@ class World:
         self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
-        self.waiting = ~self.placed[self.geometries.frames]  # (n,)
+        self.waiting[:] = ~self.placed[self.geometries.frames]
         self.placings += 1
 
     def unposed_frames(self) -> Indices:
@@ -235,20 +234,30 @@ class World:
         """Return the moment of the last update, which no later one reaches."""
         found = self._moment()
         if found is None:
-            table = self.geometries
-            shapes = table.ids, table.types, table.starts, table.pool, table.frames
-            found = Moment(Posed(*shapes, self.R_WGs, self.frames.ids, self.p_WFs))
+            found = Moment(self._posed_now)
             self._moment = weakref.ref(found)
         return found
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether world poses and bounds have to be brought up to date."""
+        return self._stale
+
+    def note_update(self, revision: int) -> None:
+        """Note that a cycle has brought everything up to date."""
+        self.revision, self._stale = revision, False
+
+    def leave_moment(self) -> None:
+        """Have what results hold of the poses copied, for these are about to change."""
+        if (held := self._moment()) is not None:
+            held.keep()
+        self._moment = _none
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
-        if (held := self._moment()) is not None:
-            held.keep()
-        self._moment = _none
-        self.revision += 1
-        counts = update(self.revision, *self._arguments)
-        self._stale = False
+        self.leave_moment()
+        counts = update(self.revision + 1, *self._arguments)
+        self.note_update(self.revision + 1)
         return counts  # type: ignore[no-any-return]

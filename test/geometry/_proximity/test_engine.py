@@ -24,8 +24,8 @@ from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
     asked = []
-    nothing = np.zeros_like(kernel_table._COMPILED)
-    monkeypatch.setattr(kernel_table, '_COMPILED', nothing)
+    nothing = np.zeros_like(kernel_table.COMPILED_ROWS)
+    monkeypatch.setattr(kernel_table, 'COMPILED_ROWS', nothing)
     monkeypatch.setattr(
         kernel_table, 'compiled_address', lambda kernel: asked.append(kernel.__name__) or 0
     )
@@ -40,8 +40,17 @@ def test_only_the_kernels_of_a_scene_are_compiled(monkeypatch):
 
 def test_kernels_are_asked_for_once_in_the_life_of_a_list_and_bounds_need_none(monkeypatch):
     asked = []
-    # Not yet, each time: so those that are compiled by now are asked for, too.
-    monkeypatch.setattr(engines, 'are_compiled', lambda types, pairs: bool(asked.append(1)))
+    # As if none were there, so those that are compiled by now are asked for, too.
+    nothing = np.zeros_like(kernel_table.COMPILED_ROWS)
+    monkeypatch.setattr(kernel_table, 'COMPILED_ROWS', nothing)
+
+    def compile_rows(rows):
+        asked.append(1)
+        names = kernel_table.compile_rows(rows)
+        nothing[:] = False
+        return names
+
+    monkeypatch.setattr(engines, 'compile_rows', compile_rows)
     world = random_world(np.random.default_rng(4), 6, types=(SPHERE,))
     engine, filters = Engine(), filters_of(world)
     for level, count in (('bound', 0), ('exact', 1), ('exact', 1), ('bound', 1), ('fast', 1)):
@@ -111,12 +120,15 @@ def test_penetrating_pairs_are_those_of_negative_distance():
     assert not engine.has_overlap(world, filters, 'exact')
 
 
-def test_has_overlap_stops_at_the_first():
+@pytest.mark.parametrize('balls', [True, False])
+def test_has_overlap_stops_at_the_first(balls):
+    """Where the balls inside the bodies show it no kernel runs at all."""
     world = random_world(np.random.default_rng(11), 60, spread=0.1)
+    world.inner_radii[:] *= balls
     engine, filters = Engine(), filters_of(world)
     for _ in range(3):
         assert engine.has_overlap(world, filters, 'exact')
-        assert engine.effects.narrowphase_pairs + engine.effects.cached_pairs == 1
+        assert engine.effects.narrowphase_pairs + engine.effects.cached_pairs == 1 - balls
         world.set_poses(np.array([1]), np.eye(3)[None], world.p_PFs[1:2] + 1e-6)
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from oracles.worlds import filters_of, random_world, shuffle
 
-from drake_geom_ros.geometry._proximity import engine as engine_module
 from drake_geom_ros.geometry._proximity.budget import LONGEST_BLOCK, SHORTEST_BLOCK
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -18,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
+from drake_geom_ros.geometry._proximity.stepwise import Stepwise
 
 PLENTY, NOTHING = 1e6, 1e-12  # [s]
 
@@ -184,7 +184,9 @@ def test_who_was_far_in_between_is_not_taken_for_near(monkeypatch):
     rows, home = np.arange(1, 3), world.p_PFs[1:3].copy()
     query = (world, filters)
     # The budget that leaves all pairs.
-    monkeypatch.setattr(engine._pace, 'spend', lambda distances, *rest: np.arange(len(distances)))
+    monkeypatch.setattr(
+        engine._steps.pace, 'spend', lambda distances, *rest: np.arange(len(distances))
+    )
     for away, cutoff, seconds in ((0.0, 10.0, 0.0), (2.0, 0.5, 0.0), (0.3, 10.0, NOTHING)):
         world.set_poses(rows, world.R_PFs[rows], np.add(home, [[0, 0, 0], [away, 0, 0]]))
         answer = engine.signed_distances(*query, 'exact', cutoff, time_budget=seconds)
@@ -199,7 +201,7 @@ def test_a_budget_that_is_ample_costs_nothing(monkeypatch):
     world = random_world(rng, 30)
     engine, filters = Engine(), filters_of(world)
     engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
-    monkeypatch.delattr(engine_module.Engine, '_answer_within')
+    monkeypatch.delattr(Stepwise, 'answer_within')
     for _ in range(3):
         shuffle(rng, world)
         engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
@@ -209,14 +211,14 @@ def test_a_budget_that_is_ample_costs_nothing(monkeypatch):
 def test_blocks_grow_with_what_pairs_cost(monkeypatch):
     world = random_world(np.random.default_rng(7), 80, types=(1, 3))
     engine, filters, sizes = Engine(), filters_of(world), []
-    answer = engine._answer
+    answer = engine._steps.answer
 
     def watched(world, pairs, *rest, **keywords):
         if 'queue' not in keywords:
             sizes.append(len(pairs))
         return answer(world, pairs, *rest, **keywords)
 
-    monkeypatch.setattr(engine, '_answer', watched)
+    monkeypatch.setattr(engine._steps, 'answer', watched)
     engine.signed_distances(world, filters, 'exact', math.inf, time_budget=PLENTY)
     assert sizes[0] == SHORTEST_BLOCK
     assert max(sizes) == LONGEST_BLOCK

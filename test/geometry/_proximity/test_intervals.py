@@ -182,7 +182,9 @@ def peg(monkeypatch):
     world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), places)
     world.update()
     engine = Engine()
-    monkeypatch.setattr(engine._pace, 'spend', lambda distances, *rest: np.arange(len(distances)))
+    monkeypatch.setattr(
+        engine._steps.pace, 'spend', lambda distances, *rest: np.arange(len(distances))
+    )
     return world, filters_of(world), engine
 
 

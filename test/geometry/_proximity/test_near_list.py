@@ -7,7 +7,8 @@ import pytest
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.near_list import PATIENCE, NearList
+from drake_geom_ros.geometry._proximity.list_making import MOST_LOOKS, PATIENCE
+from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
@@ -53,14 +54,16 @@ def test_whatever_is_near_is_listed_and_the_list_stands_for_a_while(anchored, mo
     assert near_pairs(world, 0.05) <= listed(near)
 
 
-@pytest.mark.parametrize('anchored', [0, 25, 49])
+# By a look at each pair, and by grids.
+@pytest.mark.parametrize(('count', 'anchored'), [(50, 0), (50, 25), (50, 49), (90, 0), (90, 25)])
 @pytest.mark.parametrize('distance', [0.0, 0.3])
-def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(anchored, distance):
+def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(count, anchored, distance):
     """Whoever came from afar just now, or rests, gets no margin."""
     rng = np.random.default_rng(anchored)
-    world = random_world(rng, 50, anchored=anchored)
+    world = random_world(rng, count, anchored=anchored)
+    assert (world.movable.size * count > MOST_LOOKS) == (count == 90)
     filters = filters_of(world)
-    i, j = np.triu_indices(50, k=1)
+    i, j = np.triu_indices(count, k=1)
     for updates in (0, PATIENCE, 1):
         for _ in range(updates):  # all but the first frame come to rest
             world.set_poses(np.array([1]), world.R_PFs[1:2], rng.uniform(-1.0, 1.0, (1, 3)))
@@ -125,15 +128,15 @@ def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
         assert len(set(slots.values())) == len(slots)
         for pair, slot in slots.items():
             if pair in known:
-                assert near.slacks[slot] == known[pair]
+                assert near.arrays.slacks[slot] == known[pair]
             else:
                 # A new pair knows nothing, whoever had the slot before.
-                assert near.slacks[slot] == -math.inf
-                assert near.seen[slot] == -1
+                assert near.arrays.slacks[slot] == -math.inf
+                assert near.arrays.seen[slot] == -1
                 assert not near.answers[slot].any()
-            near.slacks[slot] = rng.random()
-            near.seen[slot], near.answers[slot] = 5, 1.0
-        known = {pair: near.slacks[slot] for pair, slot in slots.items()}
+            near.arrays.slacks[slot] = rng.random()
+            near.arrays.seen[slot], near.answers[slot] = 5, 1.0
+        known = {pair: near.arrays.slacks[slot] for pair, slot in slots.items()}
         creep(rng, world, np.arange(1, 61), 0.03)
 
 
@@ -156,7 +159,11 @@ def test_slots_are_used_to_the_last_one_and_keep_what_they_hold_when_they_grow()
         assert before.items() <= after.items()
         for (i, j), slot in before.items():
             assert near.answers[slot].tolist() == [i] * near.answers.shape[1]
-            assert (near.slacks[slot], near.seen[slot], near.gaps[slot]) == (j, i + j, i * j)
+            assert (near.arrays.slacks[slot], near.arrays.seen[slot], near.arrays.gaps[slot]) == (
+                j,
+                i + j,
+                i * j,
+            )
         for (i, j), slot in after.items():
             for held, value in zip(near.memory, (i, j, i + j, i * j), strict=True):
                 held[slot] = value

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oracles.poses import mp, rotation_of_quaternion
 
-from drake_geom_ros.geometry._proximity.poses import ascending, read_poses
+from drake_geom_ros.geometry._proximity.poses import read_frame_poses, read_poses
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_TAKEN
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
@@ -55,8 +55,16 @@ def test_positions_must_be_finite_and_not_too_far(column, value):
     assert read_poses(poses, QUATERNION_NORM, FARTHEST, np.empty((3, 3, 3)), np.empty((3, 3))) == 1
 
 
-def test_ascending():
-    assert ascending(np.array([], dtype=np.int64))
-    assert ascending(np.array([3, 5, 9]))
-    assert not ascending(np.array([3, 3, 9]))
-    assert not ascending(np.array([3, 9, 5]))
+@pytest.mark.parametrize(
+    ('ids', 'rise'), [([], True), ([3, 5, 9], True), ([3, 3, 9], False), ([3, 9, 5], False)]
+)
+def test_ids_that_rise_are_told_from_others_beside_the_poses(ids, rise):
+    n, poses = len(ids), random_poses(3)[: len(ids)]
+    Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
+    told = read_frame_poses(np.array(ids, np.int64), poses, QUATERNION_NORM, FARTHEST, Rs, ps)
+    assert told == (True, rise)
+    assert (ps == poses[:, :3]).all()
+    if n:
+        poses[1, 6] = 5.0
+        told = read_frame_poses(np.array(ids, np.int64), poses, QUATERNION_NORM, FARTHEST, Rs, ps)
+        assert told == (False, rise)

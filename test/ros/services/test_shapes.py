@@ -105,9 +105,9 @@ def watched(live, monkeypatch):
         events.append(('load', is_free(live._lock)))
         return parse_mesh(*args, **kwargs)
 
-    spheres = np.zeros_like(kernel_table._COMPILED)
+    spheres = np.zeros_like(kernel_table.COMPILED_ROWS)
     spheres[0] = True  # as if the process had only compiled what the live scene called for
-    monkeypatch.setattr(kernel_table, '_COMPILED', spheres)
+    monkeypatch.setattr(kernel_table, 'COMPILED_ROWS', spheres)
     monkeypatch.setattr(kernel_table, 'compiled_address', compiling)
     monkeypatch.setattr(mesh_source, 'parse_mesh', loading)
     return events

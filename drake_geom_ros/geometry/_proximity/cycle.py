@@ -1,0 +1,274 @@
+"""A query in one compiled call: world updated, list made, narrow phase run, rows gathered.
+
+Each compiled call and each array that it is given takes Python a tenth of a microsecond and more,
+which is most of the time of a query in a small scene. Where something is to be done that compiled
+code cannot do, the call ends early and says what; it is made again after that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity import kernel_table, list_making
+from drake_geom_ros.geometry._proximity.batches import gather_rows
+from drake_geom_ros.geometry._proximity.broadphase import Boxes
+from drake_geom_ros.geometry._proximity.clock import now
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.handing import (
+    Flags,
+    HandleField,
+    Integers,
+    Reals,
+    taker,
+)
+from drake_geom_ros.geometry._proximity.kernel_table import has_each
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part
+from drake_geom_ros.geometry._proximity.list_making import (
+    HAS_KERNELS,
+    LACKS_SLOTS,
+    MADE,
+    PAIRS,
+    bring_up_to_date,
+    filters_of,
+    list_of,
+)
+from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs, near_pairs
+from drake_geom_ros.geometry._proximity.plain_contacts import plain_contact
+from drake_geom_ros.geometry._proximity.posing import update
+from drake_geom_ros.geometry._proximity.records import scene_of, world_of
+
+# What is asked for.
+LIST = 0  # no more than the list
+CANDIDATES = 1  # its pairs whose boxes are within the cutoff
+CONTACT = 2  # one pair that the query is about
+ANSWERS = 3  # all of them, and their rows
+
+LACKS_KERNELS = LACKS_SLOTS + 1  # of the pairs of the list; the others are those of list_making
+
+# Places of ``ReportArrays.told``.
+FRAMES_MOVED, BODIES_MOVED = 0, 1
+LIST_MADE = 2
+CONSIDERED, LISTED_PAIRS = 3, 4  # pairs before and after the filters
+CONTACT_A, CONTACT_B = 5, 6  # rows of the pair in which the last contact was; -1: none yet
+TOLD = 7
+# Places of ``ReportArrays.moments`` [s]: when a step ended, each where the next one begins; and
+# how long filters, and looks at what was known, took.
+BEGUN, POSED, LISTED, COMPILED, ANSWERED, FILTERING, KNOWING = range(7)
+MOMENTS = 7
+
+
+class ReportArrays(NamedTuple):
+    """What a query did."""
+
+    counts: Integers  # (COUNTS,) of ``narrow_phase``
+    told: Integers  # (TOLD,)
+    moments: Reals  # (MOMENTS,)
+    # No pair waits: see ``records.Queue``.
+    waiting: Integers  # (0,)
+    distances: Reals  # (0,)
+    compiled: Flags  # the rows of the pair table
+
+
+class Hands(NamedTuple):
+    """The handles of all that a cycle works on."""
+
+    world: HandleField
+    near: HandleField
+    moving: HandleField
+    resting: HandleField
+    filters: HandleField
+    report: HandleField
+
+
+_hands_of = taker(Hands)
+_report_of = taker(ReportArrays)
+_boxes_of = taker(Boxes)
+
+
+def empty_report() -> ReportArrays:
+    """Return the report of an engine that was never asked."""
+    return ReportArrays(
+        counts=np.zeros(COUNTS, dtype=np.int64),
+        told=np.zeros(TOLD, dtype=np.int64),
+        moments=np.zeros(MOMENTS),
+        waiting=np.zeros(0, dtype=np.int64),
+        distances=np.zeros(0),
+        compiled=kernel_table.COMPILED_ROWS,
+    )
+
+
+@compiled
+def run_cycle(  # type: ignore[no-untyped-def]
+    hands,
+    kernels,
+    lacking,
+    stale,
+    revision,
+    version,
+    placings,
+    gap,
+    cutoff,
+    penetrating,
+    mode,
+    ids,
+    rows,
+):
+    """Do what a query does; return how many pairs it is about, or minus what is lacking.
+
+    ``hands`` is the handle of ``Hands``, ``kernels`` are addresses. What was ``lacking`` (0:
+    nothing) is there now, and the cycle goes on there. The world is updated to this ``revision``
+    if it is ``stale``; ``version`` and ``placings`` are those of the filters and the world,
+    ``gap``, ``cutoff`` and ``penetrating`` those of ``records.Query``, and ``mode`` is ANSWERS or
+    less. The numbers of the pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and
+    ``rows`` (k, BATCH_WIDTH) if there is room for all.
+    """
+    hands = _hands_of(hands)
+    world, near, report = world_of(hands.world), list_of(hands.near), _report_of(hands.report)
+    moments = report.moments
+    if lacking == 0:
+        moments[BEGUN] = now()
+        report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = 0, 0
+        if stale:
+            moved = _update(world, revision)
+            report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = moved
+        moments[POSED], moments[KNOWING] = now(), 0.0
+        if mode == CONTACT and _is_plain_contact(world, filters_of(hands.filters), report, gap):
+            return 1
+    if lacking != LACKS_KERNELS:
+        done = bring_up_to_date(
+            near,
+            world,
+            _boxes_of(hands.moving),
+            _boxes_of(hands.resting),
+            filters_of(hands.filters),
+            revision,
+            version,
+            placings,
+            cutoff,
+        )
+        if done > MADE:
+            return -done
+        report.told[LIST_MADE] = done
+        report.told[CONSIDERED] = near.numbers[list_making.CONSIDERED]
+        report.told[LISTED_PAIRS] = near.numbers[PAIRS]
+        moments[FILTERING] = near.lengths[list_making.FILTERING] if done == MADE else 0.0
+        moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
+        if mode >= CONTACT and not math.isinf(gap) and near.numbers[HAS_KERNELS] == 0:
+            if not has_each(world.types, near.pairs, near.numbers[PAIRS], report.compiled):
+                return -LACKS_KERNELS
+            near.numbers[HAS_KERNELS] = 1
+    count = near.numbers[PAIRS]
+    if mode > LIST:
+        query = gap, cutoff, penetrating
+        count = _answer(kernels, world, near, report, revision, query, mode)
+    if mode == ANSWERS and count <= ids.shape[0]:
+        gather_rows(
+            part(near.hits, 0, count),
+            near.pairs,
+            near.slots,
+            near.answers,
+            gap,
+            world.ids,
+            world.types,
+            world.frames,
+            world.R_WGs,
+            world.p_WGs,
+            world.roundings,
+            world.p_WFs,
+            world.outer,
+            ids,
+            rows,
+        )
+    moments[ANSWERED] = now()
+    return count
+
+
+@inlined
+def _update(world, revision):  # type: ignore[no-untyped-def]
+    """Pose what moved; return how many frames and geometries did."""
+    return update(
+        revision,
+        world.moved,
+        world.parents,
+        world.R_PFs,
+        world.p_PFs,
+        world.R_WFs,
+        world.p_WFs,
+        world.frame_roundings,
+        world.movable,
+        world.frames,
+        world.R_FGs,
+        world.p_FGs,
+        world.kept,
+        world.types,
+        world.starts,
+        world.pool,
+        world.R_WGs,
+        world.p_WGs,
+        world.roundings,
+        world.half_extents,
+        world.stamps,
+        world.travels,
+    )
+
+
+@inlined
+def _is_plain_contact(world, filters, report, gap):  # type: ignore[no-untyped-def]
+    """Tell whether a contact was seen without a list, and report so."""
+    told, moments = report.told, report.moments
+    a, b = plain_contact(world, filters, gap, told[CONTACT_A], told[CONTACT_B])
+    if a < 0:
+        return False
+    told[CONTACT_A], told[CONTACT_B] = a, b
+    told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, 0, 0
+    report.counts[:] = 0
+    moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
+    moments[FILTERING] = 0.0
+    return True
+
+
+@inlined
+def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
+    """Return the number of the pair in which the last contact was, or of the one after it."""
+    a, b, n = report.told[CONTACT_A], report.told[CONTACT_B], near.is_plane.size
+    low, high = 0, near.numbers[PAIRS]
+    while low < high:
+        middle = (low + high) // 2
+        if near.codes[middle] < a * n + b:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@inlined
+def _answer(kernels, world, near, report, revision, query, mode):  # type: ignore[no-untyped-def]
+    """Fill in the hits of the list's pairs; return how many there are."""
+    count, scene = near.numbers[PAIRS], scene_of(world)
+    pairs = near.pairs[:count]
+    if mode == CANDIDATES:
+        report.counts[:] = 0
+        return near_pairs(pairs, scene, query[1], near.hits)
+    memory = near.answers, near.slacks, near.seen, near.gaps
+    # Where there was a contact there still is one, mostly.
+    first = _place_of_contact(near, report) if mode == CONTACT else -1
+    found = answer_pairs(
+        kernels,
+        pairs,
+        part(near.slots, 0, count),
+        memory,
+        scene,
+        revision,
+        query,
+        first,
+        (report.waiting, report.distances),
+        near.hits,
+        report.counts,
+    )
+    if mode == CONTACT and found:
+        report.told[CONTACT_A] = near.pairs[near.hits[0], 0]
+        report.told[CONTACT_B] = near.pairs[near.hits[0], 1]
+    return found

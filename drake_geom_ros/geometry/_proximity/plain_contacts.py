@@ -1,0 +1,70 @@
+"""Contacts that need no list and no kernel: of bodies whose inner balls overlap.
+
+Whoever only wants to know whether anything touches is answered by the first such pair. The one of
+last time mostly still touches; else some pairs are looked at in turn, far fewer than a list would
+take the time of. A scene without any costs a twentieth more than its list.
+"""
+
+from __future__ import annotations
+
+import math
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.filter_matrix import may_report
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
+from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
+from drake_geom_ros.geometry._proximity.promise import promised_bound
+from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
+
+LOOKS_A_BODY = 8  # pairs that are looked at before the list is asked for
+
+
+@inlined
+def _is_plain(world, a, b, gap):  # type: ignore[no-untyped-def]
+    """Tell whether two convex bodies overlap by so much that every level reports the pair.
+
+    What separates the bodies separates the balls in them, so these overlap by no more than the
+    bodies do. Certified answers are off by what their level promises, and those of the few pairs
+    that break the promise by far less than this share of a body.
+    """
+    types, p_WGs, inner = world.types, world.p_WGs, world.inner
+    x, y, z = p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2]
+    squared, balls = x * x + y * y + z * z, inner[a] + inner[b]
+    if not squared < balls * balls:
+        return False
+    if types[a] > CONVEX or types[b] > CONVEX or types[a] == HALF_SPACE or types[b] == HALF_SPACE:
+        return False
+    apart = math.sqrt(squared)
+    rounding = world.roundings[a, RADIUS] + world.roundings[b, RADIUS]
+    depth = balls - apart - rounding - 8.0 * EPS * (apart + balls)
+    if not depth > PLAIN_DEPTH * min(inner[a], inner[b]):
+        return False
+    finite = 0.0 if math.isinf(gap) else gap  # bounds alone never miss a contact
+    bound = promised_bound(finite, a, b, types, world.outer, p_WGs, world.roundings)
+    return depth > 2.0 * bound
+
+
+@inlined
+def _may_touch(world, filters, a, b):  # type: ignore[no-untyped-def]
+    """Tell whether a pair may be reported."""
+    if (world.frames[a] == 0 and world.frames[b] == 0) or world.waiting[a] or world.waiting[b]:
+        return False
+    return may_report(filters.bits, filters.bodies, filters.slots[a], filters.slots[b])
+
+
+@compiled
+def plain_contact(world, filters, gap, last_a, last_b):  # type: ignore[no-untyped-def]
+    """Return the rows of a pair that plainly overlaps, or -1, -1 where none was seen.
+
+    ``last_a`` and ``last_b`` are those of last time, or -1.
+    """
+    known = last_a >= 0 and _is_plain(world, last_a, last_b, gap)
+    if known and _may_touch(world, filters, last_a, last_b):
+        return last_a, last_b
+    n = world.types.size
+    for step in range(1, min(LOOKS_A_BODY, n // 2) + 1):
+        for a in range(n):
+            b = (a + step * step) % n  # not only neighbours in the order of registration
+            if a != b and _is_plain(world, a, b, gap) and _may_touch(world, filters, a, b):
+                return min(a, b), max(a, b)
+    return -1, -1
