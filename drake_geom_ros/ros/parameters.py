@@ -119,7 +119,7 @@ TEXTS = {
         'pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
     ),
     'closing_speeds': (
-        'Signed distances tell how fast pairs come together and when they meet, from '
+        'Messages of pairs tell how fast these come together and when they meet, from '
         '~/frame_twists or from the last two stamped poses of a frame.'
     ),
     'lcm_url': (

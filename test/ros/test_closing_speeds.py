@@ -104,6 +104,24 @@ def test_speeds_come_from_poses_and_from_twists_that_are_not_older(client):
         assert (len(what_if.distance), len(what_if.closing_speed)) == (1, 0)
 
 
+def test_overlaps_have_them_too(client):
+    overlaps = client.listen(msg.PenetrationPairs, 'penetrations')
+    publisher = client.publisher(msg.FramePoses, 'frame_poses')
+
+    def deeper():
+        for k in range(2):
+            send(publisher, 30_000 + 100 * k, 0.25 - 0.02 * k)
+        known = [each for each in overlaps if list(each.has_closing_speed) == [True]]
+        return next((each for each in known if math.isclose(each.depth[0], 0.07)), None)
+
+    found = client.wait_for(deeper, 'an overlap that grows')
+    assert found.closing_speed[0] == pytest.approx(0.2)
+    assert found.time_to_contact[0] == 0.0
+    answer = client.call(srv.ComputePointPairPenetration, 'compute_point_pair_penetration').result
+    assert list(answer.has_closing_speed) == [True]
+    assert answer.closing_speed[0] == pytest.approx(0.2)
+
+
 def test_without_the_parameter_nobody_listens_and_nothing_is_said(tmp_path):
     process, client = start_node(tmp_path / 'log', name='still', max_distance=10.0), None
     try:

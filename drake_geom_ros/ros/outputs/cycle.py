@@ -118,13 +118,17 @@ class Cycle:
         self._replays.look_at(scene, distances, reach)
         self.worst_error_bound = float(distances.error_bound.max(initial=0.0))
         published = [_unpublished('penetrations'), _unpublished('signed_distances')]
+        twists = scene.twists()
         if wanted['penetrations']:
-            fill_penetrations(self._messages['penetrations'], distances.penetrations())
+            message, overlaps = self._messages['penetrations'], distances.penetrations()
+            fill_penetrations(message, overlaps)
+            if twists is not None:
+                fill_closing_speeds(message, closing_speeds(overlaps, twists))
             published[0] = self._publish('penetrations', moment)
         if wanted['signed_distances']:
             message = self._messages['signed_distances']
             fill_signed_distances(message, distances, max_distance)
-            if (twists := scene.twists()) is not None:
+            if twists is not None:
                 fill_closing_speeds(message, closing_speeds(distances, twists))
             published[1] = self._publish('signed_distances', moment)
         if self.cross_check is not None:

@@ -13,6 +13,7 @@ from drake_geom_ros.geometry import (
     ClosingSpeeds,
     CollisionFilterManager,
     FrameId,
+    PenetrationResults,
     QueryObject,
     SceneGraphContext,
     SignedDistanceResults,
@@ -59,7 +60,9 @@ class SceneView:
         """The query object of this moment."""
         return QueryObject(self.context)
 
-    def closing_speeds(self, results: SignedDistanceResults) -> ClosingSpeeds | None:
+    def closing_speeds(
+        self, results: SignedDistanceResults | PenetrationResults
+    ) -> ClosingSpeeds | None:
         """Return how fast pairs come together at the twists of this moment; None: nobody knows."""
         return None if self.twists is None else closing_speeds(results, self.twists)
 

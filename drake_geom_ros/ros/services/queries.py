@@ -92,6 +92,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
     _require_room(live, len(results), PENETRATION_SIZE, 'filter pairs that always overlap')
     fill_penetrations(response.result, results)
+    fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
     response.message = view.reservations()
 
