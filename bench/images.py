@@ -43,7 +43,7 @@ from bench.image_scenes import (
 OTHER_SURFACE = 0.02  # [m]
 PRIMITIVES = (10, 100, 1000, 10_000)
 TRIANGLES = (1000, 10_000, 100_000, 1_000_000)
-# pydrake takes 10 GB for ten thousand primitives, which not every machine has.
+# pydrake was stopped at 10 GB of memory among its largest scenes: it is given fewer primitives.
 FEWER = {'pydrake': PRIMITIVES[:-1]}
 PATIENCE = 60.0  # [s] with a scene, after which no larger one is tried
 # Nearer than this, they are of faces that lie in each other, and either label is right.

@@ -1,9 +1,9 @@
 """THE table: one row an unordered pair of shape types.
 
 Which kernel answers, by which method, and how far off it was at worst: the look-up of the engine,
-the support table of docs/certificates.md, the accuracy tests and the "not supported" text all come from
-here. The lower type number is A. Solids, whose signed distance no support function tells, have a
-table of their own.
+the support table of docs/certificates.md, the accuracy tests and the "not supported" text all
+come from here. The lower type number is A. Solids, whose signed distance no support function
+tells, have a table of their own.
 """
 
 from __future__ import annotations
