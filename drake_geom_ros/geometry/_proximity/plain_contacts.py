@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import promised_bound
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
 
-LOOKS_A_BODY = 8  # pairs that are looked at before the list is asked for
+LOOKS_A_BODY = 8  # pairs of each that may move, looked at before the list is asked for
 
 
 @inlined
@@ -63,7 +63,8 @@ def plain_contact(world, filters, gap, last_a, last_b):  # type: ignore[no-untyp
         return last_a, last_b
     n = world.types.size
     for step in range(1, min(LOOKS_A_BODY, n // 2) + 1):
-        for a in range(n):
+        for k in range(world.movable.size):
+            a = world.movable[k]
             b = (a + step * step) % n  # not only neighbours in the order of registration
             if a != b and _is_plain(world, a, b, gap) and _may_touch(world, filters, a, b):
                 return min(a, b), max(a, b)
