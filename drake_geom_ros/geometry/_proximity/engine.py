@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     frozen,
     gathered,
 )
+from drake_geom_ros.geometry._proximity.buffers import Buffers
 from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
@@ -90,6 +91,7 @@ class Engine:
         self._lists: dict[bool, NearList] = {}
         self._hands: dict[bool, tuple[object, Handle]] = {}  # by list: of what, and the handle
         self._last: tuple[tuple[object, ...], PairBatch] | None = None
+        self._buffers = Buffers()
         self._rooms: dict[object, int] = {}  # rows made ready for an answer, by what is asked
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
@@ -221,8 +223,10 @@ class Engine:
         self._moments[COMPILED] = time.perf_counter()
         pair_rows = table_rows(np.full_like(table.types, SPHERE), table.types)
         capacity = len(p_WQs) * len(table.types)
-        rows, found = np.empty((capacity, POINT_WIDTH)), np.zeros(capacity, dtype=np.bool_)
-        points, ids = np.empty(capacity, np.uint32), np.empty(capacity, np.int64)
+        rows = self._buffers.empty((capacity, POINT_WIDTH))
+        points = self._buffers.empty((capacity,), np.uint32)
+        ids = self._buffers.empty((capacity,), np.int64)
+        found = np.zeros(capacity, dtype=np.bool_)
         self._counts[:] = 0
         count = point_phase(
             POINT_ADDRESSES,
@@ -331,7 +335,9 @@ class Engine:
     ) -> PairBatch:
         """Return the answer, in one compiled call where its length is about as before."""
         room = self._rooms.get(query[1:], 16)
-        ids, rows = np.empty((room, 2), dtype=np.int64), np.empty((room, BATCH_WIDTH))
+        self._last = None  # its arrays may be free
+        ids = self._buffers.empty((room, 2), np.int64)
+        rows = self._buffers.empty((room, BATCH_WIDTH))
         near, count = self._cycle(world, filters, query, ANSWERS, ids, rows)
         if not room // 2 <= count <= room:
             self._rooms[query[1:]] = max(16, count + count // 4)

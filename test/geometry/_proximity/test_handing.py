@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba import config
-from oracles.filters import filters_of
-from oracles.worlds import random_world, shuffle
+from oracles.worlds import filters_of, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.clock import now
 from drake_geom_ros.geometry._proximity.compiled import compiled

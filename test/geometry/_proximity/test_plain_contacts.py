@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.filters import filters_of
-from oracles.worlds import geometry_table, random_world, shuffle
+from oracles.worlds import filters_of, geometry_table, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
