@@ -11,6 +11,7 @@ from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.context import SceneGraphContext
     from drake_geom_ros.geometry.ids import GeometryId
+    from drake_geom_ros.geometry.render._packing import Packed
     from drake_geom_ros.geometry.render.cameras import DepthRange, RenderCameraCore
     from drake_geom_ros.math import RigidTransform
 
@@ -38,9 +39,14 @@ class RenderEngine(ABC):
     def default_render_label(self) -> RenderLabel:
         """Return the label of geometry that has none of its own."""
 
-    @abstractmethod
     def legend(self, context: SceneGraphContext, renderer_name: str) -> dict[GeometryId, int]:
         """Return the label of each geometry that this renderer shows, by ascending id."""
+        packed = self._packed(context, renderer_name)
+        return dict(zip(packed.ids, packed.bodies.labels.tolist(), strict=True))
+
+    @abstractmethod
+    def _packed(self, context: SceneGraphContext, renderer_name: str) -> Packed:
+        """Return what the renderer shows of a context; packed once a version of its geometry."""
 
     @abstractmethod
     def _render(

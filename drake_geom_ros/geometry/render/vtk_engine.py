@@ -23,7 +23,6 @@ from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 if TYPE_CHECKING:
     from drake_geom_ros.geometry._vtk.stage import Stage
     from drake_geom_ros.geometry.context import SceneGraphContext
-    from drake_geom_ros.geometry.ids import GeometryId
     from drake_geom_ros.geometry.render._packing import Packed
 
 _MOST_STAGES = 4  # scenes whose actors are kept, each with a context of its own
@@ -95,11 +94,6 @@ class RenderEngineVtk(RenderEngine):
     def default_render_label(self) -> RenderLabel:
         """Return the label of geometry that has none of its own."""
         return self._params.default_label
-
-    def legend(self, context: SceneGraphContext, renderer_name: str) -> dict[GeometryId, int]:
-        """Return the label of each geometry that this renderer shows, by ascending id."""
-        packed = self._packed(context, renderer_name)
-        return dict(zip(packed.ids, packed.bodies.labels.tolist(), strict=True))
 
     def _packed(self, context: SceneGraphContext, renderer_name: str) -> Packed:
         """Return what the renderer shows of a context; packed once a version of its geometry."""
