@@ -148,6 +148,6 @@ class Growth:
             panel.set_xlabel('balls')
             panel.grid(True, which='major', alpha=0.4)
         axes[0].set_ylabel('poses and penetrations, mean [ms]')
-        axes[0].legend()
+        axes[-1].legend(loc='lower right')
         figure.savefig(path, dpi=DPI)
         pyplot.close(figure)
