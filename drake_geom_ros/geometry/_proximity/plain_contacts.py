@@ -9,14 +9,105 @@ from __future__ import annotations
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.filter_matrix import may_report
+from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    cross,
+    dot,
+    norm,
+    scale,
+    sub,
+)
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import promised_bound
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
 
 LOOKS_A_BODY = 8  # pairs of each that may move, looked at before the list is asked for
+FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))  # of a tetrahedron
+
+
+@compiled
+def _vertex(shape, k):  # type: ignore[no-untyped-def]
+    """Return vertex k of a hull."""
+    return shape[1 + 3 * k], shape[2 + 3 * k], shape[3 + 3 * k]
+
+
+@compiled
+def _wide_tetrahedron(shape):  # type: ignore[no-untyped-def]
+    """Return four vertices of a hull: far apart, far from their line and far from their plane."""
+    count = int(shape[0])
+    a = b = c = d = _vertex(shape, 0)
+    for k in range(count):
+        if norm(sub(_vertex(shape, k), a)) > norm(sub(b, a)):
+            b = _vertex(shape, k)
+    for k in range(count):
+        if norm(sub(_vertex(shape, k), b)) > norm(sub(a, b)):
+            a = _vertex(shape, k)
+    along = sub(b, a)
+    for k in range(count):
+        if norm(cross(along, sub(_vertex(shape, k), a))) > norm(cross(along, sub(c, a))):
+            c = _vertex(shape, k)
+    n = cross(along, sub(c, a))
+    for k in range(count):
+        if abs(dot(n, sub(_vertex(shape, k), a))) > abs(dot(n, sub(d, a))):
+            d = _vertex(shape, k)
+    return a, b, c, d
+
+
+@compiled
+def _ball_in_hull(shape):  # type: ignore[no-untyped-def]
+    """Return (centre, radius) of a ball in a hull: about the mean of a tetrahedron in it."""
+    corners = _wide_tetrahedron(shape)
+    centre = (0.0, 0.0, 0.0)
+    for k in range(4):
+        centre = add(centre, scale(0.25, corners[k]))
+    radius, size = math.inf, 0.0
+    for k in range(4):
+        size = max(size, norm(corners[k]))
+    for face in FACES:
+        p, q, r = corners[face[0]], corners[face[1]], corners[face[2]]
+        n = cross(sub(q, p), sub(r, p))
+        length = norm(n)
+        if not length > 0.0:
+            return centre, 0.0
+        radius = min(radius, abs(dot(n, sub(centre, p))) / length)
+    # A flat tetrahedron has no ball that anybody would see. In others no face is thinner than
+    # 1e-5 of its sides, so planes are off by 1e5 EPS of the size: far less than PLAIN_DEPTH.
+    return centre, radius if radius > PLAIN_DEPTH * size else 0.0
+
+
+@allocating
+def balls_inside(types, starts, pool):  # type: ignore[no-untyped-def]
+    """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; 0: none."""
+    centres, radii = np.zeros((types.size, 3)), np.zeros(types.size)
+    for k in range(types.size):
+        shape = pool[starts[k] : starts[k + 1]]
+        if types[k] == CONVEX:
+            centre, radii[k] = _ball_in_hull(shape)
+            for c in range(3):
+                centres[k, c] = centre[c]
+        elif types[k] < CONVEX and types[k] != HALF_SPACE:
+            radii[k] = inner_radius(types[k], shape)
+    return centres, radii
+
+
+@inlined
+def _along(world, a, b, c):  # type: ignore[no-untyped-def]
+    """Return how far [m] the balls in two bodies are apart along an axis of World."""
+    p_WGs, R_WGs, centres = world.p_WGs, world.R_WGs, world.ball_centres
+    apart = p_WGs[b, c] - p_WGs[a, c]
+    if world.types[a] == CONVEX:
+        for k in range(3):
+            apart -= R_WGs[a, c, k] * centres[a, k]
+    if world.types[b] == CONVEX:
+        for k in range(3):
+            apart += R_WGs[b, c, k] * centres[b, k]
+    return apart
 
 
 @inlined
@@ -27,20 +118,18 @@ def _is_plain(world, a, b, gap):  # type: ignore[no-untyped-def]
     bodies do. Certified answers are off by what their level promises, and those of the few pairs
     that break the promise by far less than this share of a body.
     """
-    types, p_WGs, inner = world.types, world.p_WGs, world.inner
-    x, y, z = p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2]
-    squared, balls = x * x + y * y + z * z, inner[a] + inner[b]
-    if not squared < balls * balls:
-        return False
-    if types[a] > CONVEX or types[b] > CONVEX or types[a] == HALF_SPACE or types[b] == HALF_SPACE:
+    radii, outer = world.ball_radii, world.outer
+    x, y, z = _along(world, a, b, 0), _along(world, a, b, 1), _along(world, a, b, 2)
+    squared, balls = x * x + y * y + z * z, radii[a] + radii[b]
+    if not squared < balls * balls or radii[a] == 0.0 or radii[b] == 0.0:
         return False
     apart = math.sqrt(squared)
     rounding = world.roundings[a, RADIUS] + world.roundings[b, RADIUS]
-    depth = balls - apart - rounding - 8.0 * EPS * (apart + balls)
-    if not depth > PLAIN_DEPTH * min(inner[a], inner[b]):
+    depth = balls - apart - rounding - 16.0 * EPS * (apart + outer[a] + outer[b])
+    if not depth > PLAIN_DEPTH * min(radii[a], radii[b]):
         return False
     finite = 0.0 if math.isinf(gap) else gap  # bounds alone never miss a contact
-    bound = promised_bound(finite, a, b, types, world.outer, p_WGs, world.roundings)
+    bound = promised_bound(finite, a, b, world.types, outer, world.p_WGs, world.roundings)
     return depth > 2.0 * bound
 
 

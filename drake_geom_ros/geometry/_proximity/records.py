@@ -75,6 +75,8 @@ class WorldArrays(NamedTuple):
     half_extents: Vectors
     outer: Reals
     inner: Reals
+    ball_centres: Vectors  # see ``plain_contacts``
+    ball_radii: Reals
     stamps: Integers
     travels: Reals
 

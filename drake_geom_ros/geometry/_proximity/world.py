@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.moment import Moment, Posed
+from drake_geom_ros.geometry._proximity.plain_contacts import balls_inside
 from drake_geom_ros.geometry._proximity.posing import PACE, UPDATED, set_poses, update
 from drake_geom_ros.geometry._proximity.records import POSED, Plain, Scene, WorldArrays
 
@@ -93,6 +94,8 @@ class World:
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
         self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
+        # Of balls in the shapes, which need not be about Go: centres in G, and radii [m].
+        self.ball_centres, self.ball_radii = balls_inside(table.types, table.starts, table.pool)
         levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
         # In one array (n, 5), for each that compiled code is given takes time: see ``posing``.
@@ -141,6 +144,8 @@ class World:
             half_extents=self.half_extents,
             outer=self.outer_radii,
             inner=self.inner_radii,
+            ball_centres=self.ball_centres,
+            ball_radii=self.ball_radii,
             stamps=self.stamps,
             travels=self.travels,
         )

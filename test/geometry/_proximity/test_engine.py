@@ -124,7 +124,7 @@ def test_penetrating_pairs_are_those_of_negative_distance():
 def test_has_overlap_stops_at_the_first(balls):
     """Where the balls inside the bodies show it no kernel runs at all."""
     world = random_world(np.random.default_rng(11), 60, spread=0.1)
-    world.inner_radii[:] *= balls
+    world.ball_radii[:] *= balls
     engine, filters = Engine(), filters_of(world)
     for _ in range(3):
         assert engine.has_overlap(world, filters, 'exact')

@@ -5,13 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.worlds import filters_of, geometry_table, random_world, shuffle
+from scipy.spatial import ConvexHull
 
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.plain_contacts import balls_inside
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS, PLAIN_DEPTH
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
-KINDS = (1, 2, 3, 4, 5, HALF_SPACE)
+KINDS = (1, 2, 3, 4, 5, HALF_SPACE, CONVEX)
 
 
 def reports(world, filters, level):
@@ -69,3 +71,18 @@ def test_a_pair_that_waits_or_is_filtered_is_no_contact():
     filters.apply([(2, keys[:2], ())])
     world.waiting[:] = True
     assert not Engine().has_overlap(world, filters, 'exact')
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([4, 5, 8, 30]), st.floats(-4.0, 0.0))
+def test_the_ball_in_a_hull_is_inside_each_of_its_facets(seed, count, flatness):
+    """Facets by Qhull, through scipy."""
+    rng = np.random.default_rng(seed)
+    vertices = rng.normal(size=(count, 3)) * [1.0, 1.0, 10.0**flatness] + rng.normal(size=3)
+    hull = ConvexHull(vertices)
+    corners = vertices[hull.vertices]
+    pool = np.concatenate(([len(corners)], corners.ravel(), [0.0]))
+    (centre,), (radius,) = balls_inside(np.array([CONVEX]), np.array([0, len(pool)]), pool)
+    room = -(hull.equations[:, :3] @ centre + hull.equations[:, 3])
+    assert radius <= room.min() + 1e-6 * PLAIN_DEPTH
+    assert radius > 0.0 or flatness < -1.5 or count < 30
