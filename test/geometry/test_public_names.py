@@ -37,6 +37,7 @@ OURS = """
     RoleError PoseError FilterError MeshFileError
     compile_all_kernels kernel_cache DrakeVisualizerPublisher
     MakeRenderEngineExact RenderEngineExact RenderEngineExactParams RenderedImages
+    MakeRenderEngineVtk RenderEngineVtk RenderEngineVtkParams
 """
 
 

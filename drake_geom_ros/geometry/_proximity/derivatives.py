@@ -54,12 +54,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CAPSULE, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CAPSULE, HALF_SPACE, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.moment import Posed
-from drake_geom_ros.geometry._proximity.solid_gradients import (
-    find_unique_of_solids,
-    is_of_surfaces,
-)
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SOFT
 
 Floats = NDArray[np.float64]
@@ -210,6 +206,12 @@ def _put_gradients(rows, gradients):  # type: ignore[no-untyped-def]
         _put_gradient(row(rows, k), gradients, k)
 
 
+@inlined
+def is_of_surfaces(type_a, type_b):  # type: ignore[no-untyped-def]
+    """Tell whether a distance is that of a solid's surface; a half space meets its hull."""
+    return (type_a == SOLID or type_b == SOLID) and type_a != HALF_SPACE and type_b != HALF_SPACE
+
+
 @compiled
 def pair_gradients(rows, places, scene, gradients, unique):  # type: ignore[no-untyped-def]
     """Fill ``gradients`` (k, 12) and ``unique`` (k,) of the distances of the rows.
@@ -259,6 +261,13 @@ def _read_only(array: Any) -> Any:
     return view
 
 
+def _find_unique_of_solids(*asked: Any) -> None:
+    # Scenes without solids load nothing of theirs.
+    from drake_geom_ros.geometry._proximity.solid_gradients import find_unique_of_solids
+
+    find_unique_of_solids(*asked)
+
+
 def gradients_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> tuple[Floats, Booleans]:
     """Return the gradients (k, 12) of the distances in rows, and which of them are the only ones.
 
@@ -268,7 +277,7 @@ def gradients_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> tuple[Floats
     shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
     asked = _read_only(rows), places_of(scene, ids), shapes
     if pair_gradients(*asked, gradients, unique):
-        find_unique_of_solids(*asked, unique)
+        _find_unique_of_solids(*asked, unique)
     for array in (gradients, unique):
         array.setflags(write=False)
     return gradients, unique
@@ -300,4 +309,4 @@ def compile_derivatives() -> None:
     gradients_of_rows(rows)
     features_of_pairs(scene, pairs, rows)
     shapes = scene.types, scene.starts, scene.pool, Rs
-    find_unique_of_solids(_read_only(rows), pairs, shapes, np.zeros(0, dtype=np.bool_))
+    _find_unique_of_solids(_read_only(rows), pairs, shapes, np.zeros(0, dtype=np.bool_))

@@ -270,7 +270,7 @@ class Engine:
         self._counts[:] = 0
         self._counts[CACHED] = told[LISTED_PAIRS]
         self._kernels, self._unrefined = [], 0
-        self._moments[FILTERING] = 0.0
+        self._moments[FILTERING], self._moments[ANSWERED] = 0.0, time.perf_counter()
         self._moments[KNOWING] = self._moments[ANSWERED] - self._moments[COMPILED]
         return batch
 

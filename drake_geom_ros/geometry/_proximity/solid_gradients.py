@@ -3,7 +3,8 @@
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.batches import P_ACA, P_BCB
-from drake_geom_ros.geometry._proximity.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating
+from drake_geom_ros.geometry._proximity.derivatives import is_of_surfaces
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -24,14 +25,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
-
-
-@inlined
-def is_of_surfaces(type_a, type_b):  # type: ignore[no-untyped-def]
-    """Tell whether a distance is that of a solid's surface; a half space meets its hull."""
-    return (type_a == SOLID or type_b == SOLID) and type_a != HALF_SPACE and type_b != HALF_SPACE
 
 
 @allocating

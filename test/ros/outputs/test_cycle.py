@@ -61,8 +61,8 @@ class Asked:
     def tell_effects(self, *, detailed):
         self._scene.tell_effects(detailed=detailed)
 
-    def closing_speeds(self, distances):
-        return self._scene.closing_speeds(distances)
+    def twists(self):
+        return self._scene.twists()
 
     @property
     def query(self):

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from ros.live_scenes import live_scene
 
+from drake_geom_ros.geometry import closing_speeds
+
 TEXT = """
 sources: [s]
 frames:
@@ -48,7 +50,7 @@ class Scene:
         """Return the closing speeds of a and tool against b; None where nobody knows."""
         with self.live.editing() as scene:
             distances = scene.query.ComputeSignedDistancePairwiseClosestPoints()
-            found = scene.closing_speeds(distances)
+            found = closing_speeds(distances, scene.twists())
             name = scene.inspector.GetNameByFrameId
             frames = {f.get_value(): name(f) for f in scene.inspector.GetAllFrameIds()}
         pairs = zip(distances.frame_id_A.tolist(), distances.frame_id_B.tolist(), strict=True)
@@ -129,5 +131,5 @@ def test_what_is_no_twist_is_refused(scene, stamp, twist, why):
 
 def test_a_scene_that_is_not_watched_says_nothing():
     with live_scene(TEXT).editing() as scene:
-        distances = scene.query.ComputeSignedDistancePairwiseClosestPoints()
-        assert scene.closing_speeds(distances) is None
+        assert scene.twists() is None
+        assert scene.view(moving=True).twists is None
