@@ -14,7 +14,7 @@ from matplotlib import pyplot
 from bench.peers import ours, scenes
 from bench.peers.chart import COLOURS, DPI
 from bench.peers.motion import PACES
-from bench.peers.sides import installed
+from bench.peers.run import installed
 from bench.peers.timing import Taken, Turn, interleave
 from drake_geom_ros.evidence.pages import table
 
