@@ -7,6 +7,7 @@ told by the count of references to the array.
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Any
 
@@ -28,9 +29,10 @@ class Buffers:
 
     def empty(self, shape: tuple[int, ...], dtype: type[Any] = np.float64) -> NDArray[Any]:
         """Return an array of this shape; what is in it is left from before."""
-        size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+        size = 8 * math.prod(shape)  # of the largest type
         if not SMALL <= size <= MOST_KEPT:
             return np.empty(shape, dtype)
+        size = math.prod(shape) * np.dtype(dtype).itemsize
         found: NDArray[Any] = self._octets(size)[:size].view(dtype).reshape(shape)
         return found
 

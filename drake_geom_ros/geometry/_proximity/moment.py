@@ -46,9 +46,9 @@ class Moment:
         """Have arrays of its own from now on; the tables of shapes never change."""
         with _copying:
             if not self._kept:
-                posed = self._posed
-                R_WGs, p_WFs = posed.R_WGs.copy(), posed.p_WFs.copy()
-                self._posed = posed._replace(R_WGs=R_WGs, p_WFs=p_WFs)
+                # In order, for _replace takes a microsecond more.
+                *shapes, R_WGs, frame_ids, p_WFs = self._posed
+                self._posed = Posed(*shapes, R_WGs.copy(), frame_ids, p_WFs.copy())
                 self._kept = True
 
     def posed(self) -> Posed:
