@@ -47,8 +47,9 @@ class SceneViewer(Node):
             self.get_logger().warning(told)
 
     def destroy_node(self) -> None:
-        """Close the page, too."""
-        self.page.close()
+        """Close the page, too, if it was opened."""
+        if hasattr(self, 'page'):
+            self.page.close()
         super().destroy_node()
 
     def _declare(self, name: str, default: object, limits: IntegerRange | None = None) -> Any:
