@@ -8,7 +8,7 @@ if a result still holds it.
 from __future__ import annotations
 
 import threading
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,8 @@ class Moment:
         with _copying:
             if not self._kept:
                 # In order, for _replace takes a microsecond more.
-                *shapes, R_WGs, frame_ids, p_WFs = self._posed
+                posed: tuple[Any, ...] = self._posed
+                *shapes, R_WGs, frame_ids, p_WFs = posed
                 self._posed = Posed(*shapes, R_WGs.copy(), frame_ids, p_WFs.copy())
                 self._kept = True
 
