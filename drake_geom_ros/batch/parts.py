@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,12 @@ class Parts:
         return [block for block in self.blocks if not self._path(block).exists()]
 
     def put(self, block: Block, columns: Columns) -> None:
-        """Keep the answers of a block."""
+        """Keep the answers of a block; an interrupt comes when they are kept."""
+        # In a thread, where Ctrl-C does not reach: within a zip file it becomes a ValueError.
+        with ThreadPoolExecutor(1) as writer:
+            writer.submit(self._write, block, columns).result()
+
+    def _write(self, block: Block, columns: Columns) -> None:
         path = self._path(block)
         unfinished = path.with_suffix('.unfinished')
         with unfinished.open('wb') as file:

@@ -8,8 +8,11 @@ import sys
 import time
 
 import numpy as np
+import pytest
 from batch.conftest import Cell
 from conventions.source_tree import ROOT
+
+from drake_geom_ros.batch.parts import Parts
 
 PROGRAM = 'from drake_geom_ros.command_line.program import main; raise SystemExit(main())'
 
@@ -35,3 +38,20 @@ def test_an_interrupted_command_keeps_what_is_done(tmp_path, cell):
     done = list(parts.glob('*.npz'))
     assert 2 <= len(done) < len(json.loads((parts / 'task.json').read_text())['blocks'])
     assert all('distance' in np.load(each) for each in done)
+
+
+def test_an_interrupt_while_a_part_is_written_leaves_it_whole(tmp_path, monkeypatch):
+    parts = Parts(tmp_path / 'out.npz', {'job': 'x'}, [(0, 2), (2, 4)])
+    assert parts.begin(resume=False) == [(0, 2), (2, 4)]
+    savez = np.savez
+
+    def interrupted(file, **arrays):
+        signal.raise_signal(signal.SIGINT)
+        time.sleep(0.2)  # the main thread has it by now
+        savez(file, **arrays)
+
+    monkeypatch.setattr(np, 'savez', interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        parts.put((0, 2), {'distance': np.array([1.0, 2.0])})
+    assert parts.get((0, 2))['distance'].tolist() == [1.0, 2.0]
+    assert parts.begin(resume=True) == [(2, 4)]
