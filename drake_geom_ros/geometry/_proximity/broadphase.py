@@ -37,7 +37,6 @@ GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number th
 BODIES, GRIDS, MASK = 0, 1, 2  # of ``counts``
 # Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
 FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
-NOBODY = np.zeros(0, dtype=np.bool_)
 
 
 class Boxes(NamedTuple):
@@ -270,8 +269,8 @@ def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untype
 def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def]
     """Append the pairs of boxes that overlap to the codes; return how many there are then.
 
-    ``nobody`` is NOBODY: as a constant it would be of another type than ``skipped`` elsewhere, and
-    everything below would be compiled twice.
+    ``nobody`` is empty, and handed over: as a constant it would be of another type than
+    ``skipped`` elsewhere, and everything below would be compiled twice.
     """
     cells, mask = boxes.cells, boxes.counts[MASK]
     for a in range(boxes.counts[BODIES]):

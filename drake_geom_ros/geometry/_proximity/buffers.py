@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SMALL = 2**18  # [bytes] below it the allocator keeps the memory itself
-MOST_KEPT = 2**25  # [bytes] of one array; larger ones are given back
+MOST_KEPT = 2**24  # [bytes] of one array; larger ones are given back, as a node stays for days
 _PLACES = 6  # answers of three arrays, of which the last one is still held when the next is made
 _KEPT_ALONE = [object()]
 _UNHELD = sys.getrefcount(_KEPT_ALONE[0])  # of what a list alone holds: interpreters differ

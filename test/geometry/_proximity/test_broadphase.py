@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from drake_geom_ros.geometry._proximity.broadphase import (
     BODIES,
     GRIDS,
-    NOBODY,
     Boxes,
     _overlap,
     pairs_between,
@@ -19,6 +18,8 @@ from drake_geom_ros.geometry._proximity.broadphase import (
     room_for,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
+
+NOBODY = np.zeros(0, dtype=np.bool_)
 
 
 def filled(rows, p, half, paddings=None):
