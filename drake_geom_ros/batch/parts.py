@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
+import signal
+import threading
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,27 @@ from drake_geom_ros.batch.questions import Columns
 from drake_geom_ros.batch.running import BatchError, Block
 
 _TASK = 'task.json'
+
+
+@contextlib.contextmanager
+def _later_interrupt() -> Iterator[None]:
+    """Let Ctrl-C come after what is done within: from within a zip file it is a ValueError.
+
+    Signals reach Python's main thread alone, so elsewhere nothing needs to wait; a handler that
+    Python did not install (None) could not be put back.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or before is None:
+        yield
+        return
+    came: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, frame: came.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if came:
+            signal.raise_signal(signal.SIGINT)
 
 
 class Parts:
@@ -54,18 +77,14 @@ class Parts:
         return [block for block in self.blocks if not self._path(block).exists()]
 
     def put(self, block: Block, columns: Columns) -> None:
-        """Keep the answers of a block; an interrupt comes when they are kept."""
-        # In a thread, where Ctrl-C does not reach: within a zip file it becomes a ValueError.
-        with ThreadPoolExecutor(1) as writer:
-            writer.submit(self._write, block, columns).result()
-
-    def _write(self, block: Block, columns: Columns) -> None:
+        """Keep the answers of a block; Ctrl-C comes when they are kept."""
         path = self._path(block)
         unfinished = path.with_suffix('.unfinished')
-        with unfinished.open('wb') as file:
-            arrays: dict[str, Any] = dict(columns)
-            np.savez(file, **arrays)
-        os.replace(unfinished, path)
+        arrays: dict[str, Any] = dict(columns)
+        with _later_interrupt():
+            with unfinished.open('wb') as file:
+                np.savez(file, **arrays)
+            os.replace(unfinished, path)
 
     def get(self, block: Block) -> Columns:
         """Return the answers of a block."""

@@ -47,8 +47,13 @@ def test_hostile_messages_are_counted_and_change_nothing(tmp_path, lone_client):
         add_pair(client, 'stream')
         diagnostics = client.listen(DiagnosticArray, '/diagnostics')
         publisher = client.publisher(msg.FramePoses, 'frame_poses', 100)
-        publisher.publish(poses(FRAMES, [(1, 0, 0), (2, 0, 0)], 'stream'))
-        client.wait_for(lambda: where(client, 'stream::a') == 1.0, 'the good poses')
+
+        def posed():
+            # Again and again: a server that has not found the publisher yet takes nothing of it.
+            publisher.publish(poses(FRAMES, [(1, 0, 0), (2, 0, 0)], 'stream'))
+            return where(client, 'stream::a') == 1.0
+
+        client.wait_for(posed, 'the good poses')
         messages = [m for _, m, _ in pose_messages(['stream::a', 'stream::b'], 'stream')]
         for message in messages * 4:
             publisher.publish(message)
