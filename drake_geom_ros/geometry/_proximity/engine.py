@@ -50,7 +50,7 @@ from drake_geom_ros.geometry._proximity.kernel_table import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
-from drake_geom_ros.geometry._proximity.kinds import SPHERE, Method
+from drake_geom_ros.geometry._proximity.kinds import Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
     CACHED,
@@ -60,6 +60,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.point_phase import (
     POINT_ADDRESSES,
+    POINT_ROWS,
     compile_point_kernels,
     point_phase,
 )
@@ -219,9 +220,8 @@ class Engine:
         self._begin(world)
         self._moments[LISTED] = time.perf_counter()
         table = world.geometries
-        self._kernels = compile_point_kernels(table.types)
+        self._kernels = compile_point_kernels(world.shape_types)
         self._moments[COMPILED] = time.perf_counter()
-        pair_rows = table_rows(np.full_like(table.types, SPHERE), table.types)
         capacity = len(p_WQs) * len(table.types)
         rows = self._buffers.empty((capacity, POINT_WIDTH))
         points = self._buffers.empty((capacity,), np.uint32)
@@ -231,7 +231,7 @@ class Engine:
         count = point_phase(
             POINT_ADDRESSES,
             ADDRESSES,
-            pair_rows,
+            POINT_ROWS[table.types],
             table.ids,
             world.scene,
             p_WQs,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Set
+
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import Tell, compilation, compiled
 from drake_geom_ros.geometry._proximity.kernel_table import compile_rows, table_rows
@@ -31,21 +32,21 @@ from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.records import Scene
 
 BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
-# Of the point kernels by shape type, compiled once a process.
+# By shape type: the point kernels, compiled once a process, and the pair table's row of a point.
 POINT_ADDRESSES = address_table(TYPE_COUNT)
+POINT_ROWS = table_rows(np.full(TYPE_COUNT, SPHERE), np.arange(TYPE_COUNT))
 _COMPILED: set[int] = set()
 
 
-def compile_point_kernels(types: NDArray[np.int64], tell: Tell | None = None) -> list[str]:
-    """Compile what points to these shape types need; return the names of new kernels."""
+def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str]:
+    """Compile what points to shapes of these types need; return the names of new kernels."""
     names: dict[str, None] = {}
-    missing = sorted(set(np.unique(types).tolist()) - _COMPILED)
+    missing = sorted(types - _COMPILED)
     for number, kind in enumerate(missing, 1):
         name = POINT_KERNELS[kind]
         with compilation(tell, name, number, len(missing)):
             if name == BY_PAIR_KERNEL:
-                pair = np.array([SPHERE]), np.array([kind])
-                names.update(dict.fromkeys(compile_rows(table_rows(*pair))))
+                names.update(dict.fromkeys(compile_rows(POINT_ROWS[[kind]])))
             POINT_ADDRESSES[kind] = compiled_address(load_kernel(name), POINTS_SIGNATURE)
         _COMPILED.add(kind)
         names[name] = None
@@ -69,7 +70,7 @@ def point_phase(  # type: ignore[no-untyped-def]
 ):
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``pair_rows`` (n,) are those of SPHERE against each geometry in the pair table, ``scene`` is
+    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``scene`` is
     the plain tuple of a ``Scene``. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and
     ``ids`` (m n,) are filled, in the order of points, then ids. ``found`` (m n,) comes in as
     False, ``counts`` get how many answers there are by each method.

@@ -34,7 +34,7 @@ def compile_everything(tell: Tell | None = None) -> list[str]:
         engine.point_distances(world, np.zeros((1, 3)), 0.0)
         compile_derivatives()
     return compile_rows(np.arange(len(ALL_ROWS)), tell) + compile_point_kernels(
-        np.array(list(POINT_KERNELS)), tell
+        POINT_KERNELS.keys(), tell
     )
 
 

@@ -11,7 +11,6 @@ from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, PairBatch, P
 from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES, compile_rows, table_rows
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
-from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.many_states import (
     any_overlap,
     nearest_pairs,
@@ -20,6 +19,7 @@ from drake_geom_ros.geometry._proximity.many_states import (
 )
 from drake_geom_ros.geometry._proximity.point_phase import (
     POINT_ADDRESSES,
+    POINT_ROWS,
     compile_point_kernels,
 )
 from drake_geom_ros.geometry._proximity.records import empty_memory
@@ -146,15 +146,14 @@ class StateLoops:
         Sorted by (point, id).
         """
         table = self._world.geometries
-        compile_point_kernels(table.types)
-        pair_rows = table_rows(np.full_like(table.types, SPHERE), table.types)
+        compile_point_kernels(self._world.shape_types)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
             return points_in_reach(  # type: ignore[no-any-return]
                 POINT_ADDRESSES,
                 ADDRESSES,
-                pair_rows,
+                POINT_ROWS[table.types],
                 poses,
                 first,
                 self._rows,

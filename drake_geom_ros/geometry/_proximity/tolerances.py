@@ -75,6 +75,12 @@ TIE = 8.0 * EPS
 # tests against 50 digits keep it true.
 CLOSED_FORM_ROUNDING = 32.0 * EPS
 
+# A gap longer than this [-], in ties, has a direction: rounding turns it by less than a tenth of a
+# radian even where a separating axis as wide but for a tie stands in for it.
+CLEAR_GAP = 256.0
+# Sine of the angle between a shorter gap and an axis below which the axis is its direction.
+ALONG_AXIS = 2.0**-4
+
 # Sine above which two normals are told apart when it is asked whether the normal is unique.
 DISTINCT_NORMALS = 2.0**-20
 

@@ -90,6 +90,7 @@ class World:
         self.roundings = np.zeros((n, 2))
         # Of the box around Go, in World axes, that holds the body wherever rounding put it [m].
         self.half_extents = np.zeros((n, 3))
+        self.shape_types = frozenset(table.types.tolist())
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].

@@ -37,11 +37,14 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     norm,
     rotate,
     scale,
+    sub,
     unrotate,
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import (
+    ALONG_AXIS,
+    CLEAR_GAP,
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,
     RIGHT_ANGLE,
@@ -114,15 +117,16 @@ def _signed_distance(h, g, b, c, slack):
         return phi, n, p, unique
     gap, p_ACa = closest_points(h, g, b, c, max(phi, 0.0) + slack)
     distance, direction = length_and_direction(gap)
-    apart = distance > slack
+    apart, clear = distance > slack, distance > CLEAR_GAP * slack
     if apart and distance > phi + slack:
-        return distance, direction, p_ACa, True
+        return distance, direction, p_ACa, clear
     # The axis separates as widely as the closest points; it is the normal, unless boxes that
     # face each other only almost have a distance that differs from its by less than rounding.
     p, miss = _witness_on_first(h, g, b, c, phi, n, axis, slack)
     if apart and miss > 4.0 * slack:
-        return distance, direction, p_ACa, True
-    return phi, n, p, apart or unique
+        return distance, direction, p_ACa, clear
+    turned = norm(sub(gap, scale(phi, n))) > ALONG_AXIS * distance
+    return phi, n, p, clear or (unique and not (apart and turned))
 
 
 @compiled

@@ -37,6 +37,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.tolerances import (
+    ALONG_AXIS,
+    CLEAR_GAP,
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,
     RIGHT_ANGLE,
@@ -190,15 +192,17 @@ def segment_to_box(h, c, d, half_length, slack):
     if distance > SHORT_GAP * (half_length + norm(h)):
         return distance, n, p, True
     phi, axis, unique = _separating_axis(h, c, d, half_length, slack)
-    apart = distance > slack
-    if apart and norm(sub(gap, scale(phi, axis))) > 4.0 * slack:
+    apart, clear = distance > slack, distance > CLEAR_GAP * slack
+    aside = norm(sub(gap, scale(phi, axis)))
+    if apart and aside > 4.0 * slack:
         if abs(t) < half_length or t * dot(gap, d) > 0.0:
             _, n = length_and_direction(_across(gap, p, h, d, slack))
-        return distance, n, p, True
+        return distance, n, p, clear
     # The segment, moved until it touches the box, shares the point with it.
     moved = add_scaled(c, -phi, axis)
     t = nearest_parameter(h, moved, d, half_length)
-    return phi, axis, add_scaled(c, t, d), apart or unique
+    unique = unique and not (apart and aside > ALONG_AXIS * distance)
+    return phi, axis, add_scaled(c, t, d), clear or unique
 
 
 @compiled

@@ -165,9 +165,10 @@ def least_of_ring(pair, difference, n, h, floor, enough, noise):
     """Return the least h where a ring of directions is almost as good as n."""
     kind_A, kind_B = pair.kind_A, pair.kind_B
     found = Least(False, h, floor, n, False)
+    barrel = kind_A == CAPSULE or kind_A == CYLINDER
     if kind_B == CONVEX:
-        return least_of_hull_in_barrel(pair, enough, noise) if kind_A == CYLINDER else found
-    if kind_A == CYLINDER:
+        return least_of_hull_in_barrel(pair, enough, noise) if barrel else found
+    if barrel:
         found = least_in_long_barrel(difference, SEGMENT, AXES_A, n, h, enough, noise)
     if not found.complete and kind_B == CYLINDER:
         found = least_in_long_barrel(difference, difference.first, AXES_B, n, h, enough, noise)

@@ -1,13 +1,13 @@
-"""Depth of a core in the barrel of a cylinder, where the way out is across the axis.
+"""Depth of a core in the barrel of a cylinder or capsule, where the way out is across the axis.
 
 Two cylinders that are almost coaxial, or anything small in the middle of a cylinder, have a ring
 of almost equally good directions across the axis u of the cylinder, which EPA would have to cover
 with faces. The ring is the crease of the cylinder's axis, which ``circles`` searches; what is
 shown here is that nothing off it is better.
 
-*A long barrel.* Let the cylinder have radius r and half length l, and ``h(n) = r s + l |c| +
-k(n)`` for ``n = s e + c u``, where k is the support function of the rest. It is subadditive, so
-``k(s e) <= k(n) + k(-c u)``, and with ``v = l - max(k(u), k(-u))``
+*A long barrel.* Let the cylinder have radius r, 0 if it is the axis of a capsule, and half length
+l, and ``h(n) = r s + l |c| + k(n)`` for ``n = s e + c u``, where k is the support function of the
+rest. It is subadditive, so ``k(s e) <= k(n) + k(-c u)``, and with ``v = l - max(k(u), k(-u))``
 
     h(n) >= s (r + k(e)) + |c| v >= min(r + k(e), v)    where both are positive, as s + |c| >= 1.
 
@@ -67,7 +67,7 @@ STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
 
 @allocating
 def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
-    """Return the least h for the cylinder with segment k and disk ``axes``.
+    """Return the least h for the cylinder with segment k and disk ``axes``, 0 of a capsule.
 
     ``n`` is a direction to start from, and h [m] its value. Complete if the barrel is long beside
     the rest (see *A long barrel*).
@@ -80,7 +80,7 @@ def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
     down = width(terms, last, r_A + r_B, scale(-1.0, u))
     margin = length - (max(up, down) - length) - noise
     bulged = margin < h and is_bulged(radius, length, reach_beside(terms, last, k, axes))
-    if (margin < h and not bulged) or radius <= 0.0:
+    if margin < h and not bulged:
         return Least(False, h, -math.inf, n, False)
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
     best = Best(n, h, NO_CAP, True, h)

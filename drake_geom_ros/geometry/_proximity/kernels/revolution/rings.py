@@ -1,13 +1,14 @@
-"""Depth of a hull in a cylinder that is large beside it: out across the axis, or along it.
+"""Depth of a hull in a barrel that is large beside it: out across the axis, or along it.
 
 Along the unit n the width of the overlap is ``h(n) = r s + l |c| + k(n)`` with ``n = s e + c u``
-for the cylinder's axis u, radius r and half length l, and ``k(n) = max(-x . n)`` over the vertices
-x of the hull, from the cylinder's middle. ``barrels`` shows where no h is less than the least
-across the axis and along it. Along it are two directions. Across it, on a circle, the vertices x
-and y that are extreme at the ends of an arc give ``k(n) >= max(-x . n, -y . n)`` on all of it. The
-least of that has a closed form; where k is no more the arc is done, else what is extreme there
-cuts the arc in two. Each cut finds an edge of the hull's shadow or a vertex of it that was not
-known, so this comes to an end, as the methods of cutting planes do.
+for the axis u, radius r and half length l of a cylinder, or of a capsule's axis, where r is 0, and
+``k(n) = max(-x . n)`` over the vertices x of the hull, from the barrel's middle. ``barrels`` shows
+where no h is less than the least across the axis and along it. Along it are two directions. Across
+it, on a circle, the vertices x and y that are extreme at the ends of an arc give ``k(n) >=
+max(-x . n, -y . n)`` on all of it. The least of that has a closed form; where k is no more the arc
+is done, else what is extreme there cuts the arc in two. Each cut finds an edge of the hull's
+shadow or a vertex of it that was not known, so this comes to an end, as the methods of cutting
+planes do.
 """
 
 import math
@@ -30,7 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CONVEX
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 MOST_DIRECTIONS = 160
@@ -117,9 +118,14 @@ def least_across(known, u, shape, R_WB, p, enough, noise):
 
 @allocating
 def least_of_hull_in_barrel(pair, enough, noise):
-    """Return (complete, h, floor, n, unique) of a cylinder A that is large beside a hull B."""
-    _, shape_A, R_WA, _, shape_B, R_WB, p = pair
+    """Return (complete, h, floor, n, unique) of a barrel A that is large beside a hull B.
+
+    A is the core of a cylinder or of a capsule, whose radius is 0.
+    """
+    kind_A, shape_A, R_WA, _, shape_B, R_WB, p = pair
     radius, length, u = shape_A[0], shape_A[1], column(R_WA, 2)
+    if kind_A == CAPSULE:
+        radius = 0.0
     if not is_bulged(radius, length, norm(p) + hull_radius(shape_B)):
         return Least(False, math.inf, -math.inf, u, False)
     known = np.empty((MOST_DIRECTIONS + 2, DIRECTION_WIDTH))

@@ -206,3 +206,15 @@ def test_against_the_support_function():
         X_WA, X_WB = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
         phi, _ = signed_distance((BOX, pair.size_A), X_WA, (BOX, pair.size_B), X_WB)
         assert evaluate(box_box, pair).distance == pytest.approx(phi, abs=1e-9)
+
+
+@pytest.mark.parametrize('roundings', [1.25, 2.0, 8.0, 100.0, 1e4])
+def test_a_normal_is_unique_only_where_rounding_leaves_it_one(roundings):
+    """From corner to corner, so short that no axis is told from the gap."""
+    for direction in ([1, 1, 1], [1, 0.5, 0.1], [1, 0.3, 0.3], [0.2, 1, 0.7], [1, 0, 0.9]):
+        gap = roundings * 8.0 * np.finfo(float).eps * 3.5 * np.array(direction)
+        p_AB_W = 1.0 + gap
+        row = evaluate(box_box, _boxes(p_AB_W))
+        truth = -(p_AB_W - 1.0) / np.linalg.norm(p_AB_W - 1.0)
+        assert not row.unique or row.nhat @ truth > 0.99
+        assert row.unique or roundings < 1e3

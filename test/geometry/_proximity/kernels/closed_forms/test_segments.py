@@ -242,3 +242,15 @@ def test_on_a_face_but_for_rounding_a_short_gap_may_turn_outwards_alone(turn, si
     given = (tuple(np.roll(each, turn).tolist()) for each in (gap, p, h, d))
     found = segments._across(*given, 1e-15)
     assert found == pytest.approx(np.roll(turned, turn), abs=1e-23)
+
+
+@pytest.mark.parametrize('roundings', [1.0, 1.25, 2.0, 8.0, 100.0, 1e4])
+def test_a_normal_is_unique_only_where_rounding_leaves_it_one(roundings):
+    """Hunted: parallel capsules whose axes are 2e-15 m apart, across both axes of the section."""
+    for angle in np.linspace(0.0, np.pi, 7):
+        gap = roundings * 8.0 * np.finfo(float).eps * 1.2
+        p_AB_W = gap * np.array([np.cos(angle), np.sin(angle), 0.0]) + [0.0, 0.0, 4e-15]
+        row = evaluate(capsule_capsule, _capsules(p_AB_W, size_A=(1e-3, 0.7)))
+        truth = -p_AB_W[:2] / np.hypot(*p_AB_W[:2])
+        assert not row.unique or row.nhat[:2] @ truth > 0.99
+        assert row.unique or roundings < 1e3

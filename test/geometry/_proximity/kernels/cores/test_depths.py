@@ -121,12 +121,12 @@ def test_points_are_sought_at_right_angles_to_each_segment(monkeypatch):
     ('kind_A', 'kind_B', 'expected'),
     [
         (CYLINDER, CONVEX, ['hull']),
-        (CAPSULE, CONVEX, []),
+        (CAPSULE, CONVEX, ['hull']),
         (CYLINDER, ELLIPSOID, ['A', 'slices']),
         (CYLINDER, CYLINDER, ['A', 'B', 'both']),
-        (CAPSULE, CYLINDER, ['B']),
+        (CAPSULE, CYLINDER, ['A', 'B']),
         (BOX, CYLINDER, ['B']),
-        (CAPSULE, ELLIPSOID, ['slices']),
+        (CAPSULE, ELLIPSOID, ['A', 'slices']),
         (ELLIPSOID, ELLIPSOID, ['slices']),
         (BOX, ELLIPSOID, []),  # a box has edges off the axis
     ],

@@ -161,6 +161,23 @@ def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
             assert (there[ns @ np.array(n) < 0.98] > h + 1e-15).all()
 
 
+def test_a_tiny_hull_at_the_axis_of_a_capsule():
+    """As narrow as promised, and as deep as it is out across the axis, seen from all around."""
+    rng, angles = np.random.default_rng(5), np.linspace(0, 2 * np.pi, 20_001)
+    for _ in range(COUNT):
+        scale = 10 ** rng.uniform(-7, -2)
+        vertices, hull = _hull(rng, scale)
+        R_WA = _rotation(rng)
+        p = 0.2 * scale * rng.normal() * R_WA[:, 0] + rng.uniform(-0.4, 0.4) * R_WA[:, 2]
+        pair = Pair(CAPSULE, np.array([0.2, 0.9]), R_WA, CONVEX, hull, _rotation(rng), p)
+        out, promised = _answer(pair)
+        assert out[ERROR_BOUND] <= promised
+        across = np.outer(np.cos(angles), R_WA[:, 0]) + np.outer(np.sin(angles), R_WA[:, 1])
+        truth = _widths(pair, vertices, across).min()
+        if truth > 0.2:  # the axis goes through it
+            assert truth - 1e-3 * scale <= -out[DISTANCE] <= truth + promised
+
+
 def test_a_hull_that_fills_a_cylinder_is_left_to_others():
     hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel() * 0.2))
     pair = Pair(

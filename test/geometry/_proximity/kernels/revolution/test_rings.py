@@ -78,6 +78,21 @@ def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
     assert out[DISTANCE] == pytest.approx(-(0.2 + size - 1e-3 * size), abs=promised)
 
 
+def test_a_tiny_ellipsoid_at_the_axis_of_a_capsule():
+    """As narrow as promised, and as deep as it is out across the axis, seen from all around."""
+    rng, angles = np.random.default_rng(5), np.linspace(0, 2 * np.pi, 20_001)
+    for _ in range(COUNT):
+        size = 10 ** rng.uniform(-7, -2) * rng.uniform(0.5, 2.0, 3)
+        R_WA, R_WB = (turned(rng.normal(size=3), rng.uniform(0, 3)) for _ in range(2))
+        p = rng.uniform(-0.2, 0.2) * size[0] * R_WA[:, 0] + rng.uniform(-0.4, 0.4) * R_WA[:, 2]
+        pair = Pair(CAPSULE, np.array([0.2, 0.9]), R_WA, ELLIPSOID, size, R_WB, p)
+        out, promised = _answer(pair)
+        assert out[ERROR_BOUND] <= promised
+        across = np.outer(np.cos(angles), R_WA[:, 0]) + np.outer(np.sin(angles), R_WA[:, 1])
+        truth = widths(pair, across).min()
+        assert truth - 1e-6 * size.max() <= -out[DISTANCE] <= truth + promised
+
+
 def _in_short_barrel(radii):
     pair = Pair(
         CYLINDER, np.array([0.3, 0.2]), np.eye(3),
