@@ -20,6 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
 from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
+from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -87,7 +88,7 @@ def gathered(
     """
     ids = np.empty((len(hits), 2), dtype=np.int64)
     rows = np.empty((len(hits), BATCH_WIDTH))
-    gather_rows(hits, pairs, slots, answers, gap, *world.posed, ids, rows)
+    gather_rows(hits, pairs, slots, answers, gap, world.handle, ids, rows)
     return frozen(ids, rows)
 
 
@@ -100,27 +101,17 @@ def frozen(ids: Indices, rows: Floats) -> PairBatch:
 
 
 @compiled
-def gather_rows(  # type: ignore[no-untyped-def]
-    hits,
-    pairs,
-    slots,
-    answers,
-    gap,
-    geometry_ids,
-    types,
-    frames,
-    R_WGs,
-    p_WGs,
-    roundings,
-    p_WFs,
-    outer,
-    ids,
-    rows,
-):
-    """Fill ids and rows; witness points come measured from Ao, in World axes."""
+def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ignore[no-untyped-def]
+    """Fill ids and rows of pairs of a world, given by its handle.
+
+    Witness points come measured from Ao, in World axes.
+    """
+    world = world_of(world)
+    types, frames, outer = world.types, world.frames, world.outer
+    R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
     for k in range(hits.size):
         a, b, s = pairs[hits[k], 0], pairs[hits[k], 1], slots[hits[k]]
-        ids[k, 0], ids[k, 1] = geometry_ids[a], geometry_ids[b]
+        ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]
         for c in range(PAIR_WIDTH):
             rows[k, c] = answers[s, c]
         least = answers[s, DISTANCE]

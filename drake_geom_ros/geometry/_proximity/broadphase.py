@@ -35,6 +35,7 @@ ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
 GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number those of grid 0
 BODIES, GRIDS, MASK = 0, 1, 2  # of ``counts``
+LOWER, UPPER = 0, 3  # columns of ``bounds``, 3 each
 # Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
 FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
 
@@ -43,7 +44,7 @@ class Boxes(NamedTuple):
     """Room for the boxes around n bodies, in hashed cells, by their buckets."""
 
     rows: Integers  # (n,) of the world
-    bounds: Bounds  # (n, 6) lower and upper ends [m], in one place of memory
+    bounds: Bounds  # (n, 6) LOWER and UPPER ends [m], in one place of memory
     cells: Cells  # (n, 4) the cell along x, y and z, and its GRID
     starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
     grids: Integers  # (MOST_GRIDS,) those that are in use
@@ -86,12 +87,12 @@ def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
     # Unsigned numbers: the test for negative ones takes as long as the comparison.
     a, b = np.uint64(a), np.uint64(b)
     return (
-        bounds_a[a, 0] <= bounds_b[b, 3]
-        and bounds_b[b, 0] <= bounds_a[a, 3]
-        and bounds_a[a, 1] <= bounds_b[b, 4]
-        and bounds_b[b, 1] <= bounds_a[a, 4]
-        and bounds_a[a, 2] <= bounds_b[b, 5]
-        and bounds_b[b, 2] <= bounds_a[a, 5]
+        bounds_a[a, LOWER] <= bounds_b[b, UPPER]
+        and bounds_b[b, LOWER] <= bounds_a[a, UPPER]
+        and bounds_a[a, LOWER + 1] <= bounds_b[b, UPPER + 1]
+        and bounds_b[b, LOWER + 1] <= bounds_a[a, UPPER + 1]
+        and bounds_a[a, LOWER + 2] <= bounds_b[b, UPPER + 2]
+        and bounds_b[b, LOWER + 2] <= bounds_a[a, UPPER + 2]
     )
 
 
@@ -198,7 +199,7 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
         boxes.rows[at] = g
         for c in range(3):
             p, half = p_WGs[g, c], _half(p_WGs, half_extents, paddings, g, c)
-            boxes.bounds[at, c], boxes.bounds[at, 3 + c] = p - half, p + half
+            boxes.bounds[at, LOWER + c], boxes.bounds[at, UPPER + c] = p - half, p + half
         for c in range(4):
             boxes.cells[at, c] = boxes.found[k, c]
 
@@ -241,7 +242,7 @@ def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
 
     Boxes in a cell are narrower than it, so their centres are less than half a cell away.
     """
-    lower, upper = A.bounds[a, axis] - 0.5 * width, A.bounds[a, 3 + axis] + 0.5 * width
+    lower, upper = A.bounds[a, LOWER + axis] - 0.5 * width, A.bounds[a, UPPER + axis] + 0.5 * width
     return np.floor(lower / width), np.floor(upper / width)
 
 

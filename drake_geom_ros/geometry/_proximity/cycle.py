@@ -38,7 +38,7 @@ from drake_geom_ros.geometry._proximity.list_making import (
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs, near_pairs
 from drake_geom_ros.geometry._proximity.plain_contacts import plain_contact
 from drake_geom_ros.geometry._proximity.posing import update
-from drake_geom_ros.geometry._proximity.records import scene_of, world_of
+from drake_geom_ros.geometry._proximity.records import world_of
 
 # What is asked for.
 LIST = 0  # no more than the list
@@ -132,7 +132,7 @@ def run_cycle(  # type: ignore[no-untyped-def]
         moments[BEGUN] = now()
         report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = 0, 0
         if stale:
-            moved = _update(world, revision)
+            moved = update(hands.world, revision)
             report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = moved
         moments[POSED], moments[KNOWING] = now(), 0.0
         if mode == CONTACT and _is_plain_contact(world, filters_of(hands.filters), report, gap):
@@ -163,7 +163,7 @@ def run_cycle(  # type: ignore[no-untyped-def]
     count = near.numbers[PAIRS]
     if mode > LIST:
         query = gap, cutoff, penetrating
-        count = _answer(kernels, world, near, report, revision, query, mode)
+        count = _answer(kernels, hands.world, near, report, revision, query, mode)
     if mode == ANSWERS and count <= ids.shape[0]:
         gather_rows(
             part(near.hits, 0, count),
@@ -171,48 +171,12 @@ def run_cycle(  # type: ignore[no-untyped-def]
             near.slots,
             near.answers,
             gap,
-            world.ids,
-            world.types,
-            world.frames,
-            world.R_WGs,
-            world.p_WGs,
-            world.roundings,
-            world.p_WFs,
-            world.outer,
+            hands.world,
             ids,
             rows,
         )
     moments[ANSWERED] = now()
     return count
-
-
-@inlined
-def _update(world, revision):  # type: ignore[no-untyped-def]
-    """Pose what moved; return how many frames and geometries did."""
-    return update(
-        revision,
-        world.moved,
-        world.parents,
-        world.R_PFs,
-        world.p_PFs,
-        world.R_WFs,
-        world.p_WFs,
-        world.frame_roundings,
-        world.movable,
-        world.frames,
-        world.R_FGs,
-        world.p_FGs,
-        world.kept,
-        world.types,
-        world.starts,
-        world.pool,
-        world.R_WGs,
-        world.p_WGs,
-        world.roundings,
-        world.half_extents,
-        world.stamps,
-        world.travels,
-    )
 
 
 @inlined
@@ -247,11 +211,12 @@ def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
 @inlined
 def _answer(kernels, world, near, report, revision, query, mode):  # type: ignore[no-untyped-def]
     """Fill in the hits of the list's pairs; return how many there are."""
-    count, scene = near.numbers[PAIRS], scene_of(world)
+    count = near.numbers[PAIRS]
     pairs = near.pairs[:count]
     if mode == CANDIDATES:
         report.counts[:] = 0
-        return near_pairs(pairs, scene, query[1], near.hits)
+        _, cutoff, _ = query
+        return near_pairs(pairs, world, cutoff, near.hits)
     memory = near.answers, near.slacks, near.seen, near.gaps
     # Where there was a contact there still is one, mostly.
     first = _place_of_contact(near, report) if mode == CONTACT else -1
@@ -260,7 +225,7 @@ def _answer(kernels, world, near, report, revision, query, mode):  # type: ignor
         pairs,
         part(near.slots, 0, count),
         memory,
-        scene,
+        world,
         revision,
         query,
         first,

@@ -62,6 +62,8 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
+FREEDOM, DU, DV, UU, UV, VV = range(6)  # columns: the numbers of a ``Feature``
+
 
 class Features(NamedTuple):
     """What is extreme along the normals of k pairs, of A and of B; see ``kernels.features``."""
@@ -166,10 +168,10 @@ def pair_features(rows, places, scene, axes, features, inside):  # type: ignore[
             q = vector_at(numbers, P_ACA if side == 0 else P_BCB)
             inside[k, side] = _holds(g, scene, found, out, w, v, q, slack)
             sign = -1.0 if side == 0 else 1.0
-            features[k, side, 0] = found.freedom
-            features[k, side, 1], features[k, side, 2] = sign * found.du, found.dv
-            features[k, side, 3], features[k, side, 4] = found.uu, sign * found.uv
-            features[k, side, 5] = found.vv
+            features[k, side, FREEDOM] = found.freedom
+            features[k, side, DU], features[k, side, DV] = sign * found.du, found.dv
+            features[k, side, UU], features[k, side, UV] = found.uu, sign * found.uv
+            features[k, side, VV] = found.vv
 
 
 @compiled

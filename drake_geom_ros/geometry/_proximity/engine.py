@@ -167,8 +167,10 @@ class Engine:
         query = _GAPS[accuracy], cutoff, penetrating
         moment = world.revision, world.placings, filters.version, query
         stands = not world.is_stale and world is self._world
-        if stands and self._last is not None and self._last[0] == moment:
-            return self._as_before(self._last[1])
+        if stands and self._last is not None:
+            answered, batch = self._last
+            if answered == moment:
+                return self._as_before(batch)
         limited = time_budget > 0.0 and accuracy != 'bound'
         if self.detailed or limited:
             budget = time_budget if limited else 0.0
@@ -188,7 +190,8 @@ class Engine:
 
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
-        return self._cycle(world, filters, (_GAPS[accuracy], 0.0, True), CONTACT)[1] > 0
+        _, count = self._cycle(world, filters, (_GAPS[accuracy], 0.0, True), CONTACT)
+        return count > 0
 
     def distance_of_pair(
         self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
@@ -199,21 +202,20 @@ class Engine:
         distance: the batch is empty then.
         """
         self._begin(world)
-        types = world.geometries.types[pair]
-        rows = table_rows(types[:, 0], types[:, 1])
+        (row,) = rows = table_rows(*world.geometries.types[pair].T)
         slots, answers = np.zeros(1, dtype=np.int64), np.zeros((1, PAIR_WIDTH))
         if hint is not None:
             answers[0, NORMAL : NORMAL + 3] = hint
-        if rows[0] < 0:
+        if row < 0:
             return gathered(world, slots[:0], pair, slots, answers, math.inf)
         self._kernels = compile_rows(rows)
         self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
         memory, hits = empty_memory(answers), np.empty(1, dtype=np.int64)
-        query = _GAPS[accuracy], math.inf, False
-        hits = self._steps.answer(world, pair, slots, memory, query, hits)
+        gap = _GAPS[accuracy]
+        hits = self._steps.answer(world, pair, slots, memory, (gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
-        return gathered(world, hits, pair, slots, answers, query[0])
+        return gathered(world, hits, pair, slots, answers, gap)
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
@@ -232,8 +234,7 @@ class Engine:
             POINT_ADDRESSES,
             ADDRESSES,
             POINT_ROWS[table.types],
-            table.ids,
-            world.scene,
+            world.handle,
             p_WQs,
             threshold,
             rows,
@@ -285,17 +286,19 @@ class Engine:
     ) -> tuple[NearList, int]:
         """Run a cycle of this mode; return the list of its pairs and how many it is about."""
         # A list of all pairs would be a burden to the queries of near ones.
-        unlimited = query[1] == math.inf
+        _, cutoff, _ = query
+        unlimited = cutoff == math.inf
         near, hands = self._handed(world, filters, unlimited)
         self._kernels, self._unrefined = [], 0
         stale, lacking = world.is_stale, 0
-        state = world.revision + stale, filters.version, world.placings
+        revision = world.revision + stale
+        state = revision, filters.version, world.placings
         if stale:
             world.leave_moment()
         while True:
             count = run_cycle(hands, ADDRESSES, lacking, stale, *state, *query, mode, ids, rows)
             if stale:
-                world.note_update(state[0])
+                world.note_update(revision)
             if count >= 0:
                 return near, count
             lacking = -count
@@ -316,17 +319,16 @@ class Engine:
         if near is None:
             near = self._lists[unlimited] = NearList(world)
         near.look_at(world, filters)
-        hands = self._hands.get(unlimited)
-        if hands is None or hands[0] is not near.handles:
-            handles = Hands(world.handle, *near.handles, self._report_handle)
+        known, hands = self._hands.get(unlimited, (None, None))
+        if known is not near.handles:
+            hands = handle_of(Hands(world.handle, *near.handles, self._report_handle))
             # Who has the handle of handles keeps these, too.
-            hands = self._hands[unlimited] = near.handles, handle_of(handles)
-        return near, hands[1]
+            self._hands[unlimited] = near.handles, hands
+        return near, hands
 
     def _compile_for(self, world: World, near: NearList) -> None:
         """Compile the kernels of the pairs of a list."""
-        of_pairs = world.geometries.types[near.pairs]
-        self._kernels = compile_rows(table_rows(of_pairs[:, 0], of_pairs[:, 1]))
+        self._kernels = compile_rows(table_rows(*world.geometries.types[near.pairs].T))
         near.know_kernels()
         self._moments[COMPILED] = time.perf_counter()
 
@@ -342,8 +344,9 @@ class Engine:
         if not room // 2 <= count <= room:
             self._rooms[query[1:]] = max(16, count + count // 4)
         if count > room:
+            gap, _, _ = query
             hits = near.arrays.hits[:count]
-            batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
+            batch = gathered(world, hits, near.pairs, near.slots, near.answers, gap)
             self._moments[ANSWERED] = time.perf_counter()
             return batch
         return frozen(ids[:count], rows[:count])
@@ -357,10 +360,11 @@ class Engine:
     ) -> PairBatch:
         """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
         near, _ = self._cycle(world, filters, query, LIST)
-        if not (math.isinf(query[0]) or near.has_kernels):
+        gap, _, _ = query
+        if not (math.isinf(gap) or near.has_kernels):
             self._compile_for(world, near)
         hits = self._steps.answer_list(world, near, query, budget)
         self._unrefined = self._steps.unrefined
-        batch = gathered(world, hits, near.pairs, near.slots, near.answers, query[0])
+        batch = gathered(world, hits, near.pairs, near.slots, near.answers, gap)
         self._moments[ANSWERED] = time.perf_counter()
         return batch

@@ -31,21 +31,29 @@ _TRANSIENT = 'transient declaration'
 _MOST_FORGOTTEN = 256
 
 
+class Origin(NamedTuple):
+    """Where an entry comes from: of a declaration the number, of a group or clique the name."""
+
+    kind: str
+    name: int | str
+    ignored: str = ''  # the group that a group ignores
+
+
 class Entry(NamedTuple):
     """One statement about all pairs between two sets; *within* a set is between it and itself."""
 
     excludes: bool
     keys_a: Keys
     keys_b: Keys | None  # None: every element, also those that come later
-    origin: tuple[str, int | str] | tuple[str, str, str]  # kind, name or number, ignored group
+    origin: Origin
 
     def label(self) -> str:
         """Return what ``reasons`` calls the entry."""
-        return f'{self.origin[0]} {self.origin[1]}'
+        return f'{self.origin.kind} {self.origin.name}'
 
     def is_declared(self) -> bool:
         """Return whether this is a statement of a declaration, not of a group or a clique."""
-        return self.origin[0] not in (_GROUP, _CLIQUE)
+        return self.origin.kind not in (_GROUP, _CLIQUE)
 
     def place(self) -> tuple[object, ...]:
         """Return what an entry has in common with those whose place it takes."""
@@ -98,7 +106,7 @@ class FilterLog:
 
     def declare(self, statements: Iterable[Statement]) -> list[Entry]:
         """Append a persistent declaration and return its entries."""
-        made = _entries(statements, (_PERSISTENT, self._declared))
+        made = _entries(statements, Origin(_PERSISTENT, self._declared))
         self._declared += 1
         for entry in made:
             self.relate(entry)
@@ -112,7 +120,7 @@ class FilterLog:
 
     def push(self, filter_id: int, statements: Iterable[Statement]) -> list[Entry]:
         """Append a transient declaration and return its entries."""
-        made = _entries(statements, (_TRANSIENT, filter_id))
+        made = _entries(statements, Origin(_TRANSIENT, filter_id))
         self._transient[filter_id] = made
         return made
 
@@ -144,7 +152,7 @@ class FilterLog:
         self._transient.clear()
         for made in history:
             for entry in made:
-                self.relate(entry._replace(origin=(_PERSISTENT, self._declared)))
+                self.relate(entry._replace(origin=Origin(_PERSISTENT, self._declared)))
             self._declared += 1
 
     def register(self, key: int) -> None:
@@ -172,15 +180,15 @@ class FilterLog:
         """Return the members of each clique by its name."""
         self._settle()
         return {
-            str(entry.origin[1]): entry.keys_a
+            str(entry.origin.name): entry.keys_a
             for entry in self._persistent.values()
-            if entry.origin[0] == _CLIQUE
+            if entry.origin.kind == _CLIQUE
         }
 
     def clique_members(self, name: str) -> Keys:
         """Return the members of one clique, none if there is no such clique."""
         self._settle()
-        entry = self._persistent.get((_CLIQUE, name))
+        entry = self._persistent.get(Origin(_CLIQUE, name))
         return entry.keys_a if entry else ()
 
     def declarations(self, everything: Keys) -> list[list[Statement]]:
@@ -218,15 +226,15 @@ class FilterLog:
 
 def clique(name: str, members: Keys) -> Entry:
     """Return the entry of a clique: no two of its members are reported."""
-    return Entry(True, members, members, (_CLIQUE, name))
+    return Entry(True, members, members, Origin(_CLIQUE, name))
 
 
 def group_relation(name: str, members: Keys, ignored: str, its_members: Keys | None) -> Entry:
     """Return the entry of one group that ignores another; None stands for every element."""
-    return Entry(True, members, its_members, (_GROUP, name, ignored))
+    return Entry(True, members, its_members, Origin(_GROUP, name, ignored))
 
 
-def _entries(statements: Iterable[Statement], origin: tuple[str, int]) -> list[Entry]:
+def _entries(statements: Iterable[Statement], origin: Origin) -> list[Entry]:
     """Return the entries that some statements make; one about no pairs makes none."""
     made = []
     for operation, keys_a, keys_b in statements:

@@ -79,7 +79,8 @@ def taker(record: type[Any]) -> Any:
     @intrinsic
     def take(typingctx, handle):  # type: ignore[no-untyped-def]
         def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
-            data = make_array(handle)(context, builder, values[0]).data
+            (given,) = values
+            data = make_array(handle)(context, builder, given).data
             numbers = _Numbers(builder, data)
             arrays = [
                 _array(context, builder, kind, numbers.next(), [numbers.next(), *extents], numbers)

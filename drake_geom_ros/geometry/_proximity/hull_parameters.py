@@ -35,9 +35,10 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     # the summit for a direction this little off, in radians: 3 EPS over its sharpness.
     defect = 4.0 * EPS / sharpness[~blunt].min() * float(np.linalg.norm(np.ptp(vertices, axis=0)))
     summits = [side(vertices[:, k]) for k in range(3) for side in (np.argmin, np.argmax)]
-    lists = 3 * count + LISTS + count + 1 + np.searchsorted(edges[:, 0], np.arange(count + 1))
+    starts, ends = edges.T
+    lists = 3 * count + LISTS + count + 1 + np.searchsorted(starts, np.arange(count + 1))
     lists[:-1][blunt] *= -1
-    places = 1 + 3 * np.concatenate((summits, edges[:, 1]))
+    places = 1 + 3 * np.concatenate((summits, ends))
     return np.concatenate((coordinates, [defect], places[:6], lists, places[6:]))
 
 
@@ -53,8 +54,9 @@ def _sharpness(vertices: Floats, triangles: Indices, edges: Indices) -> Floats:
     for k in range(3):
         np.add.at(means, triangles[:, k], normals)
     means /= np.maximum(np.linalg.norm(means, axis=1), np.finfo(float).tiny)[:, None]
-    along = vertices[edges[:, 1]] - vertices[edges[:, 0]]
-    falls = -np.einsum('ij,ij->i', along, means[edges[:, 0]]) / np.linalg.norm(along, axis=1)
+    starts, ends = edges.T
+    along = vertices[ends] - vertices[starts]
+    falls = -np.einsum('ij,ij->i', along, means[starts]) / np.linalg.norm(along, axis=1)
     sharpness = np.full(len(vertices), np.inf)
-    np.minimum.at(sharpness, edges[:, 0], falls)
+    np.minimum.at(sharpness, starts, falls)
     return np.where(np.isfinite(sharpness), np.maximum(sharpness, 0.0), 0.0)

@@ -37,3 +37,8 @@ SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID, TRIANGLE =
     kind.value for kind in ShapeKind
 )
 CLOSED_FORM, ITERATIVE, MESH, BOUND_ONLY = (method.value for method in Method)
+
+# Where the parameters of a shape stand (see ``kernels``): of a sphere, capsule or cylinder, and of
+# a hull or solid. Those of a box and an ellipsoid are a vector.
+SHAPE_RADIUS, HALF_LENGTH = 0, 1
+VERTEX_COUNT = 0

@@ -41,19 +41,18 @@ def seconds_a_pair(
     near.bring_up_to_date(world, filters, cutoff)
     rng = np.random.default_rng(seed)
     pairs = _some(rng, near.pairs, LOOKED_AT)
-    queue = np.empty(len(pairs), dtype=np.int64), np.empty(len(pairs))
-    counts = _answer(world, pairs, math.inf, cutoff, queue)[1]
-    chosen = _some(rng, pairs[queue[0][: counts[POSTPONED]]], most)
+    waiting, distances = np.empty(len(pairs), dtype=np.int64), np.empty(len(pairs))
+    _, counts = _answer(world, pairs, math.inf, cutoff, (waiting, distances))
+    chosen = _some(rng, pairs[waiting[: counts[POSTPONED]]], most)
     if not len(chosen):
         return {}, 0
     pairs = np.tile(chosen, (LAPS, 1))
-    types = world.geometries.types[pairs]
-    compile_rows(table_rows(types[:, 0], types[:, 1]))
-    no_queue = queue[0][:0], queue[1][:0]
+    compile_rows(table_rows(*world.geometries.types[pairs].T))
+    no_queue = waiting[:0], distances[:0]
     costs = {}
     for level, gap in {'bound': math.inf, **LEVEL_GAPS}.items():
-        trials = [_answer(world, pairs, gap, cutoff, no_queue)[0] for _ in range(TRIALS)]
-        costs[level] = min(trials) / len(pairs)
+        trials = [_answer(world, pairs, gap, cutoff, no_queue) for _ in range(TRIALS)]
+        costs[level] = min(seconds for seconds, _ in trials) / len(pairs)
     return costs, len(chosen)
 
 
@@ -82,7 +81,7 @@ def _answer(
         pairs,
         slots,
         memory,
-        world.scene,
+        world.handle,
         world.revision,
         (gap, cutoff, False),
         -1,

@@ -26,22 +26,22 @@ from drake_geom_ros.geometry._proximity.point_phase import point_phase
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.poses import read_poses
 from drake_geom_ros.geometry._proximity.posing import set_poses, update
-from drake_geom_ros.geometry._proximity.records import Memory, Scene
+from drake_geom_ros.geometry._proximity.records import Memory, world_of
 from drake_geom_ros.geometry._proximity.state_groups import Groups, collect, put_boxes
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 
 @compiled
-def _pose(poses, rows, Rs, ps, arguments):  # type: ignore[no-untyped-def]
+def _pose(poses, rows, Rs, ps, world):  # type: ignore[no-untyped-def]
     """Pose the frames of rows (n,) by poses (n, 7); return whether all of these are poses.
 
-    ``arguments`` are those of ``posing.update``; ``Rs`` (n, 3, 3) and ``ps`` (n, 3) are room.
+    The world is given by its handle; ``Rs`` (n, 3, 3) and ``ps`` (n, 3) are room.
     """
     if read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps) < rows.size:
         return False
-    if set_poses(rows, Rs, ps, arguments[2], arguments[3], arguments[0]):
-        update(1, *arguments)
+    if set_poses(rows, Rs, ps, world):
+        update(world, 1)
     return True
 
 
@@ -55,11 +55,12 @@ def _forget(memory, first, last):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _most_below(gap, types, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
+def _most_below(gap, world):  # type: ignore[no-untyped-def]
     """Return how far any distance may be reported below the true one [m], at a level's gap.
 
     That is no less than ``promise.promised_bound`` of any pair.
     """
+    types, p_WGs, roundings, outer = world.types, world.p_WGs, world.roundings, world.outer
     extent, radius, tilt = 0.0, 0.0, 0.0
     for g in range(types.size):
         size = 0.0 if types[g] == HALF_SPACE else outer[g]
@@ -113,7 +114,7 @@ def _insert(found, number, answer, numbers, answers):  # type: ignore[no-untyped
 
 @allocating
 def nearest_pairs(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, arguments, scene, posed, pairs, groups, query, stop, found, ids, out
+    kernels, poses, rows, world, pairs, groups, query, stop, found, ids, out
 ):
     """Answer for the nearest pairs of each state (N, n, 7); return how many states are done.
 
@@ -125,7 +126,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
     near as what was found. What it is told as a cutoff is that distance: a kernel stops when it
     has certified that a pair is farther away, and changes no digit of a pair that is not.
     """
-    places, groups = Scene(*scene), Groups(*groups)
+    posed, groups = world_of(world), Groups(*groups)
     gap, cutoff, _ = query
     total, most = pairs.shape[0], ids.shape[1]
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
@@ -139,16 +140,16 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
     slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
     some_ids, full = np.empty((most, 2), dtype=np.int64), np.empty((most, BATCH_WIDTH))
     for s in range(poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
+        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
             return s
-        put_boxes(groups, places.types, places.p_WGs, places.half_extents)
-        below = _most_below(gap, places.types, places.p_WGs, places.roundings, places.outer)
+        put_boxes(groups, posed)
+        below = _most_below(gap, posed)
         limit, count = cutoff, 0
         for turn in range(min(2, groups.gaps.size)):
             # The two groups that are nearest come first: what they hold leaves out most others.
             nearest = np.argmin(groups.gaps)
             span = (nearest, nearest + 1, -1) if turn == 0 else (0, groups.gaps.size, nearest)
-            left = collect(groups, *span, limit + below, pairs, places, order, bounds)
+            left = collect(groups, *span, limit + below, pairs, posed, order, bounds)
             while True:
                 left = _take_nearest(order, left, bounds, limit + below) - 1
                 if left < 0:
@@ -159,7 +160,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
                 # Bounds alone have no running cutoff: they report the middle of an interval.
                 asked = (gap, cutoff if math.isinf(gap) else limit, False)
                 if answer_pairs(
-                    kernels, one, slot, memory, scene, 1, asked, -1, queue, hits, counts
+                    kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts
                 ):
                     count = _insert(count, k, answer[0], best, kept)
                     if count == most:
@@ -167,7 +168,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
         found[s] = count
         for r in range(count):
             both[r, 0], both[r, 1] = pairs[best[r], 0], pairs[best[r], 1]
-        gather_rows(slots[:count], both, slots, kept, gap, *posed, some_ids, full)
+        gather_rows(slots[:count], both, slots, kept, gap, world, some_ids, full)
         for r in range(count):
             ids[s, r, 0], ids[s, r, 1] = some_ids[r, 0], some_ids[r, 1]
             for c in range(BATCH_WIDTH):
@@ -185,32 +186,31 @@ def _list(order, count, pairs, some, memory):  # type: ignore[no-untyped-def]
 
 @allocating
 def any_overlap(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, arguments, scene, pairs, groups, query, slots, memory, stop, hits, out
+    kernels, poses, rows, world, pairs, groups, query, slots, memory, stop, hits, out
 ):
     """Tell of each state (N, n, 7) whether a pair overlaps; return how many states are done.
 
     ``out`` (N,) gets the answers of ``Engine.has_overlap``; each state ends at its first proof.
     """
-    places, groups, known = Scene(*scene), Groups(*groups), Memory(*memory)
-    asked = (query[0], query[1], query[2])
+    posed, groups, known = world_of(world), Groups(*groups), Memory(*memory)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
     last = -1
     for s in range(poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
+        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
             return s
-        put_boxes(groups, places.types, places.p_WGs, places.half_extents)
+        put_boxes(groups, posed)
         everything = (0, groups.gaps.size, -1, 0.0)
-        count = collect(groups, *everything, pairs, places, order, bounds)
+        count = collect(groups, *everything, pairs, posed, order, bounds)
         for r in range(count):
             if order[r] == last:  # where there was a contact there still is one, mostly
                 order[0], order[r] = last, order[0]
         _list(order, count, pairs, some, known)
         out[s] = False
         if count > 0 and answer_pairs(
-            kernels, some, slots[:count], memory, scene, 1, asked, 0, queue, hits, counts
+            kernels, some, slots[:count], memory, world, 1, query, 0, queue, hits, counts
         ):
             out[s], last = True, order[hits[0]]
     return poses.shape[0]
@@ -222,9 +222,7 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     poses,
     first,
     rows,
-    arguments,
-    scene,
-    posed,
+    world,
     pairs,
     groups,
     query,
@@ -242,28 +240,29 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     (room, BATCH_WIDTH). States are done from the ``first`` on, until there is no room, ``stop``
     (1,) is set, or one has a pose that is none.
     """
-    places, groups, known = Scene(*scene), Groups(*groups), Memory(*memory)
-    asked, reach = (query[0], query[1], query[2]), max(query[1], 0.0)
+    posed, groups, known = world_of(world), Groups(*groups), Memory(*memory)
+    gap, cutoff, _ = query
+    reach = max(cutoff, 0.0)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
     some_ids, full = np.empty_like(pairs), np.empty((pairs.shape[0], BATCH_WIDTH))
     for s in range(first, poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
+        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
             return s
-        put_boxes(groups, places.types, places.p_WGs, places.half_extents)
+        put_boxes(groups, posed)
         everything = (0, groups.gaps.size, -1, reach)
-        count = collect(groups, *everything, pairs, places, order, bounds)
+        count = collect(groups, *everything, pairs, posed, order, bounds)
         order[:count].sort()
         _list(order, count, pairs, some, known)
         count = answer_pairs(
-            kernels, some, slots[:count], memory, scene, 1, asked, -1, queue, hits, counts
+            kernels, some, slots[:count], memory, world, 1, query, -1, queue, hits, counts
         )
         start = offsets[s]
         if start + count > ids.shape[0]:
             return s
-        gather_rows(hits[:count], some, slots, known.answers, query[0], *posed, some_ids, full)
+        gather_rows(hits[:count], some, slots, known.answers, gap, world, some_ids, full)
         for k in range(count):
             ids[start + k, 0], ids[start + k, 1] = some_ids[k, 0], some_ids[k, 1]
             for c in range(BATCH_WIDTH):
@@ -280,9 +279,7 @@ def points_in_reach(  # type: ignore[no-untyped-def]
     poses,
     first,
     rows,
-    arguments,
-    scene,
-    geometry_ids,
+    world,
     p_WQs,
     threshold,
     stop,
@@ -296,21 +293,20 @@ def points_in_reach(  # type: ignore[no-untyped-def]
     Returns how many states are done; the rest is as in ``pairs_in_reach``, with ``points``
     (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
     """
-    room = p_WQs.shape[0] * geometry_ids.size
+    room = p_WQs.shape[0] * world_of(world).ids.size
     Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
     counts = np.zeros(COUNTS, dtype=np.int64)
     full, there = np.empty((room, POINT_WIDTH)), np.zeros(room, dtype=np.bool_)
     some_points, some_ids = np.empty(room, dtype=np.uint32), np.empty(room, dtype=np.int64)
     for s in range(first, poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, arguments):
+        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
             return s
         there[:] = False
         count = point_phase(
             kernels,
             pair_kernels,
             pair_rows,
-            geometry_ids,
-            scene,
+            world,
             p_WQs,
             threshold,
             full,

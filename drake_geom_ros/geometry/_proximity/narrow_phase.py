@@ -52,7 +52,7 @@ from drake_geom_ros.geometry._proximity.promise import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.records import Memory, Query, Queue, Scene
+from drake_geom_ros.geometry._proximity.records import Memory, Query, Queue, world_of
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     PROMISED_ROUNDING,
@@ -245,26 +245,26 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 
 @allocating
 def answer_pairs(  # type: ignore[no-untyped-def]
-    kernels, pairs, slots, memory, scene, revision, query, first, queue, hits, counts
+    kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
 ):
     """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
-    ``kernels`` are addresses; ``memory``, ``scene``, ``query`` and ``queue`` are plain tuples of
-    these ``records``. ``hits`` gets the numbers of the pairs. A gap that is infinite asks for the
-    bounds of now, for to use what is known from before would make the answer depend on what was
-    asked. A ``first`` that is not negative is where to begin, and then one hit is enough. A queue
-    with room for all pairs gets those for which a kernel would run, with their certified least
-    distance if there is room for these too; without any room, kernels run.
+    ``kernels`` are addresses, ``world`` is a handle; ``memory``, ``query`` and ``queue`` are plain
+    tuples of these ``records``. ``hits`` gets the numbers of the pairs. A gap that is infinite
+    asks for the bounds of now, for to use what is known from before would make the answer depend
+    on what was asked. A ``first`` that is not negative is where to begin, and then one hit is
+    enough. A queue with room for all pairs gets those for which a kernel would run, with their
+    certified least distance if there is room for these too; without any room, kernels run.
 
-    (The records are taken apart first: to hand that of the scene on made a pair of spheres take 6
+    (The records are taken apart first: to hand that of the world on made a pair of spheres take 6
     ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
     long again, for references are counted. One that is made in a call costs nothing.)
     """
-    scene, memory, query, queue = Scene(*scene), Memory(*memory), Query(*query), Queue(*queue)
+    world, memory, query, queue = world_of(world), Memory(*memory), Query(*query), Queue(*queue)
     slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
-    types, R_WGs, p_WGs, roundings = scene.types, scene.R_WGs, scene.p_WGs, scene.roundings
-    half_extents, outer, inner = scene.half_extents, scene.outer, scene.inner
-    travels, stamps, starts, pool = scene.travels, scene.stamps, scene.starts, scene.pool
+    types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
+    half_extents, outer, inner = world.half_extents, world.outer, world.inner
+    travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
@@ -322,18 +322,18 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # type: ignore[no-untyped-def]
+def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # type: ignore[no-untyped-def]
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 
     No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
     widened by what both bodies can have moved since, and its gap that of no question. (Not in
     ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
     """
-    scene, memory, query = Scene(*scene), Memory(*memory), Query(*query)
+    world, memory, query = world_of(world), Memory(*memory), Query(*query)
     answers, slacks, seen, gaps = memory.answers, memory.slacks, memory.seen, memory.gaps
-    types, starts, pool = scene.types, scene.starts, scene.pool
-    R_WGs, p_WGs = scene.R_WGs, scene.p_WGs
-    outer, inner, travels, stamps = scene.outer, scene.inner, scene.travels, scene.stamps
+    types, starts, pool = world.types, world.starts, world.pool
+    R_WGs, p_WGs = world.R_WGs, world.p_WGs
+    outer, inner, travels, stamps = world.outer, world.inner, world.travels, world.stamps
     cutoff, penetrating = query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     counts[:] = 0
@@ -352,7 +352,7 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
             if _may_leap(out, moved, types[a], types[b]):
                 moved = math.inf
             _take_narrower(out, bounds, moved)
-            rounding = rounding_of_pair(a, b, size + apart(p_WGs, a, b), scene.roundings)
+            rounding = rounding_of_pair(a, b, size + apart(p_WGs, a, b), world.roundings)
             out[ERROR_BOUND] += rounding
             seen[s], gaps[s] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
@@ -365,11 +365,11 @@ def bound_pairs(pairs, slots, memory, scene, revision, query, hits, counts):  # 
 
 
 @compiled
-def near_pairs(pairs, scene, distance, hits):  # type: ignore[no-untyped-def]
+def near_pairs(pairs, world, distance, hits):  # type: ignore[no-untyped-def]
     """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
-    scene, found = Scene(*scene), 0
-    types, R_WGs, p_WGs = scene.types, scene.R_WGs, scene.p_WGs
-    roundings, half_extents = scene.roundings, scene.half_extents
+    world, found = world_of(world), 0
+    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
+    roundings, half_extents = world.roundings, world.half_extents
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
         gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)

@@ -157,7 +157,8 @@ class NearList:
 
     def look_at(self, world: World, filters: FilterState) -> None:
         """Have the filters handed over as they are now."""
-        if self._told[0] is filters and self._told[1] == filters.version:
+        known, version = self._told
+        if known is filters and version == filters.version:
             return
         slots = np.ascontiguousarray(filters.slots(world.geometries.ids), dtype=np.int64)
         self._filters = FilterArrays(slots, *filters.matrix)

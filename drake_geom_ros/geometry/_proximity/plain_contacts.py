@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
 )
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import promised_bound
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
@@ -40,7 +40,7 @@ def _vertex(shape, k):  # type: ignore[no-untyped-def]
 @compiled
 def _wide_tetrahedron(shape):  # type: ignore[no-untyped-def]
     """Return four vertices of a hull: far apart, far from their line and far from their plane."""
-    count = int(shape[0])
+    count = int(shape[VERTEX_COUNT])
     a = b = c = d = _vertex(shape, 0)
     for k in range(count):
         if norm(sub(_vertex(shape, k), a)) > norm(sub(b, a)):

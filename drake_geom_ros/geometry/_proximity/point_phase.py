@@ -29,7 +29,7 @@ from drake_geom_ros.geometry._proximity.pair_table import (
     load_kernel,
 )
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
-from drake_geom_ros.geometry._proximity.records import Scene
+from drake_geom_ros.geometry._proximity.records import world_of
 
 BLOCK = 64  # points: their rows of one geometry, far from each other, stay in the nearest caches
 # By shape type: the point kernels, compiled once a process, and the pair table's row of a point.
@@ -58,8 +58,7 @@ def point_phase(  # type: ignore[no-untyped-def]
     addresses,
     pair_addresses,
     pair_rows,
-    geometry_ids,
-    scene,
+    world,
     p_WQs,
     threshold,
     rows,
@@ -70,14 +69,14 @@ def point_phase(  # type: ignore[no-untyped-def]
 ):
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``scene`` is
-    the plain tuple of a ``Scene``. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and
+    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``world`` is a
+    handle. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and
     ``ids`` (m n,) are filled, in the order of points, then ids. ``found`` (m n,) comes in as
     False, ``counts`` get how many answers there are by each method.
     """
-    scene = Scene(*scene)
-    types, starts, pool = scene.types, scene.starts, scene.pool
-    R_WGs, p_WGs, roundings, outer = scene.R_WGs, scene.p_WGs, scene.roundings, scene.outer
+    world = world_of(world)
+    types, starts, pool = world.types, world.starts, world.pool
+    R_WGs, p_WGs, roundings, outer = world.R_WGs, world.p_WGs, world.roundings, world.outer
     m, n, answers = p_WQs.shape[0], types.size, Answers(rows, found, counts)
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
@@ -99,7 +98,7 @@ def point_phase(  # type: ignore[no-untyped-def]
     for q in range(m):
         for g in range(n):
             if found[q * n + g]:
-                points[count], ids[count] = q, geometry_ids[g]
+                points[count], ids[count] = q, world.ids[g]
                 if count < q * n + g:
                     for c in range(POINT_WIDTH):
                         rows[count, c] = rows[q * n + g, c]

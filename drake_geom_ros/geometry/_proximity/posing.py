@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.pose_rounding import (
     make_orthogonal,
     shift_of,
 )
+from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     ROTATION_DEFECT,
@@ -34,8 +35,13 @@ FADING = 15 / 16  # of the pace in an update: a body that stops is still taken f
 
 
 @compiled
-def set_poses(rows, R_news, p_news, R_PFs, p_PFs, moved):  # type: ignore[no-untyped-def]
-    """Copy the poses that differ and mark their frames; return whether one did."""
+def set_poses(rows, R_news, p_news, world):  # type: ignore[no-untyped-def]
+    """Copy the poses that differ and mark their frames; return whether one did.
+
+    The world is given by its handle, the frames by their rows.
+    """
+    world = world_of(world)
+    R_PFs, p_PFs, moved = world.R_PFs, world.p_PFs, world.moved
     any_moved = False
     for k in range(rows.size):
         f = rows[k]
@@ -179,9 +185,9 @@ def _pose_geometries(  # type: ignore[no-untyped-def]
         if moved[f]:
             count += 1
             if kept[g, AT_ORIGIN] > 0.0:
-                squares = _copy(R_WFs, p_WFs, f, R_WGs, p_WGs, g)
+                turned, shifted = _copy(R_WFs, p_WFs, f, R_WGs, p_WGs, g)
             else:
-                squares = _compose(R_WFs, p_WFs, f, R_FGs, p_FGs, g, R_WGs, p_WGs, g)
+                turned, shifted = _compose(R_WFs, p_WFs, f, R_FGs, p_FGs, g, R_WGs, p_WGs, g)
             reach, length = length_of(p_WFs, f), length_of(p_FGs, g)
             turn, shift = frame_roundings[f, TURN], frame_roundings[f, SHIFT]
             rounding = shift_of(turn, shift, reach, length) + kept[g, SHIFT]
@@ -195,91 +201,50 @@ def _pose_geometries(  # type: ignore[no-untyped-def]
             _put_half_extents(g, types, starts, pool, R_WGs, rounding, half_extents)
             if stamps[g] > 0:
                 # The ball of rounding about each point may have come as far as it has grown, too.
-                way = _way(squares[0], squares[1], kept[g, LEVER]) + grown
+                way = _way(turned, shifted, kept[g, LEVER]) + grown
                 travels[g] = (travels[g] + way) * (1.0 + 2.0 * EPS)
                 kept[g, PACE] = max(way, FADING * kept[g, PACE])
             stamps[g] = revision
     return count
 
 
-# The arguments of ``update`` after the first, by the names of ``records.WorldArrays``.
-UPDATED = (
-    'moved',
-    'parents',
-    'R_PFs',
-    'p_PFs',
-    'R_WFs',
-    'p_WFs',
-    'frame_roundings',
-    'movable',
-    'frames',
-    'R_FGs',
-    'p_FGs',
-    'kept',
-    'types',
-    'starts',
-    'pool',
-    'R_WGs',
-    'p_WGs',
-    'roundings',
-    'half_extents',
-    'stamps',
-    'travels',
-)
-
-
 @compiled
-def update(  # type: ignore[no-untyped-def]
-    revision,
-    moved,
-    parents,
-    R_PFs,
-    p_PFs,
-    R_WFs,
-    p_WFs,
-    frame_roundings,
-    movable,
-    frames,
-    R_FGs,
-    p_FGs,
-    kept,
-    types,
-    starts,
-    pool,
-    R_WGs,
-    p_WGs,
-    roundings,
-    half_extents,
-    stamps,
-    travels,
-):
-    """Pose what moved; return how many frames and geometries did.
+def update(world, revision):  # type: ignore[no-untyped-def]
+    """Pose what moved in a world, given by its handle; return how many frames and geometries did.
 
-    The arrays are those of ``UPDATED``. (One by one, for a tuple of them costs half a
-    microsecond more, a record two and a half, and to hand a record on within makes posing 1000
-    balls take 12 microseconds longer, of 80.)
+    (The arrays are handed on one by one: to hand the record on makes posing 1000 balls take 12
+    microseconds longer, of 80.)
     """
-    frame_count = _pose_frames(moved, parents, R_PFs, p_PFs, R_WFs, p_WFs, frame_roundings)
+    world = world_of(world)
+    frame_count = _pose_frames(
+        world.moved,
+        world.parents,
+        world.R_PFs,
+        world.p_PFs,
+        world.R_WFs,
+        world.p_WFs,
+        world.frame_roundings,
+    )
     body_count = _pose_geometries(
         revision,
-        moved,
-        R_WFs,
-        p_WFs,
-        frame_roundings,
-        movable,
-        frames,
-        R_FGs,
-        p_FGs,
-        kept,
-        types,
-        starts,
-        pool,
-        R_WGs,
-        p_WGs,
-        roundings,
-        half_extents,
-        stamps,
-        travels,
+        world.moved,
+        world.R_WFs,
+        world.p_WFs,
+        world.frame_roundings,
+        world.movable,
+        world.frames,
+        world.R_FGs,
+        world.p_FGs,
+        world.kept,
+        world.types,
+        world.starts,
+        world.pool,
+        world.R_WGs,
+        world.p_WGs,
+        world.roundings,
+        world.half_extents,
+        world.stamps,
+        world.travels,
     )
-    moved[:] = False
+    world.moved[:] = False
     return frame_count, body_count

@@ -1,20 +1,19 @@
 """What compiled code is handed a query, by name.
 
-Python hands it over as plain tuples, which are made of these records once: to recognise a named
-tuple of eleven arrays takes Numba 0.68 two microseconds more than a plain one (measured). Compiled
-code names it again in its first lines, ``scene = Scene(*scene)``, which costs nothing. To hand
-a record on inside a loop over pairs does cost, see ``narrow_phase``.
+The arrays of a world go over as one handle (``handing``), of which compiled code makes the record
+in its first lines: ``world = world_of(world)``. The small records below go over as plain tuples,
+which Numba recognises sooner than named ones, and are named again likewise: ``Memory(*memory)``.
+Neither costs anything there; to hand a record on inside a loop over pairs does, see
+``narrow_phase``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.handing import (
     Flags,
     Integers,
@@ -29,22 +28,6 @@ from drake_geom_ros.geometry._proximity.handing import (
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Plain: TypeAlias = tuple[Any, ...]  # a record as it is handed over
-
-
-class Scene(NamedTuple):
-    """Shapes (n,), where they are, how large, and how they moved: arrays of ``World``."""
-
-    types: Indices
-    starts: Indices
-    pool: Floats
-    R_WGs: Floats
-    p_WGs: Floats
-    roundings: Floats
-    half_extents: Floats
-    outer: Floats
-    inner: Floats
-    travels: Floats
-    stamps: Indices
 
 
 class WorldArrays(NamedTuple):
@@ -80,33 +63,8 @@ class WorldArrays(NamedTuple):
     stamps: Integers
     travels: Reals
 
-    def some(self, names: Sequence[str]) -> Plain:
-        """Return some of the arrays, by their names, as a plain tuple."""
-        return tuple(getattr(self, name) for name in names)
-
-
-# What ``batches.gather`` takes of it.
-POSED = 'ids', 'types', 'frames', 'R_WGs', 'p_WGs', 'roundings', 'p_WFs', 'outer'
 
 world_of = taker(WorldArrays)
-
-
-@inlined
-def scene_of(world):  # type: ignore[no-untyped-def]
-    """Return the ``Scene`` of ``WorldArrays``."""
-    return Scene(
-        world.types,
-        world.starts,
-        world.pool,
-        world.R_WGs,
-        world.p_WGs,
-        world.roundings,
-        world.half_extents,
-        world.outer,
-        world.inner,
-        world.travels,
-        world.stamps,
-    )
 
 
 class Memory(NamedTuple):

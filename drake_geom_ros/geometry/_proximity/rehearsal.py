@@ -88,5 +88,5 @@ def _leave_at_bounds(world: World, filters: FilterState) -> None:
     near.bring_up_to_date(world, filters, math.inf)
     hits, counts = np.empty(len(near.pairs), dtype=np.int64), np.zeros(COUNTS, dtype=np.int64)
     query = math.inf, math.inf, False
-    state = world.scene, world.revision
+    state = world.handle, world.revision
     bound_pairs(near.pairs, near.slots, near.memory, *state, query, hits, counts)

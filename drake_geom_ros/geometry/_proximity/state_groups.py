@@ -53,8 +53,9 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
 
 
 @inlined
-def put_boxes(groups, types, p_WGs, half_extents):  # type: ignore[no-untyped-def]
+def put_boxes(groups, world):  # type: ignore[no-untyped-def]
     """Put a box around each group, and find the gaps between them; a half space has none."""
+    types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
     for g in range(groups.firsts.size - 1):
         for c in range(3):
             lower, upper = math.inf, -math.inf
@@ -100,14 +101,14 @@ def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  
 
 
 @inlined
-def collect(groups, first, last, skipped, most, pairs, places, order, bounds):  # type: ignore[no-untyped-def]
+def collect(groups, first, last, skipped, most, pairs, world, order, bounds):  # type: ignore[no-untyped-def]
     """Collect the numbers of pairs that may be nearer than ``most`` [m]; return how many.
 
     Of pairs of groups from the first up to the last, without it, and without the one ``skipped``;
     ``bounds`` (k,) [m] get what is known of those that are collected.
     """
-    types, R_WGs, p_WGs, outer = places.types, places.R_WGs, places.p_WGs, places.outer
-    roundings, half_extents = places.roundings, places.half_extents
+    types, R_WGs, p_WGs, outer = world.types, world.R_WGs, world.p_WGs, world.outer
+    roundings, half_extents = world.roundings, world.half_extents
     count = 0
     for m in range(first, last):
         if m == skipped or groups.gaps[m] > max(most, 0.0):  # boxes that overlap have a gap of 0

@@ -55,8 +55,7 @@ class StateLoops:
     def _compile(self, gap: float) -> None:
         """Compile the kernels of the pairs; bounds need none."""
         if gap < np.inf:
-            types = self._world.geometries.types[self._pairs]
-            compile_rows(table_rows(types[:, 0], types[:, 1]))
+            compile_rows(table_rows(*self._world.geometries.types[self._pairs].T))
 
     def overlaps(self, poses: Floats, gap: float, stop: Indices) -> tuple[int, NDArray[np.bool_]]:
         """Return which states (N,) have a pair that overlaps, at the gap of a level [m]."""
@@ -66,8 +65,7 @@ class StateLoops:
             ADDRESSES,
             poses,
             self._rows,
-            self._world._arguments,
-            self._world.scene,
+            self._world.handle,
             self._pairs,
             self._groups,
             (gap, 0.0, True),
@@ -94,9 +92,7 @@ class StateLoops:
             ADDRESSES,
             poses,
             self._rows,
-            self._world._arguments,
-            self._world.scene,
-            self._world.posed,
+            self._world.handle,
             self._pairs,
             self._groups,
             (gap, cutoff, False),
@@ -120,9 +116,7 @@ class StateLoops:
                 poses,
                 first,
                 self._rows,
-                self._world._arguments,
-                self._world.scene,
-                self._world.posed,
+                self._world.handle,
                 self._pairs,
                 self._groups,
                 (gap, cutoff, False),
@@ -157,9 +151,7 @@ class StateLoops:
                 poses,
                 first,
                 self._rows,
-                self._world._arguments,
-                self._world.scene,
-                table.ids,
+                self._world.handle,
                 p_WQs,
                 threshold,
                 stop,

@@ -24,7 +24,8 @@ from drake_geom_ros.geometry._proximity.world import World
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-_AT_ONCE = np.zeros(0, dtype=np.int64), np.zeros(0)  # a queue in which no pair waits
+_NO_DISTANCES = np.zeros(0)
+_AT_ONCE = np.zeros(0, dtype=np.int64), _NO_DISTANCES  # a queue in which no pair waits
 
 
 class Stepwise:
@@ -73,7 +74,7 @@ class Stepwise:
             pairs,
             slots,
             memory,
-            world.scene,
+            world.handle,
             world.revision,
             query,
             -1,
@@ -87,13 +88,13 @@ class Stepwise:
         self, world: World, near: NearList, query: tuple[float, float, bool]
     ) -> Indices:
         """Return what ``_answer`` does: first what is known, then what kernels have to compute."""
-        queue = np.empty(len(near.pairs), dtype=np.int64), _AT_ONCE[1]
+        waiting, _ = queue = np.empty(len(near.pairs), dtype=np.int64), _NO_DISTANCES
         asked, room = (near.pairs, near.slots, near.memory, query), near.arrays.hits
         known = self.answer(world, *asked, room, queue=queue).copy()
         total = self._counts.copy()
         if total[CACHED]:
             self._moments[KNOWING] = time.perf_counter() - self._moments[COMPILED]
-        some = queue[0][: total[POSTPONED]]
+        some = waiting[: total[POSTPONED]]
         total[POSTPONED] = 0
         hits = some[self.answer(world, near.pairs[some], near.slots[some], *asked[2:], room)]
         self._counts[:] += total
@@ -126,7 +127,7 @@ class Stepwise:
                 near.pairs[some],
                 near.slots[some],
                 near.memory,
-                world.scene,
+                world.handle,
                 world.revision,
                 query,
                 room,

@@ -14,8 +14,8 @@ from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.moment import Moment, Posed
 from drake_geom_ros.geometry._proximity.plain_contacts import balls_inside
-from drake_geom_ros.geometry._proximity.posing import PACE, UPDATED, set_poses, update
-from drake_geom_ros.geometry._proximity.records import POSED, Plain, Scene, WorldArrays
+from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
+from drake_geom_ros.geometry._proximity.records import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -101,13 +101,13 @@ class World:
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
         # In one array (n, 5), for each that compiled code is given takes time: see ``posing``.
         self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
-        self._gather_arguments()
+        self._hand_over()
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
-        self._gather_arguments()  # the arrays of a copy are elsewhere
+        self._hand_over()  # the arrays of a copy are elsewhere
 
-    def _gather_arguments(self) -> None:
+    def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
         self._moment: Callable[[], Moment | None] = _none  # that of now, while a result holds it
@@ -151,10 +151,6 @@ class World:
             travels=self.travels,
         )
         self.handle = handle_of(arrays)
-        self._arguments = arrays.some(UPDATED)
-        self.scene: Plain = arrays.some(Scene._fields)
-        # For those who gather results.
-        self.posed = arrays.some(POSED)
 
     @property
     def paces(self) -> Floats:
@@ -173,7 +169,7 @@ class World:
         for name, value in self.__dict__.items():
             if isinstance(value, np.ndarray):
                 setattr(other, name, value.copy())
-        other._gather_arguments()
+        other._hand_over()
         return other
 
     def rebuilt(self, frames: FrameTable, geometries: GeometryTable) -> World:
@@ -200,11 +196,13 @@ class World:
         """Return the rows of FrameId values, or None when not all of them can be posed."""
         # Whoever poses frames names the same ones each time.
         text = ids.tobytes()
-        if text != self._last_named[0]:
+        known, rows = self._last_named
+        if text != known:
             if not self.has_frames(ids).all():
                 return None
-            self._last_named = text, self.frame_rows(ids)
-        return self._last_named[1]
+            rows = self.frame_rows(ids)
+            self._last_named = text, rows
+        return rows
 
     def _place(self, rows: Indices) -> None:
         """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
@@ -233,7 +231,7 @@ class World:
         """Set X_PF of the frames in ``rows`` (n,); a pose that did not change is not a move."""
         if not self.is_whole and not self._posed[rows].all():
             self._place(rows)
-        if set_poses(rows, R_PFs, p_PFs, self.R_PFs, self.p_PFs, self._moved):
+        if set_poses(rows, R_PFs, p_PFs, self.handle):
             self._stale = True
 
     def moment(self) -> Moment:
@@ -264,6 +262,6 @@ class World:
         if not self._stale:
             return 0, 0
         self.leave_moment()
-        counts = update(self.revision + 1, *self._arguments)
+        counts = update(self.handle, self.revision + 1)
         self.note_update(self.revision + 1)
         return counts  # type: ignore[no-any-return]

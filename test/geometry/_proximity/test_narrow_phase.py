@@ -65,7 +65,7 @@ class Loop:
         """Return the numbers of the hits and {name: count} of what was done."""
         hits, counts = np.empty(len(self.pairs), dtype=np.int64), np.empty(COUNTS, dtype=np.int64)
         found = narrow_phase.answer_pairs(
-            *(kernel_table.ADDRESSES, self.pairs, self.slots, self.memory, self.world.scene),
+            *(kernel_table.ADDRESSES, self.pairs, self.slots, self.memory, self.world.handle),
             *(self.world.revision, (gap, cutoff, penetrating), first, queue, hits, counts),
         )
         names = {FAR: 'far', CACHED: 'cached', POSTPONED: 'postponed'}
@@ -212,7 +212,7 @@ def test_pairs_that_wait_are_answered_by_the_narrower_of_bounds_and_memory():
 
     def bound(cutoff=9.0):
         query = 1e-9, cutoff, False
-        arguments = loop.pairs, loop.slots, loop.memory, loop.world.scene, loop.world.revision
+        arguments = loop.pairs, loop.slots, loop.memory, loop.world.handle, loop.world.revision
         return narrow_phase.bound_pairs(*arguments, query, hits, counts)
 
     for p_WB, moved in (([2.01, 2, 2], 0.01), ([2.01, 2, 2.02], 0.03)):
@@ -273,5 +273,5 @@ def test_near_pairs_are_those_whose_boxes_are_and_planes_have_their_own_gap():
     for distance, expected in ((0.4, []), (0.5, [2]), (0.75, [0, 2]), (1.8, [0, 1, 2])):
         for pairs in (loop.pairs, loop.pairs[:, ::-1].copy()):
             hits = np.empty(3, dtype=np.int64)
-            count = narrow_phase.near_pairs(pairs, world.scene, distance, hits)
+            count = narrow_phase.near_pairs(pairs, world.handle, distance, hits)
             assert hits[:count].tolist() == expected

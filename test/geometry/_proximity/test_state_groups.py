@@ -10,7 +10,7 @@ from drake_geom_ros.evidence.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
-from drake_geom_ros.geometry._proximity.records import Scene
+from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.state_groups import (
     Groups,
     collect,
@@ -24,7 +24,8 @@ SIZES = {SPHERE: 1, BOX: 3, CAPSULE: 2, CYLINDER: 2, ELLIPSOID: 3}
 
 
 @njit
-def _bound(i, j, places):
+def _bound(i, j, world):
+    places = world_of(world)
     return least_possible(
         i,
         j,
@@ -38,8 +39,9 @@ def _bound(i, j, places):
 
 
 @njit
-def _collected(groups, most, pairs, places, order, bounds):
-    put_boxes(groups, places.types, places.p_WGs, places.half_extents)
+def _collected(groups, most, pairs, world, order, bounds):
+    places = world_of(world)
+    put_boxes(groups, places)
     whole = (0, groups.gaps.size, -1, most)
     return collect(groups, *whole, pairs, places, order, bounds)
 
@@ -72,8 +74,7 @@ def crowd():
 
 def test_the_bound_is_never_above_the_distance(crowd):
     world, pairs, most = crowd
-    places = Scene(*world.scene)
-    bounds = np.array([_bound(i, j, places) for i, j in pairs.tolist()])
+    bounds = np.array([_bound(i, j, world.handle) for i, j in pairs.tolist()])
     assert (bounds <= most).all()
     deep = most < -0.1
     assert deep.sum() > 10
@@ -84,16 +85,15 @@ def test_the_bound_is_never_above_the_distance(crowd):
 @pytest.mark.parametrize('most', [-0.2, 0.0, 0.5, math.inf])
 def test_no_pair_within_reach_is_missed(crowd, most):
     world, pairs, largest = crowd
-    places = Scene(*world.scene)
     some = np.random.default_rng(1).integers(0, 9, world.geometry_count)
     groups = groups_of(some, pairs)
     assert isinstance(groups, Groups)
     order, bounds = np.empty(len(pairs), dtype=np.int64), np.empty(len(pairs))
-    count = _collected(groups, most, pairs, places, order, bounds)
+    count = _collected(groups, most, pairs, world.handle, order, bounds)
     assert len(set(order[:count].tolist())) == count
     wanted = np.flatnonzero(largest <= most)
     assert set(wanted.tolist()) <= set(order[:count].tolist())
     assert most < 1.0 or count == len(pairs)
-    by_bound = [k for k in range(len(pairs)) if _bound(*pairs[k], places) <= most]
+    by_bound = [k for k in range(len(pairs)) if _bound(*pairs[k], world.handle) <= most]
     # Groups leave out pairs by their boxes only: none that its own bound leaves in.
     assert sorted(order[:count].tolist()) == by_bound

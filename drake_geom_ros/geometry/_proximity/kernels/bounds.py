@@ -33,7 +33,9 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
+    HALF_LENGTH,
     HALF_SPACE,
+    SHAPE_RADIUS,
     SOLID,
     SPHERE,
 )
@@ -65,13 +67,13 @@ def support_value(shape_type, shape, n_G):
     """
     x, y, z = abs(n_G[0]), abs(n_G[1]), abs(n_G[2])
     if shape_type == SPHERE:
-        return shape[0]
+        return shape[SHAPE_RADIUS]
     if shape_type == BOX:
         return x * shape[0] + y * shape[1] + z * shape[2]
     if shape_type == CAPSULE:
-        return shape[0] + z * shape[1]
+        return shape[SHAPE_RADIUS] + z * shape[HALF_LENGTH]
     if shape_type == CYLINDER:
-        return shape[0] * math.sqrt(x * x + y * y) + z * shape[1]
+        return shape[SHAPE_RADIUS] * math.sqrt(x * x + y * y) + z * shape[HALF_LENGTH]
     if shape_type == ELLIPSOID:
         return norm((x * shape[0], y * shape[1], z * shape[2]))
     if has_hull(shape_type):
@@ -101,11 +103,11 @@ def outer_radius(shape_type, shape):
 def inner_radius(shape_type, shape):
     """Return the radius of a ball about Go that lies in the shape; 0 for hulls and solids."""
     if shape_type == SPHERE or shape_type == CAPSULE:
-        return shape[0]
+        return shape[SHAPE_RADIUS]
     if shape_type == BOX or shape_type == ELLIPSOID:
         return min(shape[0], shape[1], shape[2])
     if shape_type == CYLINDER:
-        return min(shape[0], shape[1])
+        return min(shape[SHAPE_RADIUS], shape[HALF_LENGTH])
     return 0.0
 
 

@@ -17,7 +17,14 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unit,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    HALF_LENGTH,
+    HALF_SPACE,
+    SHAPE_RADIUS,
+)
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS
 
 # Directions in which the corners of a hull's face are looked for. A face with more corners counts
@@ -81,8 +88,8 @@ def is_inside(kind, shape, feature, n, u, v, q, slack):
         return _in_box(shape, n, q, slack)
     if kind == CAPSULE or kind == CYLINDER:
         if feature.freedom == FACE:
-            return math.hypot(q[0], q[1]) <= shape[0] - slack
-        return abs(q[2]) <= shape[1] - slack
+            return math.hypot(q[0], q[1]) <= shape[SHAPE_RADIUS] - slack
+        return abs(q[2]) <= shape[HALF_LENGTH] - slack
     if feature.freedom == FACE:
         return _in_hull_face(shape, n, u, v, q, slack)
     along = add_scaled(scale(feature.du, u), feature.dv, v)

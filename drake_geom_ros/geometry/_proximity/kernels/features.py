@@ -31,7 +31,9 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CYLINDER,
     ELLIPSOID,
     HALF_SPACE,
+    SHAPE_RADIUS,
     SPHERE,
+    VERTEX_COUNT,
 )
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS
 
@@ -141,7 +143,7 @@ def _of_ellipsoid(shape, n, u, v):
 def _of_hull(shape, n, u, v):
     """Return the vertex, edge or face of a hull, by the edges that leave an extreme vertex."""
     here = _farthest(shape, n[0], n[1], n[2])
-    end = 3 * int(shape[0])
+    end = 3 * int(shape[VERTEX_COUNT])
     first, last, listed = 1, end // 3 + 1, False
     if hull_defect(shape) > 0.0:
         place = end + LISTS + (here - 1) // 3
@@ -169,7 +171,7 @@ def feature_of(kind, shape, R, n, u, v):
     hull.
     """
     if kind == SPHERE:
-        return vertex(shape[0])
+        return vertex(shape[SHAPE_RADIUS])
     if kind == HALF_SPACE:
         return _face()
     n, u, v = unrotate(R, n), unrotate(R, u), unrotate(R, v)
@@ -177,10 +179,10 @@ def feature_of(kind, shape, R, n, u, v):
         return _of_box(n, u, v)
     if kind == CAPSULE:
         if abs(n[2]) <= DISTINCT_NORMALS:
-            return along(AXES[2], u, v, shape[0], 0.0, shape[0])
-        return vertex(shape[0])
+            return along(AXES[2], u, v, shape[SHAPE_RADIUS], 0.0, shape[SHAPE_RADIUS])
+        return vertex(shape[SHAPE_RADIUS])
     if kind == CYLINDER:
-        return _of_cylinder(shape[0], n, u, v)
+        return _of_cylinder(shape[SHAPE_RADIUS], n, u, v)
     if kind == ELLIPSOID:
         return _of_ellipsoid(shape, n, u, v)
     return _of_hull(shape, n, u, v)

@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     compiled_address,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
-from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
 
 # That of ``at_one_metre``: a kernel's address and the size of its pair come first.
@@ -45,7 +45,7 @@ def resized(kind, shape, exponent):
     first, last = 0, shape.size
     if kind == CONVEX:
         # Behind the number of the vertices their coordinates, and of a large hull its defect.
-        first, last = 1, min(shape.size, 3 * int(shape[0]) + 2)
+        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + 2)
     for k in range(first, last):
         copy[k] = math.ldexp(copy[k], exponent)
     return copy
@@ -61,17 +61,18 @@ def at_one_metre(
     other pair of the narrow phase take 100 ns more.
     """
     largest = max(size, norm(vector_at(p_AB_W, 0)))
-    e = -math.frexp(largest)[1]
+    _, e = math.frexp(largest)
     p = p_AB_W.copy()
     for k in range(3):
-        p[k] = math.ldexp(p[k], e)
-    pair = kind_A, resized(kind_A, shape_A, e), R_WA, kind_B, resized(kind_B, shape_B, e), R_WB, p
-    call_kernel(address, *pair, math.ldexp(tolerance, e), math.ldexp(cutoff, e), out)
+        p[k] = math.ldexp(p[k], -e)
+    shape_A, shape_B = resized(kind_A, shape_A, -e), resized(kind_B, shape_B, -e)
+    pair = kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p
+    call_kernel(address, *pair, math.ldexp(tolerance, -e), math.ldexp(cutoff, -e), out)
     for k in (DISTANCE, ERROR_BOUND):
-        out[k] = math.ldexp(out[k], -e)
+        out[k] = math.ldexp(out[k], e)
     for k in range(3):
-        out[WITNESS_A + k] = math.ldexp(out[WITNESS_A + k], -e)
-        out[WITNESS_B + k] = math.ldexp(out[WITNESS_B + k], -e)
+        out[WITNESS_A + k] = math.ldexp(out[WITNESS_A + k], e)
+        out[WITNESS_B + k] = math.ldexp(out[WITNESS_B + k], e)
 
 
 def address_at_one_metre() -> Any:

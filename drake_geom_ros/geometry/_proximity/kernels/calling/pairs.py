@@ -90,11 +90,11 @@ def caller(signature: Any) -> Any:
             return None
 
         def codegen(context, builder, _, values):
-            _, packed = values
+            pointer, packed = values
             unpacked = [builder.extract_value(packed, k) for k in range(len(arguments))]
             argument_types = [context.get_value_type(t) for t in arguments]
             function_type = ir.FunctionType(ir.IntType(8).as_pointer(), argument_types)
-            function = builder.inttoptr(values[0], function_type.as_pointer())
+            function = builder.inttoptr(pointer, function_type.as_pointer())
             builder.call(function, unpacked)
             return context.get_dummy_value()
 

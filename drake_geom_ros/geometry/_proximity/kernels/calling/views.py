@@ -42,9 +42,11 @@ else:
         kind = types.Array(array.dtype, array.ndim - 1, 'C')
 
         def codegen(context, builder, signature, values):
-            whole = make_array(array)(context, builder, values[0])
+            given, number = values
+            whole = make_array(array)(context, builder, given)
             shape = cgutils.unpack_tuple(builder, whole.shape, array.ndim)
-            offset = builder.mul(values[1], cgutils.unpack_tuple(builder, whole.strides)[0])
+            stride, *_ = cgutils.unpack_tuple(builder, whole.strides)
+            offset = builder.mul(number, stride)
             data = cgutils.pointer_add(builder, whole.data, offset, whole.data.type)
             return _view(context, builder, kind, data, shape[1:])
 
@@ -55,9 +57,9 @@ else:
         """Return array[start:stop] of a contiguous array, 0 <= start <= stop <= its size."""
 
         def codegen(context, builder, signature, values):
-            whole = make_array(array)(context, builder, values[0])
-            data = builder.gep(whole.data, [values[1]])
-            size = builder.sub(values[2], values[1])
-            return _view(context, builder, array, data, [size])
+            given, first, end = values
+            whole = make_array(array)(context, builder, given)
+            data = builder.gep(whole.data, [first])
+            return _view(context, builder, array, data, [builder.sub(end, first)])
 
         return array(array, types.intp, types.intp), codegen

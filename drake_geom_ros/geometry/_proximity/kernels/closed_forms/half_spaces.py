@@ -20,7 +20,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
+from drake_geom_ros.geometry._proximity.kinds import (
+    CLOSED_FORM,
+    CONVEX,
+    HALF_LENGTH,
+    SHAPE_RADIUS,
+    VERTEX_COUNT,
+)
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
 
 
@@ -62,7 +68,7 @@ def capsule_half_space(
 ):
     """Signed distance of a capsule and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
-    radius, half = shape_A[0], shape_A[1]
+    radius, half = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
     p_ACa = (-radius * n[0], -radius * n[1], _lowest(n[2], half) - radius * n[2])
     depth = half * abs(n[2]) + radius
     _write(out, R_WA, R_WB, p_AB_W, radius + half, depth, p_ACa)
@@ -74,7 +80,7 @@ def cylinder_half_space(
 ):
     """Signed distance of a cylinder and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
-    radius, half = shape_A[0], shape_A[1]
+    radius, half = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
     across = math.sqrt(n[0] * n[0] + n[1] * n[1])
     reach = radius / across if across > RIGHT_ANGLE else 0.0
     p_ACa = (-reach * n[0], -reach * n[1], _lowest(n[2], half))
@@ -106,7 +112,7 @@ def half_space_convex(
     """
     z_W = column(R_WA, 2)
     n = unrotate(R_WB, z_W)
-    count = int(shape_B[0])
+    count = int(shape_B[VERTEX_COUNT])
     lowest, size = math.inf, 0.0
     for k in range(1, 3 * count + 1, 3):
         v = vector_at(shape_B, k)

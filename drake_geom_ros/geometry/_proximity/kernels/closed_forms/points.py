@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point imp
     ellipsoid_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit, vector_at
+from drake_geom_ros.geometry._proximity.kinds import HALF_LENGTH, SHAPE_RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 
@@ -154,7 +155,7 @@ def at_cylinder_rim(shape, q, near, nearest):
     if not abs(nearest.distance) <= near:
         return nearest
     rho, radial = length_and_direction((q[0], q[1], 0.0))
-    if rho < shape[0] - near or abs(q[2]) < shape[1] - near:
+    if rho < shape[SHAPE_RADIUS] - near or abs(q[2]) < shape[HALF_LENGTH] - near:
         return nearest
     side = -1.0 if q[2] < 0.0 else 1.0
     grad = scale(math.sqrt(0.5), (radial[0], radial[1], side))
@@ -170,8 +171,8 @@ def half_space_point(q):
 @inlined
 def near_sphere(shape, q):
     """Return the size of the pair and the nearest point of a sphere."""
-    extent = shape[0] + norm(q)
-    return extent, sphere_point(shape[0], q, TIE * extent)
+    extent = shape[SHAPE_RADIUS] + norm(q)
+    return extent, sphere_point(shape[SHAPE_RADIUS], q, TIE * extent)
 
 
 @inlined
@@ -185,15 +186,15 @@ def near_box(shape, q):
 @inlined
 def near_capsule(shape, q):
     """Return the size of the pair and the nearest point of a capsule."""
-    extent = shape[0] + shape[1] + norm(q)
-    return extent, capsule_point(shape[0], shape[1], q, TIE * extent)
+    extent = shape[SHAPE_RADIUS] + shape[HALF_LENGTH] + norm(q)
+    return extent, capsule_point(shape[SHAPE_RADIUS], shape[HALF_LENGTH], q, TIE * extent)
 
 
 @inlined
 def near_cylinder(shape, q):
     """Return the size of the pair and the nearest point of a cylinder."""
-    extent = shape[0] + shape[1] + norm(q)
-    return extent, cylinder_point(shape[0], shape[1], q, TIE * extent)
+    extent = shape[SHAPE_RADIUS] + shape[HALF_LENGTH] + norm(q)
+    return extent, cylinder_point(shape[SHAPE_RADIUS], shape[HALF_LENGTH], q, TIE * extent)
 
 
 @inlined

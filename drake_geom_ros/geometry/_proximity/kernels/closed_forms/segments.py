@@ -35,7 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, HALF_LENGTH, SHAPE_RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
     CLEAR_GAP,
@@ -229,12 +229,13 @@ def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
 @compiled
 def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two capsules."""
-    h = (0.0, 0.0, shape_A[1])
-    _write(out, R_WA, shape_A[0], h, shape_B[0], R_WB, shape_B[1], p_AB_W)
+    h = (0.0, 0.0, shape_A[HALF_LENGTH])
+    radius_A, radius_B = shape_A[SHAPE_RADIUS], shape_B[SHAPE_RADIUS]
+    _write(out, R_WA, radius_A, h, radius_B, R_WB, shape_B[HALF_LENGTH], p_AB_W)
 
 
 @compiled
 def box_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a box and a capsule."""
     h = vector_at(shape_A, 0)
-    _write(out, R_WA, 0.0, h, shape_B[0], R_WB, shape_B[1], p_AB_W)
+    _write(out, R_WA, 0.0, h, shape_B[SHAPE_RADIUS], R_WB, shape_B[HALF_LENGTH], p_AB_W)

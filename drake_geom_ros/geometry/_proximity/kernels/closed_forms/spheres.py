@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, SHAPE_RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 
@@ -46,7 +46,7 @@ def _write(out, radius, R_WB, p_AB_W, size, nearest):
 def sphere_sphere(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of two spheres."""
     size, nearest = near_sphere(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
@@ -55,28 +55,28 @@ def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, 
     # Not by ``points.near_box``: a function between, though inlined, costs half as much again.
     q, h = _centre(R_WB, p_AB_W), vector_at(shape_B, 0)
     size = norm(h) + norm(q)
-    _write(out, shape_A[0], R_WB, p_AB_W, size, box_point(h, q, TIE * size))
+    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, box_point(h, q, TIE * size))
 
 
 @compiled
 def sphere_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a capsule."""
     size, nearest = near_capsule(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_cylinder(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and a cylinder."""
     size, nearest = near_cylinder(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
 def sphere_ellipsoid(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
     """Signed distance of a sphere and an ellipsoid."""
     size, nearest = near_ellipsoid(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
@@ -85,4 +85,4 @@ def sphere_half_space(
 ):
     """Signed distance of a sphere and a half space."""
     size, nearest = near_half_space(shape_B, _centre(R_WB, p_AB_W))
-    _write(out, shape_A[0], R_WB, p_AB_W, size, nearest)
+    _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)

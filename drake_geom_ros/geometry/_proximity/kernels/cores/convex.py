@@ -287,10 +287,10 @@ def off_surfaces(pair, n, a, b, miss):
     r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
     q_A = unrotate(R_WA, add_scaled(a, r_A, n))
     q_B = unrotate(R_WB, add_scaled(sub(b, p), -r_B, n))
-    off_A = abs(depth_of_point(kind_A, shape_A, q_A, 0.0)[0] + r_A)
-    off_B = abs(depth_of_point(kind_B, shape_B, q_B, 0.0)[0] + r_B)
+    in_A, _ = depth_of_point(kind_A, shape_A, q_A, 0.0)
+    in_B, _ = depth_of_point(kind_B, shape_B, q_B, 0.0)
     # Of a hull no closed form tells it.
-    return max(min(off_A, miss), min(off_B, miss))
+    return max(min(abs(in_A + r_A), miss), min(abs(in_B + r_B), miss))
 
 
 @inlined
@@ -318,7 +318,9 @@ def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
         if not is_loose(found, enough):
             break
         cold = hinted and again == 0
-        start = hint_of(np.zeros(PAIR_WIDTH), pair.p_AB)[0] if cold else found.n
+        start = found.n
+        if cold:
+            start, _ = hint_of(np.zeros(PAIR_WIDTH), pair.p_AB)
         other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff)
         if width_of(other) < width_of(found):
             found = other

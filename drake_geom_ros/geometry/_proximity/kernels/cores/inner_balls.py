@@ -37,7 +37,10 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
+    HALF_LENGTH,
+    SHAPE_RADIUS,
     SPHERE,
+    VERTEX_COUNT,
 )
 
 SHARES = (0.5, 0.0, 1.0)  # of the way from a to b
@@ -54,14 +57,14 @@ def depth_of_point(kind, shape, q, slack):
         distance, _, _, unique = box_point(vector_at(shape, 0), q, slack)
         return -distance, unique and distance < -slack
     if kind == CYLINDER:
-        distance, _, _, unique = cylinder_point(shape[0], shape[1], q, slack)
+        distance, _, _, unique = cylinder_point(shape[SHAPE_RADIUS], shape[HALF_LENGTH], q, slack)
         return -distance, unique and distance < -slack
     if kind == ELLIPSOID:
         e = vector_at(shape, 0)
         distance, _, _, unique = ellipsoid_point(e, q, slack)
         return -distance - core_radius(kind, shape), unique and distance < -slack
     if kind == CAPSULE:
-        return -norm((q[0], q[1], q[2] - clamp(q[2], shape[1]))), False
+        return -norm((q[0], q[1], q[2] - clamp(q[2], shape[HALF_LENGTH]))), False
     if kind == SPHERE:
         return -norm(q), False
     return -math.inf, False
@@ -104,7 +107,8 @@ def deepest_along(pair, c, u, reach):
         else:
             high -= third
     c = add_scaled(c, 0.5 * (low + high), u)
-    return depth_in_both(pair, c, 0.0)[0], c
+    depth, _ = depth_in_both(pair, c, 0.0)
+    return depth, c
 
 
 @compiled
@@ -115,9 +119,10 @@ def deepest_vertex(kind, shape, R, hull, R_hull, p):
     the hull, in World axes as both rotations are.
     """
     best = -math.inf
-    for k in range(1, 3 * int(hull[0]) + 1, 3):
+    for k in range(1, 3 * int(hull[VERTEX_COUNT]) + 1, 3):
         q = add(p, rotate(R_hull, vector_at(hull, k)))
-        best = max(best, depth_of_point(kind, shape, unrotate(R, q), 0.0)[0])
+        depth, _ = depth_of_point(kind, shape, unrotate(R, q), 0.0)
+        best = max(best, depth)
     return best
 
 

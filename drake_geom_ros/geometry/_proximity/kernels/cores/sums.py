@@ -49,6 +49,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
+    HALF_LENGTH,
+    SHAPE_RADIUS,
 )
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_LENGTH, RIGHT_ANGLE
 
@@ -96,10 +98,10 @@ def _put_shape(terms, kind, shape, R, segment, axes):
             _put(terms, axes + k, shape[k], R, k)
         return segment
     if kind == CYLINDER:
-        _put(terms, axes, shape[0], R, 0)
-        _put(terms, axes + 1, shape[0], R, 1)
+        _put(terms, axes, shape[SHAPE_RADIUS], R, 0)
+        _put(terms, axes + 1, shape[SHAPE_RADIUS], R, 1)
     if kind == CAPSULE or kind == CYLINDER:
-        _put(terms, segment, shape[1], R, 2)
+        _put(terms, segment, shape[HALF_LENGTH], R, 2)
         return segment + 1
     return segment
 
@@ -279,7 +281,8 @@ def is_point_of(kind, shape, q):
     if kind == BOX:
         return abs(q[0]) <= shape[0] and abs(q[1]) <= shape[1] and abs(q[2]) <= shape[2]
     if kind == CYLINDER:
-        return q[0] * q[0] + q[1] * q[1] <= shape[0] * shape[0] and abs(q[2]) <= shape[1]
+        radius, half_length = shape[SHAPE_RADIUS], shape[HALF_LENGTH]
+        return q[0] * q[0] + q[1] * q[1] <= radius * radius and abs(q[2]) <= half_length
     return False
 
 
@@ -288,7 +291,7 @@ def nearest_to(kind, shape, q):
     """Return a point of a box or of the axis of a cylinder or capsule that is near to q, in G."""
     if kind == BOX:
         return clamp(q[0], shape[0]), clamp(q[1], shape[1]), clamp(q[2], shape[2])
-    return 0.0, 0.0, clamp(q[2], shape[1])
+    return 0.0, 0.0, clamp(q[2], shape[HALF_LENGTH])
 
 
 @compiled

@@ -27,6 +27,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
+    HALF_LENGTH,
+    SHAPE_RADIUS,
     SPHERE,
     TRIANGLE,
 )
@@ -36,7 +38,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 def core_radius(kind, shape):
     """Return the radius [m] of the ball that the core of a shape is grown by."""
     if kind == SPHERE or kind == CAPSULE:
-        return shape[0]
+        return shape[SHAPE_RADIUS]
     if kind == ELLIPSOID:
         least = min(shape[0], shape[1], shape[2])
         return least * (least / max(shape[0], shape[1], shape[2]))
@@ -47,13 +49,13 @@ def core_radius(kind, shape):
 def bounding_radius(kind, shape):
     """Return the radius [m] of a ball around the shape's origin that holds the shape."""
     if kind == SPHERE:
-        return shape[0]
+        return shape[SHAPE_RADIUS]
     if kind == BOX:
         return norm((shape[0], shape[1], shape[2]))
     if kind == CAPSULE:
-        return shape[0] + shape[1]
+        return shape[SHAPE_RADIUS] + shape[HALF_LENGTH]
     if kind == CYLINDER:
-        return norm((shape[0], shape[1], 0.0))
+        return norm((shape[SHAPE_RADIUS], shape[HALF_LENGTH], 0.0))
     if kind == ELLIPSOID:
         return max(shape[0], shape[1], shape[2])
     return hull_radius(shape)
@@ -93,14 +95,15 @@ def local_support(kind, shape, n, right_angle):
             signed(shape[2], z, right_angle),
         )
     if kind == CAPSULE:
-        return 0.0, 0.0, signed(shape[1], z, right_angle)
+        return 0.0, 0.0, signed(shape[HALF_LENGTH], z, right_angle)
     if kind == CYLINDER:
+        radius, end = shape[SHAPE_RADIUS], signed(shape[HALF_LENGTH], z, right_angle)
         rho = math.sqrt(x * x + y * y)
         if rho < right_angle:
-            return 0.0, 0.0, signed(shape[1], z, right_angle)
+            return 0.0, 0.0, end
         if rho == 0.0:
-            return shape[0], 0.0, signed(shape[1], z, right_angle)
-        return shape[0] * (x / rho), shape[0] * (y / rho), signed(shape[1], z, right_angle)
+            return radius, 0.0, end
+        return radius * (x / rho), radius * (y / rho), end
     if kind == ELLIPSOID:
         a, b, c = shape[0], shape[1], shape[2]
         h = math.sqrt((a * x) * (a * x) + (b * y) * (b * y) + (c * z) * (c * z))

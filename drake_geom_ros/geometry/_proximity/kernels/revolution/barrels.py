@@ -45,6 +45,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     ARC_WIDTH,
+    KINK_WIDTH,
     MOST_ARCS,
     MOST_KINKS,
     NO_CAP,
@@ -82,7 +83,7 @@ def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
     bulged = margin < h and is_bulged(radius, length, reach_beside(terms, last, k, axes))
     if margin < h and not bulged:
         return Least(False, h, -math.inf, n, False)
-    arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
+    arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, KINK_WIDTH))
     best = Best(n, h, NO_CAP, True, h)
     complete, best = least_on_circle(difference, u, best, 0.0, enough, noise, arcs, kinks)
     n, h, _, unique, floor = best

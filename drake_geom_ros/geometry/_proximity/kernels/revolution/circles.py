@@ -62,6 +62,9 @@ BORDER = 0.01  # [rad]
 # Columns of an arc: its two directions and its two support points.
 START, END, START_POINT, END_POINT = 0, 3, 6, 9
 ARC_WIDTH = 12
+# Of a kink, after its direction: where it is among the others.
+TURN = 3
+KINK_WIDTH = 4
 
 
 @compiled
@@ -93,11 +96,12 @@ def put_kink(kinks, count, n, x, y):
     """Put the direction n among ``count`` others by its angle in the plane of x and y."""
     turn = turn_of(dot(n, x), dot(n, y))
     at = count
-    while at > 0 and kinks[at - 1, 3] > turn:
-        for c in range(4):
+    while at > 0 and kinks[at - 1, TURN] > turn:
+        for c in range(KINK_WIDTH):
             kinks[at, c] = kinks[at - 1, c]
         at -= 1
-    kinks[at, 0], kinks[at, 1], kinks[at, 2], kinks[at, 3] = n[0], n[1], n[2], turn
+    kinks[at, 0], kinks[at, 1], kinks[at, 2] = n
+    kinks[at, TURN] = turn
     return count + 1
 
 
@@ -324,10 +328,10 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
             continue
         width_m = width(terms, last, radius, m)
         if width_m < h - noise:
-            before = n, h
+            n_before, h_before = n, h
             n, h, chord = improved(difference, m, width_m, enough, noise)
-            far = dot(before[0], n) < SAME_DIRECTION
-            unique = before[1] > h + 2.0 * enough if far else unique
+            far = dot(n_before, n) < SAME_DIRECTION
+            unique = h_before > h + 2.0 * enough if far else unique
         elif width_m <= h + 2.0 * enough and dot(m, n) < SAME_DIRECTION:
             unique = False
         if waiting + 2 > MOST_ARCS:

@@ -74,6 +74,8 @@ MOST_LOOKS = 1000  # at a cell; some dozens are usual
 MOST_CELLS = 64
 MOST_SPLITS = 400  # of the arcs of a half plane; some dozens are usual
 FIRST_CELLS = 8
+# Columns of a cell: its first half plane, and how wide it is [rad].
+ANGLE, SPAN = 0, 1
 
 
 class Direction(NamedTuple):
@@ -121,9 +123,9 @@ def roundest_axis(difference):
     for axes in (AXES_A, AXES_B):
         for k in range(3):
             u = unit(vector_in(terms, axes + k))
-            there = largest_curvatures(terms, u)
-            if there[0] + there[1] < flat + steep:
-                best, flat, steep = u, there[0], there[1]
+            flat_there, steep_there = largest_curvatures(terms, u)
+            if flat_there + steep_there < flat + steep:
+                best, flat, steep = u, flat_there, steep_there
     return best, flat, steep
 
 
@@ -138,7 +140,8 @@ def slice_holds(difference, u, e, span, bends, best, enough, arcs):
     """
     terms, _, last, r_A, r_B = difference
     n, h, unique = best
-    drop, tilt = 0.125 * span * span * bends[0], 0.125 * span * span * bends[1]
+    flat, steep = bends
+    drop, tilt = 0.125 * span * span * flat, 0.125 * span * span * steep
     radius, axis, m = r_A + r_B + drop, cross(e, u), e
     waiting, floor = 0, math.inf
     for start, end, lean in ((scale(-1.0, u), e, tilt), (e, u, -tilt)):
@@ -208,12 +211,13 @@ def least_over_slices(difference, n, h, enough, noise):
     arcs, cells = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_CELLS, 2))
     best, floor, waiting = Direction(n, h, True), h, FIRST_CELLS
     for k in range(FIRST_CELLS):
-        cells[k, 0], cells[k, 1] = k * (2.0 * math.pi / FIRST_CELLS), 2.0 * math.pi / FIRST_CELLS
+        cells[k, SPAN] = 2.0 * math.pi / FIRST_CELLS
+        cells[k, ANGLE] = k * cells[k, SPAN]
     for _ in range(MOST_LOOKS):
         if waiting == 0:
             return Least(True, best.h, min(floor, best.h), best.n, best.unique)
         waiting -= 1
-        angle, span = cells[waiting, 0], cells[waiting, 1]
+        angle, span = cells[waiting, ANGLE], cells[waiting, SPAN]
         passed, least = True, math.inf
         for k in range(2):
             phi = angle + k * span
@@ -231,6 +235,7 @@ def least_over_slices(difference, n, h, enough, noise):
         if waiting + 2 > MOST_CELLS:
             break
         for k in range(2):
-            cells[waiting + k, 0], cells[waiting + k, 1] = angle + 0.5 * k * span, 0.5 * span
+            cells[waiting + k, ANGLE] = angle + 0.5 * k * span
+            cells[waiting + k, SPAN] = 0.5 * span
         waiting += 2
     return Least(False, best.h, floor, best.n, best.unique)

@@ -271,15 +271,15 @@ def meeting(shape, at, other, apart):
 
     Only what is proven apart, by a plane and more than rounding, is not looked at.
     """
-    planes = plane_of(shape, at, other, apart), plane_of(shape, other, at, apart)
-    heights = heights_over(shape, other, planes[0]), heights_over(shape, at, planes[1])
-    for k in range(2):
-        if is_beyond(heights[k], max(planes[k].near, planes[k].noise)):
-            return APART
-    if cross_in_line(shape, at, other, planes, heights):
+    mine, its = plane_of(shape, at, other, apart), plane_of(shape, other, at, apart)
+    above_mine, above_its = heights_over(shape, other, mine), heights_over(shape, at, its)
+    if is_beyond(above_mine, max(mine.near, mine.noise)):
+        return APART
+    if is_beyond(above_its, max(its.near, its.noise)):
+        return APART
+    if cross_in_line(shape, at, other, (mine, its), (above_mine, above_its)):
         return CROSSED
-    mine, its = planes
-    flat = max(heights[0]) <= mine.noise and min(heights[0]) >= -mine.noise
+    flat = max(above_mine) <= mine.noise and min(above_mine) >= -mine.noise
     if flat and overlap_in_plane(shape, at, other, mine.n, mine.noise):
         return CROSSED
     return TOUCHING if touch(shape, at, other, max(mine.near, its.near)) else APART

@@ -60,6 +60,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
+    HALF_LENGTH,
+    SHAPE_RADIUS,
     SOLID,
     SPHERE,
 )
@@ -139,7 +141,7 @@ def draw_back(A, B, p, t, found, size, tolerance, radius):
         clear, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         if not clear:
             ahead = add_scaled(t, -min(gap, 0.5 * norm(t)), u)
-            there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)[1]
+            _, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         t, found = ahead, there
     return t, found
 
@@ -172,14 +174,14 @@ def depth_in_body(A, B, p, x, size, radius):
     if kind == SOLID:
         return depth_in_solid(Solid(shape, A.tree, B.identity), q, size)
     if kind == CAPSULE:
-        return radius - norm((q[0], q[1], max(abs(q[2]) - shape[1], 0.0)))
+        return radius - norm((q[0], q[1], max(abs(q[2]) - shape[HALF_LENGTH], 0.0)))
     if kind == SPHERE:
         return radius - norm(q)
     depth = -math.inf
     if kind == BOX:
         depth = min(shape[0] - abs(q[0]), shape[1] - abs(q[1]), shape[2] - abs(q[2]))
     if kind == CYLINDER:
-        depth = min(shape[0] - math.hypot(q[0], q[1]), shape[1] - abs(q[2]))
+        depth = min(shape[SHAPE_RADIUS] - math.hypot(q[0], q[1]), shape[HALF_LENGTH] - abs(q[2]))
     if kind == ELLIPSOID:  # a smaller one around x, of the same proportions, fits
         level = norm((q[0] / shape[0], q[1] / shape[1], q[2] / shape[2]))
         depth = (1.0 - level) * min(shape[0], shape[1], shape[2])

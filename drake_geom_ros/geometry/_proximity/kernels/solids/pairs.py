@@ -56,13 +56,14 @@ def first_direction(out, R_WB, p):
 @compiled
 def write_row(out, R_WB, p, m, a, b, interval, unique, method):
     """Fill the row: m out of B, points a and b from Bo, all in B; interval (distance, error)."""
+    distance, error = interval
     write(
         out,
-        interval[0],
+        distance,
         rotate(R_WB, m),
         rotate(R_WB, sub(a, p)),
         rotate(R_WB, sub(b, p)),
-        interval[1],
+        error,
         unique,
         method,
     )
