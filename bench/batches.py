@@ -94,6 +94,15 @@ class Ours:
             a, b = (geometry.GeometrySet([ids[name]]) for name in pair)
             self.exclude(a, b)
 
+    def standing_poses(self) -> dict[tuple[str, str, str], Any]:
+        """Return X_WG of what stands still, by name."""
+        context = self.scene_graph.CreateDefaultContext()
+        (posed,) = self.joints.poses(np.zeros((1, self.joints.count)))
+        vector = geometry.FramePoseVector.FromArrays(self.joints.frame_ids, posed)
+        context.UpdateFramePoses(vector)
+        query = self.scene_graph.get_query_output_port().Eval(context)
+        return {self.names[id]: query.X_WG(id) for id in self.standing}
+
     def states(self, count: int) -> np.ndarray:
         """Return random joint values (count, 16)."""
         rng = np.random.default_rng(0)

@@ -12,7 +12,6 @@ from pydrake.multibody.plant import CoulombFriction
 from pydrake.planning import RobotDiagramBuilder, SceneGraphCollisionChecker
 
 from drake_geom_ros.evidence.peers.pydrake_peer import drake_shape
-from drake_geom_ros.geometry import FramePoseVector
 
 Name = tuple[str, str, str]
 
@@ -51,18 +50,15 @@ class DrakeSide:
 
     def _register(self, ours: Any) -> None:
         """Register what stands still on the world body."""
-        context = ours.scene_graph.CreateDefaultContext()
-        inspector = ours.scene_graph.model_inspector()
-        posed = ours.joints.poses(np.zeros((1, ours.joints.count)))[0]
-        context.UpdateFramePoses(FramePoseVector.FromArrays(ours.joints.frame_ids, posed))
-        query = ours.scene_graph.get_query_output_port().Eval(context)
-        world = self._plant.world_body()
-        for id in ours.standing:
-            X_WG = RigidTransform(query.X_WG(id).GetAsMatrix4())
-            shape, name = drake_shape(inspector.GetShape(id)), '_'.join(ours.names[id])
-            friction = CoulombFriction(1.0, 1.0)
-            new = self._plant.RegisterCollisionGeometry(world, X_WG, shape, name, friction)
-            self._names[new] = ours.names[id]
+        inspector, world = ours.scene_graph.model_inspector(), self._plant.world_body()
+        friction = CoulombFriction(1.0, 1.0)
+        for name, X in ours.standing_poses().items():
+            shape = drake_shape(inspector.GetShape(ours.loaded.geometries[name]))
+            X_WG = RigidTransform(X.GetAsMatrix4())
+            new = self._plant.RegisterCollisionGeometry(
+                world, X_WG, shape, '_'.join(name), friction
+            )
+            self._names[new] = name
 
     def _name_links(self, ours: Any) -> None:
         """Call the arms' geometries as ours, which come in the order of the URDF too."""

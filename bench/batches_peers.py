@@ -14,19 +14,9 @@ import pinocchio
 
 from drake_geom_ros.evidence.peers.coal_peer import coal_shape
 from drake_geom_ros.evidence.peers.mujoco_peer import FARTHEST, add_geom
-from drake_geom_ros.geometry import FramePoseVector
 
 assert coal
 Name = tuple[str, str, str]
-
-
-def standing_poses(ours: Any) -> dict[Name, Any]:
-    """Return X_WG of what stands still."""
-    context = ours.scene_graph.CreateDefaultContext()
-    posed = ours.joints.poses(np.zeros((1, ours.joints.count)))[0]
-    context.UpdateFramePoses(FramePoseVector.FromArrays(ours.joints.frame_ids, posed))
-    query = ours.scene_graph.get_query_output_port().Eval(context)
-    return {ours.names[id]: query.X_WG(id) for id in ours.standing}
 
 
 class CoalSide:
@@ -43,7 +33,7 @@ class CoalSide:
             world = self._model.getFrameId('universe')
             self._model = pinocchio.appendModel(self._model, one, world, X_WB)
         self._shapes = pinocchio.GeometryModel()
-        inspector, poses = ours.scene_graph.model_inspector(), standing_poses(ours)
+        inspector, poses = ours.scene_graph.model_inspector(), ours.standing_poses()
         numbers: dict[Name, int] = {}
         for name, id in ours.loaded.geometries.items():
             if name in poses:
@@ -98,7 +88,7 @@ class MujocoSide:
     def __init__(self, ours: Any) -> None:
         self._ours = ours
         spec, inspector = mujoco.MjSpec(), ours.scene_graph.model_inspector()
-        poses, geoms, bodies = standing_poses(ours), {}, {}
+        poses, geoms, bodies = ours.standing_poses(), {}, {}
         for frame in ours.joints.frame_ids:  # in the order of the poses
             body = spec.worldbody.add_body(
                 name=f'{inspector.GetName(frame)}#{frame.get_value()}',

@@ -12,15 +12,9 @@ import time
 
 import numpy as np
 
+from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.random_bodies import random_body, random_rotations
-from drake_geom_ros.geometry import (
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
-    ProximityProperties,
-    SceneGraph,
-)
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math.batched import poses_from_matrices
 
 KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
@@ -28,29 +22,18 @@ REACH = 0.5  # [m]
 STEP = 1e-3  # [m] between queries
 
 
-def scene_of(kinds, bodies, rng):
-    """Return a context, its query object and the frames of bodies of these kinds in turn."""
-    graph = SceneGraph()
-    source, frames = graph.RegisterSource('bodies'), []
-    for k in range(bodies):
-        shape = random_body(rng, kinds[k % len(kinds)], 24).shape
-        instance = GeometryInstance(RigidTransform(), shape, f'g{k}')
-        instance.set_proximity_properties(ProximityProperties())
-        frames.append(graph.RegisterFrame(source, GeometryFrame(f'f{k}')))
-        graph.RegisterGeometry(source, frames[-1], instance)
-    context = graph.CreateDefaultContext()
-    return context, graph.get_query_output_port().Eval(context), frames
-
-
 def measured(kinds, bodies, turns):
     """Return the number of pairs and the times [s] of a query and of its gradients."""
     rng = np.random.default_rng(0)
-    context, query, frames = scene_of(kinds, bodies, rng)
+    scene = BodyScene([random_body(rng, kinds[k % len(kinds)], 24) for k in range(bodies)])
+    context = scene.graph.CreateDefaultContext()
+    query = scene.asked(context)
     Rs, ps = random_rotations(rng, bodies), rng.uniform(-0.6, 0.6, (bodies, 3))
     times, pairs = [], 0
     for _ in range(turns):
         ps += STEP * rng.normal(size=ps.shape)
-        context.UpdateFramePoses(FramePoseVector.FromArrays(frames, poses_from_matrices(Rs, ps)))
+        poses = poses_from_matrices(Rs, ps)
+        context.UpdateFramePoses(FramePoseVector.FromArrays(scene.frames, poses))
         moments = [time.thread_time()]
         found = query.ComputeSignedDistancePairwiseClosestPoints(REACH)
         moments.append(time.thread_time())

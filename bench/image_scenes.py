@@ -73,17 +73,8 @@ def pose(library: Library, p: Any, R: Any = None) -> Any:
 
 def arms_and_table(library: Library) -> list[tuple[Any, Any]]:
     """Return shapes and poses of two arms over a table with boxes."""
-    from scipy.spatial.transform import Rotation
-
-    found = [
-        (shape_of(library, body), pose(library, body.p, body.R))
-        for body in arms.table(np.random.default_rng(0))
-    ]
-    poses = arms.link_poses(arms.BENT[None])[0]
-    for body, X in zip(arms.links(), poses, strict=True):
-        R = Rotation.from_quat(X[3:]).as_matrix()
-        found.append((shape_of(library, body), pose(library, X[:3], R)))
-    return found
+    bodies = [*arms.table(np.random.default_rng(0)), *arms.posed_links(arms.BENT)]
+    return [(shape_of(library, body), pose(library, body.p, body.R)) for body in bodies]
 
 
 def query_of(library: Library, bodies: list[tuple[Any, Any]]) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from drake_geom_ros.evidence.bodies import COUNTS
-from drake_geom_ros.evidence.random_bodies import random_rotations
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
@@ -57,8 +57,7 @@ def random_shapes(rng, kind, count):
     """Return kernel parameters (count, n) of bodies with half sizes of 5 to 10 cm."""
     if kind != CONVEX:
         return rng.uniform(0.05, 0.1, (count, PARAMETERS[kind]))
-    directions = rng.normal(size=(count, HULL_VERTICES, 3))
-    directions /= np.linalg.norm(directions, axis=2)[:, :, None]
+    directions = random_directions(rng, count * HULL_VERTICES).reshape(count, HULL_VERTICES, 3)
     vertices = (directions * rng.uniform(0.05, 0.1, (count, 1, 3))).reshape(count, -1)
     return np.hstack([np.full((count, 1), float(HULL_VERTICES)), vertices])
 
@@ -83,8 +82,7 @@ def measure(row, pairs):
         *(row.type_a, random_shapes(rng, row.type_a, pairs), random_rotations(rng, pairs)),
         *(row.type_b, random_shapes(rng, row.type_b, pairs), random_rotations(rng, pairs)),
     )
-    away = rng.normal(size=(pairs, 3))
-    away *= 0.3 / np.linalg.norm(away, axis=1)[:, None]
+    away = 0.3 * random_directions(rng, pairs)
     none = np.zeros((pairs, 3))
     _, first = microseconds((address, *bodies, away), EXACT, none)
     found = []

@@ -24,26 +24,16 @@ from typing import Any
 import numpy as np
 
 from bench.browser import PROGRAM, Browser
-from drake_geom_ros.geometry import (
-    Box,
-    Capsule,
-    Cylinder,
-    Ellipsoid,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
-    ProximityProperties,
-    SceneGraph,
-    Sphere,
-)
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.geometry import FramePoseVector
 
 RATE = 20.0  # [Hz]
 MAX_DISTANCE = 0.15  # [m]
 SETTLING = 10.0  # [s] until the page is drawn and shown
-_SHAPES = (
-    *(Sphere(0.05), Box(0.1, 0.08, 0.06), Capsule(0.03, 0.1), Cylinder(0.04, 0.1)),
-    Ellipsoid(0.03, 0.05, 0.04),
+_BODIES = (
+    *(Body('Sphere', (0.05,)), Body('Box', (0.1, 0.08, 0.06)), Body('Capsule', (0.03, 0.1))),
+    *(Body('Cylinder', (0.04, 0.1)), Body('Ellipsoid', (0.03, 0.05, 0.04))),
 )
 _SPACING = 0.27  # [m], with which 200 bodies have some 300 pairs within MAX_DISTANCE
 _SWAY = 0.02  # [m]
@@ -56,19 +46,12 @@ class Crowd:
         from drake_geom_ros.viewing.local_scene import LocalScene
 
         random = np.random.default_rng(0)
-        scene_graph = SceneGraph()
-        source = scene_graph.RegisterSource('crowd')
-        self._frames = []
-        for k in range(count):
-            frame = scene_graph.RegisterFrame(source, GeometryFrame(f'f{k}'))
-            body = GeometryInstance(RigidTransform(), _SHAPES[k % len(_SHAPES)], f'g{k}')
-            body.set_proximity_properties(ProximityProperties())
-            scene_graph.RegisterGeometry(source, frame, body)
-            self._frames.append(frame)
+        crowd = BodyScene([_BODIES[k % len(_BODIES)] for k in range(count)])
+        self._frames = crowd.frames
         self._places = random.uniform(0.0, _SPACING * np.cbrt(count), (count, 3))
         turns = random.normal(size=(count, 4))
         self._turns = turns / np.linalg.norm(turns, axis=1, keepdims=True)
-        self.scene = LocalScene(scene_graph, scene_graph.CreateSharedContext(partial=True))
+        self.scene = LocalScene(crowd.graph, crowd.graph.CreateSharedContext(partial=True))
         self.pose(0.0)
 
     def pose(self, moment: float) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.ros.processes import ROOT
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -69,8 +70,7 @@ def bodies(count: int, folder: Path) -> Played:
     for k in range(count):
         orientation = RollPitchYaw(random.uniform(-3.0, 3.0, 3)).ToRotationMatrix()
         rest[k, 3:] = RigidTransform(orientation, [0, 0, 0]).ToArray()[3:]
-    directions = random.standard_normal((count, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = random_directions(random, count)
     phases = random.uniform(0.0, 2 * np.pi, (count, 1))
 
     def poses(time: float) -> NDArray[np.float64]:

@@ -32,6 +32,12 @@ def link_poses(angles: Floats) -> Floats:
     return np.concatenate([_chain(base, angles[:, arm]) for arm, base in enumerate(BASES)], axis=1)
 
 
+def posed_links(angles: Floats) -> list[Body]:
+    """Return the links at their poses in World, for angles (2, 7)."""
+    (poses,) = link_poses(angles[None])
+    return [link.posed(pose) for link, pose in zip(links(), poses, strict=True)]
+
+
 def _chain(base: Floats, angles: Floats) -> Floats:
     """Return poses (cycles, 7, 7) of one arm, for angles (cycles, 7)."""
     cycles = len(angles)

@@ -49,11 +49,11 @@ class BodyScene:
         for body in anchored:
             self._register(self.graph.world_frame_id(), body, body.pose)
 
-    def _add(self, body: Body) -> None:
-        """Register a body with a frame of its own."""
+    def _add(self, body: Body, X_FG: RigidTransform | None = None) -> None:
+        """Register a body with a frame of its own, at its origin unless it is told."""
         frame = GeometryFrame(f'body {len(self.frames)}')
         self.frames.append(self.graph.RegisterFrame(self.source, frame))
-        self._register(self.frames[-1], body, RigidTransform())
+        self._register(self.frames[-1], body, X_FG or RigidTransform())
 
     def _register(self, frame: FrameId, body: Body, X_FG: RigidTransform) -> None:
         instance = GeometryInstance(X_FG, body.shape, f'geometry {len(self.ids)}')

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -18,27 +19,28 @@ from drake_geom_ros.evidence.truth.meshes import point_distance
 from drake_geom_ros.evidence.truth.supports import CONVEX
 
 
-def support_value_of(form: Form, d: Floats) -> float:
-    """Return the support value [m] of a shape along a unit vector d in its frame."""
+def support_value_of(form: Form, d: Floats) -> Any:
+    """Return the support values (...) [m] of a shape along unit d (..., 3) in its frame."""
     kind, s = form
+    x, y, z = np.moveaxis(d, -1, 0)
     if kind == SPHERE:
-        return float(s[0])
+        return s[0] + 0.0 * z
     if kind == BOX:
-        return float(s @ np.abs(d))
+        return np.abs(d) @ s
     if kind == CAPSULE:
-        return float(s[0] + s[1] * abs(d[2]))
+        return s[0] + s[1] * np.abs(z)
     if kind == CYLINDER:
-        return float(s[0] * math.hypot(d[0], d[1]) + s[1] * abs(d[2]))
+        return s[0] * np.hypot(x, y) + s[1] * np.abs(z)
     if kind == ELLIPSOID:
-        return math.hypot(*(s * d))
+        return np.hypot.reduce(s * d, axis=-1)
     if kind == CONVEX:
-        return float((s[1:].reshape(-1, 3) @ d).max())
-    return 0.0 if np.linalg.norm(d - [0.0, 0.0, 1.0]) <= ALIGNED else math.inf
+        return (d @ s[1:].reshape(-1, 3).T).max(axis=-1)
+    return np.where(np.hypot.reduce(d - [0.0, 0.0, 1.0], axis=-1) <= ALIGNED, 0.0, math.inf)
 
 
 def support_value(body: Body, n: Floats) -> float:
     """Return the support value [m] of a body along a unit vector, from its origin."""
-    return support_value_of(body.form, body.R.T @ n)
+    return float(support_value_of(body.form, body.R.T @ n))
 
 
 def width(a: Body, b: Body, nhat_BA_W: Floats) -> float:

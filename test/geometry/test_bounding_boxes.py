@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry import Aabb, HalfSpace, Obb, Plane
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 
@@ -54,9 +55,7 @@ def corners(box):
 
 def gap_by_planes(a, b):
     """Return the largest gap [m] of the projections of two boxes to very many directions."""
-    rng = np.random.default_rng(1)
-    directions = rng.normal(size=(20_000, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = random_directions(np.random.default_rng(1), 20_000)
     on_a, on_b = directions @ corners(a), directions @ corners(b)
     return (on_b.min(axis=1) - on_a.max(axis=1)).max()
 

@@ -21,14 +21,14 @@ def test_it_is_the_speed_at_which_the_distance_shrinks(names):
 
 def test_balls_that_meet_do_so_after_that_time():
     pair = MovingPair(Sphere(0.1), Sphere(0.2), *2 * [RigidTransform()])
-    pair.pose(RigidTransform(), RigidTransform([2.0, 0.0, 0.0]))
+    pair.place(RigidTransform(), RigidTransform([2.0, 0.0, 0.0]))
     a, b = pair.frames
     towards = closing_speeds(pair.ask(), {a: [0, 0, 9, 0.5, 0, 0], b: [0, 0, 0, -0.35, 1.0, 0]})
     assert towards.speed.tolist() == [pytest.approx(0.85)]
     assert towards.time_to_contact.tolist() == [pytest.approx(2.0)]
     apart = closing_speeds(pair.ask(), {a: np.zeros(6), b: [0, 0, 0, 1, 0, 0]})
     assert (apart.speed[0], apart.time_to_contact[0]) == (-1.0, np.inf)
-    pair.pose(RigidTransform(), RigidTransform([0.25, 0.0, 0.0]))
+    pair.place(RigidTransform(), RigidTransform([0.25, 0.0, 0.0]))
     within = closing_speeds(pair.ask(), {a: np.zeros(6), b: [0, 0, 0, 1, 0, 0]})
     assert (within.speed[0], within.time_to_contact[0]) == (-1.0, 0.0)
 

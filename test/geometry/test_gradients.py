@@ -55,7 +55,7 @@ def test_it_is_said_to_be_unique_only_where_it_is(names, turned, place, seed):
 
 def two(A, B, p_WB, *rpy):
     pair = MovingPair(A, B, *2 * [RigidTransform()])
-    return pair.pose(RigidTransform(), RigidTransform(RollPitchYaw(*(rpy or (0, 0, 0))), p_WB))
+    return pair.place(RigidTransform(), RigidTransform(RollPitchYaw(*(rpy or (0, 0, 0))), p_WB))
 
 
 CUBE, CAN, PILL = Box(0.2, 0.2, 0.2), Cylinder(0.1, 0.2), Capsule(0.1, 0.4)
@@ -123,7 +123,7 @@ def test_it_is_the_same_with_the_roles_exchanged(names, distance, seed):
     pair = random_pair(np.random.default_rng(seed), names, distance)
     offsets = RigidTransform([0.1, -0.2, 0.3]), RigidTransform([0, 0.2, 0])
     other = MovingPair(*(SHAPES[name] for name in names[::-1]), *offsets[::-1])
-    found, swapped = pair.ask(), other.pose(*pair.poses[::-1]).ask()
+    found, swapped = pair.ask(), other.place(*pair.poses[::-1]).ask()
     assert found.is_gradient_unique[0] == swapped.is_gradient_unique[0]
     if found.is_gradient_unique[0]:
         np.testing.assert_allclose(np.roll(swapped.gradients[0], 6), found.gradients[0], atol=1e-6)
@@ -152,7 +152,7 @@ def test_depths_have_the_opposite_sign_and_results_outlive_the_pose():
     pair = random_pair(np.random.default_rng(2), ('box', 'capsule'), -0.01)
     contacts = pair.query.ComputePointPairPenetration()
     distances = pair.query.ComputeSignedDistancePairwiseClosestPoints()
-    pair.pose(RigidTransform([5, 5, 5]), RigidTransform(RotationMatrix.MakeXRotation(1.0)))
+    pair.place(RigidTransform([5, 5, 5]), RigidTransform(RotationMatrix.MakeXRotation(1.0)))
     assert pair.query.ComputePointPairPenetration() == []
     np.testing.assert_array_equal(contacts.gradients, -distances.gradients)
     J = np.random.default_rng(0).normal(size=(2, 1, 6, 3))

@@ -59,7 +59,7 @@ def test_it_is_the_derivative_to_rounding(kinds):
                 SHAPES[k](*s) for k, s in zip(kinds, (pair.size_A, pair.size_B), strict=True)
             ]
             moving = MovingPair(*shapes, *2 * [RigidTransform()])
-            moving.pose(
+            moving.place(
                 RigidTransform(RotationMatrix(pair.R_WA)),
                 RigidTransform(RotationMatrix(pair.R_WB), pair.p_AB_W),
             )

@@ -9,6 +9,7 @@ import pytest
 from oracles.small_scene import TETRAHEDRON
 
 from drake_geom_ros.common import MemoryFile
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Convex,
     InMemoryMesh,
@@ -98,9 +99,7 @@ def test_the_hull_of_a_cube_has_six_squares(scale3):
 
 
 def test_the_hull_of_a_ball_of_points():
-    rng = np.random.default_rng(4)
-    points = rng.normal(size=(60, 3))
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    points = random_directions(np.random.default_rng(4), 60)
     shape = Convex.FromMeshData(MeshData(points))
     hull, (vertices, triangles) = shape.GetConvexHull(), shape.hull_surface()
     assert hull.num_faces() == len(triangles)
@@ -114,7 +113,7 @@ def test_the_hull_of_a_ball_of_points():
 def test_the_hull_of_a_turned_grid(seed, offset):
     """Rounding bends the faces of a small body far from its origin: nothing of them is lost."""
     rng = np.random.default_rng(seed)
-    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn = random_rotation(rng)
     grid = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5)] * 3), axis=-1).reshape(-1, 3)
     size = 10.0 ** rng.uniform(-6, 1)
     points = grid * [1, 2, 3] @ turn.T * size + offset * rng.normal(size=3)

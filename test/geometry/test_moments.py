@@ -26,7 +26,7 @@ def test_answers_do_not_change_with_the_poses(pair):
     point = pair.query.ComputeSignedDistanceToPoint([1.0, 2.0, 3.0])
     of_point = point.gradients.copy()
     late, again = pair.ask(), pair.query.ComputeSignedDistanceToPoint([1.0, 2.0, 3.0])
-    pair.pose(*AWAY)
+    pair.place(*AWAY)
     pair.ask()  # poses are taken over by the next query
     for found, wanted in zip(told(late), expected, strict=True):
         np.testing.assert_array_equal(found, wanted)
@@ -39,7 +39,7 @@ def test_arrays_are_copied_only_for_results_that_somebody_holds(pair):
     held, shared = pair.ask(), pair.ask()
     assert held._moment is shared._moment
     assert held._moment._posed.R_WGs is world.R_WGs
-    pair.pose(*AWAY)
+    pair.place(*AWAY)
     pair.ask()
     assert held._moment._posed.R_WGs is not world.R_WGs
     del held, shared
@@ -51,7 +51,7 @@ def test_a_copy_of_a_context_shares_no_moment(pair):
     held = pair.ask()
     expected, copy = told(pair.ask()), pair.context.copy()
     assert copy._posed_world()._moment() is None
-    pair.pose(*AWAY)
+    pair.place(*AWAY)
     pair.ask()
     np.testing.assert_array_equal(told(held)[0], expected[0])
 
@@ -65,10 +65,10 @@ def test_one_thread_asks_while_another_moves(pair):
         reader = threading.Thread(target=lambda r=results, a=asked: a.append(r._moment.posed()))
         reader.start()
         pair.poses, back = AWAY, pair.poses
-        pair.pose(*AWAY)
+        pair.place(*AWAY)
         pair.ask()
         reader.join()
-        pair.pose(*back)
+        pair.place(*back)
         np.testing.assert_array_equal(asked[0].R_WGs, expected)
 
 

@@ -12,7 +12,7 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 def asked(pair, p_WQs):
     """Return the distances of both geometries to points, and the place of each frame's rows."""
     found = pair.query.ComputeSignedDistanceToPoint(p_WQs)
-    return found, [found.id_G == g.get_value() for g in pair.geometries]
+    return found, [found.id_G == g.get_value() for g in pair.ids]
 
 
 @pytest.mark.parametrize('name', SHAPES)
@@ -20,7 +20,7 @@ def test_it_foretells_what_moving_the_frame_and_the_point_does(name):
     rng = np.random.default_rng(len(name))
     pair = MovingPair(SHAPES[name], SHAPES['sphere'])
     X_WF = RigidTransform(RotationMatrix(random_rotation(rng)), rng.normal(size=3))
-    pair.pose(X_WF, RigidTransform())
+    pair.place(X_WF, RigidTransform())
     p_FGo = np.array([0.1, -0.2, 0.3])
     p_WQs = X_WF @ p_FGo + random_directions(rng, 12) * rng.uniform(0.02, 0.5, (12, 1))
     V, v_Qs = rng.normal(size=6), rng.normal(size=(12, 3))
@@ -30,7 +30,7 @@ def test_it_foretells_what_moving_the_frame_and_the_point_does(name):
     rates = found.distance_jacobian(V[:, None], J_Qs)[of_A, 0]
     steps = []
     for t in (1e-5, -1e-5):
-        pair.pose(moved(X_WF, V, t), RigidTransform())
+        pair.place(moved(X_WF, V, t), RigidTransform())
         steps.append(asked(pair, p_WQs + t * v_Qs)[0].distance[of_A])
     off = np.abs((steps[0] - steps[1]) / 2e-5 - rates)
     # Where the nearest feature changes within the step, half of the jump is left.

@@ -54,7 +54,7 @@ def test_in_general_it_is_the_only_one_and_foretells_what_moving_does(name, swap
         for _ in range(3):
             X_WA, X_WB = turned(random_rotation(rng)), turned(random_rotation(rng))
             p_WB = 6.0 * random_directions(rng, 1)[0]
-            pair.pose(X_WA, RigidTransform(X_WB.rotation(), p_WB)).bring_to(distance)
+            pair.place(X_WA, RigidTransform(X_WB.rotation(), p_WB)).bring_to(distance)
             found = pair.ask()
             assert found.method[0] == METHODS['mesh']
             assert found.is_gradient_unique[0]
@@ -73,7 +73,7 @@ def test_it_is_said_to_be_the_only_one_only_where_it_is(solid, other, turns, pla
     """On a lattice of half a cell faces, edges and walls lie parallel, in line and opposite."""
     pair = pair_of(SOLIDS[solid], OTHERS[other])
     X_WA, X_WB = (turned(QUARTERS[k]) for k in turns)
-    pair.pose(X_WA, RigidTransform(X_WB.rotation(), 0.5 * np.array(place)))
+    pair.place(X_WA, RigidTransform(X_WB.rotation(), 0.5 * np.array(place)))
     found = pair.ask()
     if found.is_gradient_unique[0]:
         assert found.distance[0] > 0.0
@@ -117,10 +117,10 @@ def test_a_corner_that_many_triangles_share_is_one_point():
 def test_of_what_touches_or_overlaps_and_of_bounds_nobody_vouches():
     pair = pair_of(SOLIDS['L'], BALL)
     for x in (2.25, 2.2, 1.5):
-        found = pair.pose(NONE, turned(QUARTERS[0], [x, 0.5, 0.5])).ask()
+        found = pair.place(NONE, turned(QUARTERS[0], [x, 0.5, 0.5])).ask()
         assert found.distance[0] < 1e-9
         assert not found.is_gradient_unique[0]
-    pair.pose(NONE, turned(QUARTERS[0], [3.0, 0.45, 0.55]))
+    pair.place(NONE, turned(QUARTERS[0], [3.0, 0.45, 0.55]))
     assert pair.ask().is_gradient_unique[0]
     assert not pair.ask(accuracy='bound').is_gradient_unique[0]
 
@@ -128,5 +128,5 @@ def test_of_what_touches_or_overlaps_and_of_bounds_nobody_vouches():
 def test_a_half_space_meets_the_hull_as_it_meets_that_of_any_body():
     pair = pair_of(HalfSpace(), SOLIDS['U'])
     tilted = turned(random_rotation(np.random.default_rng(0)), [0, 0, 9.0])
-    assert pair.pose(NONE, tilted).ask().is_gradient_unique[0]
-    assert not pair.pose(NONE, turned(QUARTERS[0], [0, 0, 9.0])).ask().is_gradient_unique[0]
+    assert pair.place(NONE, tilted).ask().is_gradient_unique[0]
+    assert not pair.place(NONE, turned(QUARTERS[0], [0, 0, 9.0])).ask().is_gradient_unique[0]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numba import config
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -177,9 +178,7 @@ def assert_same_distances(carried, fresh, reach):
 @pytest.fixture(scope='module')
 def mesh(tmp_path_factory):
     """Return an OBJ file of a small polyhedron."""
-    rng = np.random.default_rng(0)
-    directions = rng.normal(size=(24, 3))
-    vertices = 0.08 * directions / np.linalg.norm(directions, axis=1)[:, None]
+    vertices = 0.08 * random_directions(np.random.default_rng(0), 24)
     path = tmp_path_factory.mktemp('mesh') / 'body.obj'
     faces = '\n'.join(f'f {k} {k + 1} {k + 2}' for k in range(1, 23))
     path.write_text('\n'.join(f'v {x} {y} {z}' for x, y, z in vertices) + '\n' + faces + '\n')

@@ -3,15 +3,15 @@
 import math
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
+from drake_geom_ros.evidence.surfaces import support_value_of
+from drake_geom_ros.geometry._proximity.kinds import ELLIPSOID
 
 
 def turned(axis, angle):
     """Return the rotation matrix about an axis."""
-    x, y, z = np.asarray(axis) / np.linalg.norm(axis)
-    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * K + (1 - math.cos(angle)) * K @ K
+    return Rotation.from_rotvec(angle * np.asarray(axis) / np.linalg.norm(axis)).as_matrix()
 
 
 def almost_coaxial(rng, kinds):
@@ -35,21 +35,14 @@ def _size(rng, kind):
     return np.array([a, a * (1 + rng.choice([0, 1e-12, 1e-9, 1e-6, 1e-3, c])), b])
 
 
-def support(kind, size, ns):
-    """Return the support values of a shape along (m, 3) unit vectors in its frame."""
-    if kind == CAPSULE:
-        return size[0] + size[1] * abs(ns[:, 2])
-    if kind == CYLINDER:
-        return size[0] * np.hypot(ns[:, 0], ns[:, 1]) + size[1] * abs(ns[:, 2])
-    if kind == BOX:
-        return abs(ns) @ size
-    return np.linalg.norm(ns * size, axis=1)
-
-
 def widths(pair, ns):
     """Return the widths of the overlap along (m, 3) unit vectors: each is at least the depth."""
     kind_A, size_A, R_WA, kind_B, size_B, R_WB, p = pair
-    return support(kind_A, size_A, ns @ R_WA) + support(kind_B, size_B, ns @ R_WB) - ns @ p
+    h_A, h_B = (
+        support_value_of((kind, size), ns @ R)
+        for kind, size, R in ((kind_A, size_A, R_WA), (kind_B, size_B, R_WB))
+    )
+    return h_A + h_B - ns @ p
 
 
 def directions(rng, pair, n):

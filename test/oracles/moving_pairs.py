@@ -1,10 +1,12 @@
 """Two shapes on frames that move: the derivative of their distance by differences."""
 
 import itertools
+from types import SimpleNamespace as Plain
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Box,
@@ -12,13 +14,9 @@ from drake_geom_ros.geometry import (
     Convex,
     Cylinder,
     Ellipsoid,
-    FramePoseVector,
-    GeometryFrame,
-    GeometryInstance,
     HalfSpace,
     MeshData,
     ProximityProperties,
-    SceneGraph,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
@@ -60,52 +58,45 @@ def moved(X, V, t):
     return RigidTransform(RotationMatrix(R), X.translation() + t * np.asarray(V[3:]))
 
 
-class MovingPair:
+class MovingPair(BodyScene):
     """Shapes A and B, each off the origin of its frame, and a context of them."""
 
     def __init__(self, A, B, X_FaA=None, X_FbB=None, solid=False):
         """``solid``: a mesh counts as the body within its surface, not as its hull."""
-        self.graph = graph = SceneGraph()
-        self.source = graph.RegisterSource('s')
-        self.frames, self.geometries = [], []
+        super().__init__(())
+        properties = ProximityProperties()
+        if solid:
+            properties.AddProperty('mesh', 'solid', True)
         offsets = [X_FaA or RigidTransform([0.1, -0.2, 0.3]), X_FbB or RigidTransform([0, 0.2, 0])]
-        for name, shape, X_FG in zip('AB', (A, B), offsets, strict=True):
-            self.frames.append(graph.RegisterFrame(self.source, GeometryFrame(name)))
-            instance = GeometryInstance(X_FG, shape, name)
-            properties = ProximityProperties()
-            if solid:
-                properties.AddProperty('mesh', 'solid', True)
-            instance.set_proximity_properties(properties)
-            geometry = graph.RegisterGeometry(self.source, self.frames[-1], instance)
-            self.geometries.append(geometry)
-        self.context = graph.CreateDefaultContext()
-        self.query = graph.get_query_output_port().Eval(self.context)
-        self.pose(RigidTransform(), RigidTransform())
+        for shape, X_FG in zip((A, B), offsets, strict=True):
+            self._add(Plain(shape=shape, properties=properties), X_FG)
+        self.context = self.graph.CreateDefaultContext()
+        self.query = self.asked(self.context)
+        self.place(RigidTransform(), RigidTransform())
 
-    def pose(self, X_WA, X_WB):
+    def place(self, X_WA, X_WB):
         """Pose both frames."""
         self.poses = X_WA, X_WB
-        vector = FramePoseVector(dict(zip(self.frames, self.poses, strict=True)))
-        self.graph.get_source_pose_port(self.source).FixValue(self.context, vector)
+        self.pose(self.context, self.poses)
         return self
 
     def ask(self, **options):
         """Return the results of the one pair."""
-        return self.query.signed_distance_of_pair(*self.geometries, **options)
+        return self.query.signed_distance_of_pair(*self.ids, **options)
 
     def bring_to(self, distance):
         """Move B along the normal until the bodies are as far apart."""
         found = self.ask()
         step = (found.distance[0] - distance) * found.nhat_BA_W[0]
-        X_WB = self.poses[1]
-        return self.pose(self.poses[0], RigidTransform(X_WB.rotation(), X_WB.translation() + step))
+        X_WA, X_WB = self.poses
+        return self.place(X_WA, RigidTransform(X_WB.rotation(), X_WB.translation() + step))
 
     def after(self, V, t):
-        """Pose both after the spatial velocities V (12,) for the time t; back by ``pose``."""
+        """Pose both after the spatial velocities V (12,) for the time t; back by ``place``."""
         X_WA, X_WB = self.poses
-        self.pose(moved(X_WA, V[:6], t), moved(X_WB, V[6:], t))
+        self.place(moved(X_WA, V[:6], t), moved(X_WB, V[6:], t))
         found = self.ask()
-        self.pose(X_WA, X_WB)
+        self.place(X_WA, X_WB)
         return found
 
     def remainder(self, gradient, V, t):
@@ -133,7 +124,7 @@ def random_pair(rng, names, distance):
     if 'half_space' in names:
         sign = 1.0 if names[0] == 'half_space' else -1.0
         direction = sign * (X_WA if sign > 0 else X_WB).rotation().matrix()[:, 2]
-    pair.pose(X_WA, RigidTransform(X_WB.rotation(), 2.0 * direction))
+    pair.place(X_WA, RigidTransform(X_WB.rotation(), 2.0 * direction))
     # Out of an overlap bodies come by a face or by crossing edges, not by corners alone.
     return pair.bring_to(0.05).bring_to(-0.01 if distance == 0.0 else distance).bring_to(distance)
 
@@ -146,4 +137,4 @@ def lattice_pair(names, turns, place):
     """
     pair = MovingPair(*(LATTICE_SHAPES[name] for name in names), *2 * [RigidTransform()])
     X_WA, X_WB = (RigidTransform(RotationMatrix(QUARTERS[k])) for k in turns)
-    return pair.pose(X_WA, RigidTransform(X_WB.rotation(), 0.1 * np.array(place)))
+    return pair.place(X_WA, RigidTransform(X_WB.rotation(), 0.1 * np.array(place)))

@@ -98,9 +98,7 @@ def two_arms() -> Scene:
     rng = np.random.default_rng(7)
     table = arms.table(rng)
     angles = arms.BENT + rng.uniform(-arms.SWING, arms.SWING, (2, 7))
-    (poses,) = arms.link_poses(angles[None])
-    links = [link.posed(pose) for link, pose in zip(arms.links(), poses, strict=True)]
-    return Scene('two arms', [*table, *links])
+    return Scene('two arms', [*table, *arms.posed_links(angles)])
 
 
 SCENES: dict[str, Callable[[], Scene]] = {

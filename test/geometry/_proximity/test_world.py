@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from oracles.worlds import geometry_table, random_rotations, random_world, shuffle
+from scipy.spatial.transform import Rotation
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
@@ -69,13 +71,13 @@ def test_rebuilding_keeps_the_poses_of_frames_that_stay():
 def test_no_point_comes_farther_than_its_body_travels(kind):
     rng = np.random.default_rng(kind)
     world = random_world(rng, 8, types=(kind,))
-    directions = rng.normal(size=(3000, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = random_directions(rng, 3000)
     frames, table = np.arange(1, 9), world.geometries
     assert not world.travels.any()
     for length in (1e-9, 1e-3, 0.1, 10.0):
         before, R_before, p_before = world.travels.copy(), world.R_WGs.copy(), world.p_WGs.copy()
-        turned = world.R_PFs[frames] @ small_rotations(rng, 8, length)
+        steps = Rotation.from_rotvec(length * random_directions(rng, 8)).as_matrix()
+        turned = world.R_PFs[frames] @ steps
         world.set_poses(frames, turned, world.p_PFs[frames] + length * rng.normal(size=(8, 3)))
         world.update()
         for g in range(8):
@@ -92,22 +94,11 @@ def test_no_point_comes_farther_than_its_body_travels(kind):
             assert world.paces[g] >= travelled * (1 - 1e-12)
 
 
-def small_rotations(rng, n, angle):
-    """Return n rotations (n, 3, 3) by about an angle [rad], by Rodrigues' formula."""
-    axes = rng.normal(size=(n, 3))
-    axes /= np.linalg.norm(axes, axis=1)[:, None]
-    K = np.zeros((n, 3, 3))
-    K[:, 0, 1], K[:, 0, 2], K[:, 1, 2] = -axes[:, 2], axes[:, 1], -axes[:, 0]
-    K -= np.swapaxes(K, 1, 2)
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-
-
 @pytest.mark.parametrize('kind', [1, 2, 3, 4, 5])
 def test_bounds_hold_the_surface_and_are_tight(kind):
     rng = np.random.default_rng(kind)
     world = random_world(rng, 8, types=(kind,))
-    directions = rng.normal(size=(20_000, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = random_directions(rng, 20_000)
     table = world.geometries
     for g in range(8):
         shape = table.pool[table.starts[g] : table.starts[g + 1]]

@@ -83,7 +83,7 @@ def test_all_of_a_point_foretells_what_moving_does(name):
     found = query_of(pair, V[:, None]).ComputeSignedDistanceToPoint(numbers)
     steps = []
     for t in (h, -h):
-        pair.pose(
+        pair.place(
             *(RigidTransform(_turned(V[k : k + 3], t), t * V[k + 3 : k + 6]) for k in (0, 6))
         )
         steps.append(pair.query.ComputeSignedDistanceToPoint(p_WQs + t * v_Qs))
@@ -146,14 +146,14 @@ def test_other_questions_are_answered_as_for_floats():
     pair = random_pair(np.random.default_rng(3), ('capsule', 'box'), -0.01)
     query = query_of(pair, np.eye(12))
     assert query.HasCollisions()
-    assert query.FindCollisionCandidates() == [tuple(pair.geometries)]
+    assert query.FindCollisionCandidates() == [tuple(pair.ids)]
     assert query.inspector().num_geometries() == 2
-    one = query.ComputeSignedDistancePairClosestPoints(*pair.geometries)
-    a, b = pair.geometries
+    one = query.ComputeSignedDistancePairClosestPoints(*pair.ids)
+    a, b = pair.ids
     older = query.ComputeSignedDistancePairClosestPoints(id_A=b, id_B=a)
     assert one.distance == older.distance == pair.ask().distance[0]
     baked = copy.copy(query)
-    for geometry in pair.geometries:
+    for geometry in pair.ids:
         expected = pair.query.X_WG(geometry).GetAsMatrix34()
         for each in (query, baked):
             found = each.GetPoseInWorld(geometry).GetAsMatrix34()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from drake_geom_ros.geometry._proximity.kernels.calling import extremes
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -49,8 +50,7 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
 
 
 def test_a_hull_keeps_the_number_of_its_vertices_and_its_lists():
-    directions = np.random.default_rng(0).normal(size=(300, 3))
-    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    directions = random_directions(np.random.default_rng(0), 300)
     shape = Convex.FromMeshData(MeshData(directions))._kernel_parameters()
     count = int(shape[0])
     copy = extremes.resized(CONVEX, shape, 10)

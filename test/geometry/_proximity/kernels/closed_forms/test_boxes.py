@@ -15,6 +15,7 @@ from oracles.pairs import (
     random_pairs,
     random_rotation,
 )
+from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.boxes import box_box
 from drake_geom_ros.geometry._proximity.kinds import BOX
@@ -32,11 +33,7 @@ def _boxes(p_AB_W, size_A=(0.5, 0.5, 0.5), size_B=(0.5, 0.5, 0.5), R_WA=None, R_
 
 def _about(axis, angle):
     """Rotation about a coordinate axis."""
-    c, s = np.cos(angle), np.sin(angle)
-    R = np.eye(3)
-    i, j = (axis + 1) % 3, (axis + 2) % 3
-    R[i, i], R[i, j], R[j, i], R[j, j] = c, -s, s, c
-    return R
+    return Rotation.from_rotvec(angle * np.eye(3)[axis]).as_matrix()
 
 
 def test_truth_and_laws():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity import pair_table
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     pairs as calling,
@@ -43,7 +44,7 @@ def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0, roun
 @pytest.mark.parametrize('place', [0.0, 1e3, 1e6])
 def test_as_a_sphere_without_radius(kind, place):
     rng = np.random.default_rng(kind)
-    R_WG = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(3, 3)))[0])
+    R_WG = random_rotation(rng)
     p_WG = place * np.ones(3) + rng.normal(size=3)
     p_WQs = p_WG + 0.4 * rng.normal(size=(40, 3))
     rows, found, _ = answers(kind, R_WG, p_WG, p_WQs)
@@ -112,7 +113,7 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * h
     shape = np.concatenate([[8.0], corners.ravel()])
     rng = np.random.default_rng(1)
-    R_WG, p_WG = np.ascontiguousarray(np.linalg.qr(rng.normal(size=(3, 3)))[0]), rng.normal(size=3)
+    R_WG, p_WG = random_rotation(rng), rng.normal(size=3)
     p_WQs = p_WG + rng.normal(size=(6, 3)) * 0.4
     expected, near, _ = answers(pair_table.BOX, R_WG, p_WG, p_WQs, 0.3, geometries=3, g=2)
     number = pair_table.ROW_OF_TYPES[SPHERE * pair_table.TYPE_COUNT + pair_table.CONVEX]

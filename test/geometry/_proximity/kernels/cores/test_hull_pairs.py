@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 from numba import config
-from oracles import almost_rings
 from scipy.spatial import ConvexHull
-from scipy.spatial.transform import Rotation
 
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.evidence.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -34,25 +34,15 @@ KINDS = [BOX, CAPSULE, CYLINDER, ELLIPSOID]
 
 def _hull(rng, scale):
     stretch = scale * 10 ** rng.uniform(-1.5, 0, 3)
-    points = rng.normal(size=(rng.integers(4, 13), 3))
-    points = points / np.linalg.norm(points, axis=1)[:, None] * stretch
+    points = random_directions(rng, rng.integers(4, 13)) * stretch
     return points, np.concatenate(([len(points)], points.ravel()))
-
-
-def _rotation(rng):
-    return np.ascontiguousarray(Rotation.random(random_state=rng.integers(1 << 31)).as_matrix())
-
-
-def _unit(rng, count):
-    n = rng.normal(size=(count, 3))
-    return n / np.linalg.norm(n, axis=1)[:, None]
 
 
 def _widths(pair, vertices, ns):
     """Return the widths of the overlap along (m, 3) unit vectors, of a hull B."""
     kind, size, R_WA, _, _, R_WB, p = pair
     in_B = (-ns @ R_WB) @ vertices.T
-    return almost_rings.support(kind, size, ns @ R_WA) + in_B.max(axis=1) - ns @ p
+    return support_value_of((kind, size), ns @ R_WA) + in_B.max(axis=1) - ns @ p
 
 
 def _answer(pair, hint=None):
@@ -75,13 +65,14 @@ def test_bounds_are_as_narrow_as_promised_at_any_ratio_of_sizes(kind, hinted):
         size = 10 ** rng.uniform(-1.3, 0, 3)[: 3 if kind in (BOX, ELLIPSOID) else 2]
         radii = bounding_radius(kind, size), bounding_radius(CONVEX, hull)
         reach = rng.choice([0.3 * max(radii), sum(radii) * rng.uniform(0.3, 1.2), 3 * sum(radii)])
-        p = reach * _unit(rng, 1)[0]
-        pair = Pair(kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
-        out, promised = _answer(pair, _unit(rng, 1)[0] if hinted else None)
+        p = reach * random_directions(rng, 1)[0]
+        pair = Pair(kind, size, random_rotation(rng), CONVEX, hull, random_rotation(rng), p)
+        out, promised = _answer(pair, random_directions(rng, 1)[0] if hinted else None)
         assert out[ERROR_BOUND] <= promised
         if out[DISTANCE] < 0.0:
-            ns = np.vstack([_unit(rng, 500), -out[NORMAL : NORMAL + 3]])
-            ns = np.vstack([ns, ns[-1] + _unit(rng, 100) * 10 ** rng.uniform(-7, -1, (100, 1))])
+            ns = np.vstack([random_directions(rng, 500), -out[NORMAL : NORMAL + 3]])
+            near = ns[-1] + random_directions(rng, 100) * 10 ** rng.uniform(-7, -1, (100, 1))
+            ns = np.vstack([ns, near])
             ns /= np.linalg.norm(ns, axis=1)[:, None]
             least = _widths(pair, vertices, ns).min()
             assert least >= -out[DISTANCE] - out[ERROR_BOUND]
@@ -93,10 +84,10 @@ def test_a_speck_beside_a_capsule_is_apart_whatever_the_hint():
     rng = np.random.default_rng(3)
     vertices = 1e-15 * rng.normal(size=(8, 3))
     hull = np.concatenate(([8], vertices.ravel()))
-    size, R = np.array([2500.0, 1600.0]), _rotation(rng)
+    size, R = np.array([2500.0, 1600.0]), random_rotation(rng)
     p = R @ [0.0, 3000.0, 1500.0]
-    pair = (CAPSULE, size, R, CONVEX, hull, _rotation(rng), tuple(p))
-    for hint in _unit(rng, 4 * COUNT):
+    pair = (CAPSULE, size, R, CONVEX, hull, random_rotation(rng), tuple(p))
+    for hint in random_directions(rng, 4 * COUNT):
         out, _ = _answer(pair, hint)
         assert out[DISTANCE] == pytest.approx(500.0, abs=out[ERROR_BOUND] + 1e-11)
 
@@ -105,7 +96,7 @@ def test_the_edge_next_to_a_direction_falls_away_least():
     rng = np.random.default_rng(0)
     for _ in range(COUNT):
         vertices, shape = _hull(rng, 1.0)
-        n = _unit(rng, 1)[0]
+        n = random_directions(rng, 1)[0]
         here, there = map(np.array, hulls.farthest_edge(shape, *n))
         assert here @ n == pytest.approx((vertices @ n).max(), abs=1e-15)
         others = vertices[(vertices != here).any(axis=1)] - here
@@ -119,9 +110,9 @@ def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_th
     rng = np.random.default_rng([3, kind])
     for _ in range(10):
         size = _hull(rng, 1.0)[1] if kind == CONVEX else rng.uniform(0.1, 1.0, 3)
-        pair = (kind, size, _rotation(rng), CONVEX, _hull(rng, 1.0)[1], _rotation(rng))
+        pair = (kind, size, random_rotation(rng), CONVEX, _hull(rng, 1.0)[1], random_rotation(rng))
         pair = Pair(*pair, tuple(rng.normal(size=3)))
-        ns = [tuple(n) for n in _unit(rng, 50)]
+        ns = [tuple(n) for n in random_directions(rng, 50)]
         terms, _, last, r_A, r_B = difference = sums.difference_of_edges(pair, ns[0])
         assert (terms[sums.SEGMENT : last, sums.LENGTH] > 0.0).all()
         for n in ns:
@@ -146,14 +137,14 @@ def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
         vertices, hull = _hull(rng, scale)
         size = np.array([0.3, 0.3 * ratio])
         p = tuple(rng.choice([0.0, 1e-12, scale]) * rng.normal(size=3))
-        pair = Pair(CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        pair = Pair(CYLINDER, size, random_rotation(rng), CONVEX, hull, random_rotation(rng), p)
         complete, h, floor, n, unique = rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)
         assert complete
         assert h - 2e-15 <= floor <= h
         u = pair[2][:, 2]
         turns = rng.uniform(0, 2 * np.pi, 3000)
         ring = np.outer(np.cos(turns), pair[2][:, 0]) + np.outer(np.sin(turns), pair[2][:, 1])
-        ns = np.vstack([_unit(rng, 2000), ring, [u, -u, n]])
+        ns = np.vstack([random_directions(rng, 2000), ring, [u, -u, n]])
         there = _widths(pair, vertices, ns)
         assert there[-1] == pytest.approx(h, abs=1e-15)
         assert there.min() >= floor - 1e-15

@@ -5,6 +5,7 @@ import pytest
 from oracles.worlds import random_rotations
 from scipy.spatial import ConvexHull
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
     farthest_edge,
@@ -15,8 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
 
 
 def directions(count, rng):
-    n = rng.normal(size=(count, 3))
-    return np.vstack([n / np.linalg.norm(n, axis=1)[:, None], np.eye(3), -np.eye(3)])
+    return np.vstack([random_directions(rng, count), np.eye(3), -np.eye(3)])
 
 
 def on_ball(count, rng):

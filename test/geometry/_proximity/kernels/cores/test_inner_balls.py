@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from oracles.shape_scene import ShapeScene
 
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -25,7 +26,6 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     SPHERE,
 )
-from drake_geom_ros.math import RollPitchYaw
 
 SHAPES = [Box(0.2, 0.4, 0.6), Cylinder(0.2, 0.5), Ellipsoid(0.3, 0.2, 0.25), Capsule(0.1, 0.4)]
 GRID = np.linspace(-0.8, 0.8, 41)
@@ -35,12 +35,6 @@ def pair_of(A, B, R_WA, R_WB, p):
     return Pair(
         *(A._type_number(), A._kernel_parameters(), R_WA),
         *(B._type_number(), B._kernel_parameters(), R_WB, tuple(p)),
-    )
-
-
-def rotation(rng):
-    return np.ascontiguousarray(
-        RollPitchYaw(*rng.uniform(-math.pi, math.pi, 3)).ToRotationMatrix().matrix()
     )
 
 
@@ -57,9 +51,8 @@ def test_no_point_is_deeper_than_any_width_of_the_overlap(A, B):
     rng = np.random.default_rng(0)
     for _ in range(10):
         p = rng.uniform(-0.2, 0.2, 3)
-        pair = pair_of(A, B, rotation(rng), rotation(rng), p)
-        directions = rng.normal(size=(200, 3))
-        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        pair = pair_of(A, B, random_rotation(rng), random_rotation(rng), p)
+        directions = random_directions(rng, 200)
         least = math.inf
         for n in directions:
             least = min(least, width(pair, tuple(n)))
@@ -100,8 +93,8 @@ def test_the_deepest_point_is_found_along_an_edge():
 @pytest.mark.parametrize('B', SHAPES[1:3], ids=lambda shape: type(shape).__name__)
 def test_the_deepest_point_of_a_line_is_found_up_to_a_17000th_of_it(A, B):
     rng = np.random.default_rng(1)
-    pair = pair_of(A, B, rotation(rng), rotation(rng), rng.uniform(-0.2, 0.2, 3))
-    c, u = rng.uniform(-0.1, 0.1, 3), rotation(rng)[0]
+    pair = pair_of(A, B, random_rotation(rng), random_rotation(rng), rng.uniform(-0.2, 0.2, 3))
+    c, u = rng.uniform(-0.1, 0.1, 3), random_rotation(rng)[0]
     depth, at = inner_balls.deepest_along(pair, tuple(c), tuple(u), 0.8)
     assert inner_balls.depth_in_both(pair, at, 0.0)[0] == depth
     way = np.dot(np.subtract(at, c), u)
@@ -134,7 +127,7 @@ def test_the_depth_of_a_point_in_a_core(kind, shape, q, depth, unique):
 def test_of_a_hull_the_deepest_vertex_is_told():
     rng = np.random.default_rng(2)
     for _ in range(20):
-        vertices, R, R_hull = rng.normal(size=(5, 3)), rotation(rng), rotation(rng)
+        vertices, R, R_hull = rng.normal(size=(5, 3)), random_rotation(rng), random_rotation(rng)
         hull, p, shape = np.append(5.0, vertices.ravel()), rng.normal(size=3), np.ones(3)
         seen = (p + vertices @ R_hull.T) @ R
         depths = [inner_balls.depth_of_point(BOX, shape, tuple(q), 0.0)[0] for q in seen]

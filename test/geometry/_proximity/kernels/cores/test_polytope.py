@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.cores import polytope
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
 
@@ -61,12 +62,7 @@ class _Polytope:
             assert across[end, start] == (other, face)
 
 
-def _sphere(rng, count):
-    n = rng.normal(size=(count, 3))
-    return n / np.linalg.norm(n, axis=1)[:, None]
-
-
-def test_expanding_the_nearest_face_keeps_the_surface_closed_and_fills_a_sphere():
+def test_expanding_the_nearest_face_keeps_the_surface_closed_and_fills_arandom_directions():
     polytope_ = _Polytope([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)] / np.sqrt(3))
     polytope_.assert_closed()
     offsets = []
@@ -103,7 +99,7 @@ def test_faces_come_off_the_heap_by_offset():
 @pytest.mark.parametrize('height', [1.0, 1e-6, 1e-12, 1e-16, 0.0])
 def test_no_point_of_a_face_is_nearer_than_its_offset(height):
     rng = np.random.default_rng(2)
-    for a, b, off in zip(_sphere(rng, 20), _sphere(rng, 20), _sphere(rng, 20), strict=True):
+    for a, b, off in zip(*(random_directions(rng, 20) for _ in range(3)), strict=True):
         c = 0.3 * a + 0.7 * b + height * off
         points = np.zeros((4, 9))
         for k, corner in enumerate((a, b, c)):

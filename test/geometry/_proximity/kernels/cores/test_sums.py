@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from oracles.pairs import PARAMETERS, random_rotation
 
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 
@@ -17,16 +18,11 @@ def _pair(rng, kinds):
     return Pair(kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3)))
 
 
-def _unit(rng):
-    n = rng.normal(size=3)
-    return tuple(n / np.linalg.norm(n))
-
-
 @pytest.mark.parametrize('kinds', PAIRS)
 def test_width_and_feet_are_those_of_the_support_points(kinds):
     rng = np.random.default_rng(1)
     for _ in range(10):
-        pair, n = _pair(rng, kinds), _unit(rng)
+        pair, n = _pair(rng, kinds), tuple(random_directions(rng, 1)[0])
         terms, first, last, r_A, r_B = difference = sums.difference_of(pair)
         a, b = gjk.support_points(pair, n, 0.0)
         for k in range(sums.SEGMENT, last):

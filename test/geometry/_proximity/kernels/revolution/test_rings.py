@@ -5,16 +5,7 @@ import math
 import numpy as np
 import pytest
 from numba import config
-from oracles.almost_rings import (
-    BOX,
-    CAPSULE,
-    CYLINDER,
-    ELLIPSOID,
-    almost_coaxial,
-    directions,
-    turned,
-    widths,
-)
+from oracles.almost_rings import almost_coaxial, directions, turned, widths
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -27,7 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sum
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, rings, slices
-from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
 
 COUNT = 3 if config.DISABLE_JIT else 60

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from oracles.almost_rings import CYLINDER, ELLIPSOID, turned, widths
+from oracles.almost_rings import turned, widths
 
 from drake_geom_ros.geometry._proximity.kernels.cores import sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import circles, slices
+from drake_geom_ros.geometry._proximity.kinds import CYLINDER, ELLIPSOID
 
 ENOUGH, NOISE = 1e-9, 1e-15
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
