@@ -18,7 +18,6 @@ from drake_geom_ros.geometry import (
     GeometryId,
     GeometryInstance,
     PenetrationResults,
-    PointDistanceResults,
     QueryObject,
     SceneGraph,
     SceneGraphContext,
@@ -103,14 +102,6 @@ class PairScene(BodyScene):
     def collides(self) -> bool:
         """Return whether the pair overlaps."""
         return bool(self.query.HasCollisions())
-
-    def is_candidate(self) -> bool:
-        """Return whether bounds leave it open that the pair overlaps."""
-        return len(self.query.collision_candidates()) == 1
-
-    def to_point(self, one: Body) -> PointDistanceResults:
-        """Return the distances from both shapes to the centre of a body."""
-        return self.query.ComputeSignedDistanceToPoint(one.p)
 
 
 def names() -> tuple[str, ...]:

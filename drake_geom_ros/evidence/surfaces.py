@@ -14,9 +14,15 @@ from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.bodies import Body, Floats, Form
 from drake_geom_ros.evidence.tolerances import ALIGNED, EPS
-from drake_geom_ros.evidence.truth.closed_forms import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
 from drake_geom_ros.evidence.truth.meshes import point_distance
-from drake_geom_ros.evidence.truth.supports import CONVEX
+from drake_geom_ros.evidence.truth.supports import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    SPHERE,
+)
 
 
 def support_value_of(form: Form, d: Floats) -> Any:

@@ -67,9 +67,9 @@ PEER_TOLERANCES = {'Coal': (1e-3, 1e-9), 'MuJoCo': (1e-3, 1e-9)}
 POSITIONS = 64.0 * EPS
 # [-] that a unit vector's length may be off 1.
 UNIT = 1e-12
-# Of the extent: what an iteration, which stops by the distance, leaves in points and normals. A
-# normal of hulls next to touching may be coarser, for nothing but the distance stops it.
-WITNESSES, NORMALS, COARSE_NORMALS = 1e-10, 1e-8, 1e-4
+# Of the extent: what an iteration may leave in a normal of hulls next to touching, for nothing but
+# the distance stops it.
+COARSE_NORMALS = 1e-4
 # Of the extent: a certified bound above this is a failure, whatever the level.
 VERY_WIDE = 1e-5
 # Of the extent: as deep as this counts as touching, and is not reported as penetration.

@@ -5,14 +5,14 @@ import pickle
 import numpy as np
 import pytest
 from evidence.hard_cases.construct import turned, unit
+from oracles import body_truth as truth
+from oracles import closed_forms
 
 from drake_geom_ros.evidence import grids
 from drake_geom_ros.evidence.bodies import Body, Pair
 from drake_geom_ros.evidence.grids import L, solid
 from drake_geom_ros.evidence.random_bodies import random_body, random_rotation
 from drake_geom_ros.evidence.surfaces import height, support_value, width
-from drake_geom_ros.evidence.truth import bodies as truth
-from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._solid_mesh import merged, volume
 
 KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace', 'Convex', 'Mesh')

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from oracles import case_laws
 
 from drake_geom_ros.evidence import laws
 from drake_geom_ros.evidence.asking import PairScene
@@ -28,8 +29,8 @@ def answer(wide=False, **changes):
 
 def test_the_answer_of_the_engine_keeps_them():
     for pair in (CASE, Pair(A, B), Pair(B, A)):
-        assert laws.of_answer(pair, PairScene(pair.a, pair.b).distance()) == []
-    assert laws.of_answer(CASE, answer()) == []
+        assert case_laws.of_answer(pair, PairScene(pair.a, pair.b).distance()) == []
+    assert case_laws.of_answer(CASE, answer()) == []
 
 
 @pytest.mark.parametrize(
@@ -59,14 +60,14 @@ def test_the_answer_of_the_engine_keeps_them():
     ],
 )
 def test_a_false_answer_breaks_its_law(changes, broken):
-    assert laws.of_answer(CASE, answer(**changes)) == broken
+    assert case_laws.of_answer(CASE, answer(**changes)) == broken
 
 
 def test_a_certificate_that_does_not_hold_the_truth_is_false():
     off = answer(distance=1.0 + 1e-9, p_WCb=POINTS[1] + [1e-9, 0, 0])
-    assert laws.FALSE in laws.of_answer(CASE, off)
-    assert laws.of_bound(CASE, off) == [laws.FALSE]
-    assert laws.of_bound(CASE, answer(distance=1.0 + 1e-9, error_bound=1e-9)) == []
+    assert case_laws.FALSE in case_laws.of_answer(CASE, off)
+    assert case_laws.of_bound(CASE, off) == [case_laws.FALSE]
+    assert case_laws.of_bound(CASE, answer(distance=1.0 + 1e-9, error_bound=1e-9)) == []
 
 
 def test_a_coarse_normal_is_told_from_a_wrong_one():
@@ -79,10 +80,10 @@ def test_a_coarse_normal_is_told_from_a_wrong_one():
         point = np.array([1.0, 0.5, 0.5])
         changes = {'p_WCa': point, 'p_WCb': point, 'method': METHODS['iterative']}
         touching = answer(distance=0.0, nhat_BA_W=normal, **changes)
-        found[turn] = laws.of_answer(pair, touching)
+        found[turn] = case_laws.of_answer(pair, touching)
     assert found == {
         1e-9: [],
-        1e-6: [laws.COARSE],
+        1e-6: [case_laws.COARSE],
         1e-2: ['normal does not attain the distance'],
     }
 
@@ -91,9 +92,9 @@ def test_a_solid_moved_by_its_distance_touches():
     case = Case(solid(L), Body('Sphere', (0.1,), p=np.array([1.25, 1.5, 0.5])), 0.15, 1e-15)
     scene = PairScene(case.a, case.b)
     row = scene.distance()
-    assert laws.of_contact(case, row, scene) == []
+    assert case_laws.of_contact(case, row, scene) == []
     aside = answer(distance=0.15, nhat_BA_W=[0.0, -1.0, 0.0])
-    assert laws.of_contact(case, aside, scene) == ['no contact when moved by its distance']
+    assert case_laws.of_contact(case, aside, scene) == ['no contact when moved by its distance']
     assert abs(scene.distance().distance[0] - 0.15) < 1e-12  # the scene is as it was
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from oracles import closed_forms
 from oracles.moving_pairs import MovingPair
 from oracles.pairs import random_pairs
 
-from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry import Box, Capsule, Cylinder, Ellipsoid, HalfSpace, Sphere
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 

@@ -97,20 +97,20 @@ def test_where_another_part_is_as_near_it_is_said(name):
     X_WB = turned(QUARTERS[0], p)
     if isinstance(other, Capsule):
         X_WB = RigidTransform(RotationMatrix.MakeXRotation(np.pi / 2), p)
-    found = pair_of(solid, other).pose(NONE, X_WB).ask()
+    found = pair_of(solid, other).place(NONE, X_WB).ask()
     assert found.distance[0] > 0.0
     assert not found.is_gradient_unique[0]
 
 
 @pytest.mark.parametrize('p', [[1.5, 1.5001, 0.5], [1.5001, 1.5, 0.5]])
 def test_a_little_nearer_to_one_part_is_enough(p):
-    wall = pair_of(SOLIDS['L'], BALL).pose(NONE, turned(QUARTERS[0], p)).ask()
+    wall = pair_of(SOLIDS['L'], BALL).place(NONE, turned(QUARTERS[0], p)).ask()
     assert wall.is_gradient_unique[0]
 
 
 def test_a_corner_that_many_triangles_share_is_one_point():
     found = pair_of(FINE, BALL)
-    found = found.pose(NONE, turned(QUARTERS[0], [-0.5, -0.4, 1.6])).ask()
+    found = found.place(NONE, turned(QUARTERS[0], [-0.5, -0.4, 1.6])).ask()
     assert found.is_gradient_unique[0]
 
 

@@ -26,7 +26,7 @@ from scipy.spatial import ConvexHull, QhullError
 from drake_geom_ros.evidence.bodies import Body, Floats
 from drake_geom_ros.evidence.random_bodies import even_directions
 from drake_geom_ros.evidence.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
-from drake_geom_ros.evidence.truth.closed_forms import dot, vector
+from drake_geom_ros.evidence.truth.digits import dot, vector
 from drake_geom_ros.evidence.truth.polish import polished
 from drake_geom_ros.evidence.truth.supports import (
     DIGITS,

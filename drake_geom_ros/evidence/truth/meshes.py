@@ -21,7 +21,7 @@ from mpmath import mp, mpf
 from drake_geom_ros.evidence.bodies import Body, Floats, Pose
 from drake_geom_ros.evidence.tolerances import FREE, NEAREST, SIDE
 from drake_geom_ros.evidence.truth import convex
-from drake_geom_ros.evidence.truth.closed_forms import columns, dot, vector
+from drake_geom_ros.evidence.truth.digits import columns, dot, vector
 from drake_geom_ros.evidence.truth.supports import DIGITS, offset_between
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.evidence.bodies import Floats
 from drake_geom_ros.evidence.tolerances import EQUAL, GAIN, LAST_STEP, LEAST_CURVATURE, PARALLEL
-from drake_geom_ros.evidence.truth.closed_forms import combine, cross, dot, vector
+from drake_geom_ros.evidence.truth.digits import combine, cross, dot, vector
 from drake_geom_ros.evidence.truth.supports import MinkowskiDifference, MinkowskiSum
 
 _Edge = tuple[MinkowskiSum, NDArray[np.int64]]

@@ -21,7 +21,7 @@ from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.bodies import Floats, Form
 from drake_geom_ros.evidence.tolerances import TIE
-from drake_geom_ros.evidence.truth.closed_forms import columns, combine, dot, norm, vector
+from drake_geom_ros.evidence.truth.digits import columns, combine, dot, norm, vector
 from drake_geom_ros.geometry import ShapeKind
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, *_ = ShapeKind

@@ -8,12 +8,12 @@ and two of their points are no farther. So the distance is g, for any shapes and
 import itertools
 
 import numpy as np
+from oracles import body_truth as truth
 
 from drake_geom_ros.evidence.bodies import COUNTS, Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.tolerances import EPS
-from drake_geom_ros.evidence.truth import bodies as truth
 
 SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
 PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))

@@ -14,9 +14,9 @@ from evidence.hard_cases.construct import (
     sizes,
     turned,
 )
+from oracles import body_truth as truth
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.evidence.truth import bodies as truth
 
 
 def _thin(kind, t):

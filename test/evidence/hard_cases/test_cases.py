@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 from evidence.hard_cases.construct import gap_case, turned
+from oracles import body_truth as truth
 
 from drake_geom_ros.evidence.hard_cases.cases import case_of, entry_of, text_of
 from drake_geom_ros.evidence.surfaces import width
-from drake_geom_ros.evidence.truth import bodies as truth
 
 
 def some_cases():

@@ -6,13 +6,14 @@ import math
 import numpy as np
 import pytest
 from numba import config
+from oracles import body_truth as truth
+from oracles import case_laws
 
-from drake_geom_ros.evidence import laws, peers
+from drake_geom_ros.evidence import peers
 from drake_geom_ros.evidence.asking import PairScene
 from drake_geom_ros.evidence.hard_cases import cases
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.tolerances import AS_TOUCHING
-from drake_geom_ros.evidence.truth import bodies as truth
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 
 ALL = cases.load()
@@ -36,9 +37,9 @@ def check(case, scene):
     """Pose the scene as the case says, and check the answer of the exact level."""
     scene.place(case.a, case.b)
     row = scene.distance()
-    assert set(laws.of_answer(case, row)) <= {laws.COARSE}
+    assert set(case_laws.of_answer(case, row)) <= {case_laws.COARSE}
     if case.has_solid:
-        assert laws.of_contact(case, row, scene) == []
+        assert case_laws.of_contact(case, row, scene) == []
     return row
 
 
@@ -71,14 +72,14 @@ def test_in_both_orders(case):
 def test_at_every_level(case):
     scene = PairScene(case.a, case.b)
     for level in ACCURACY_LEVELS:
-        assert laws.of_bound(case, scene.distance(level)) == []
+        assert case_laws.of_bound(case, scene.distance(level)) == []
 
 
 @every_case
 def test_by_every_query(case):
     scene = PairScene(case.a, case.b)
     row = scene.distance()
-    distance, unsure = row.distance[0], laws.unsure(case, row)
+    distance, unsure = row.distance[0], case_laws.unsure(case, row)
     size = case.a.radius + case.b.radius
     reach = max(distance + 2.0 * row.error_bound[0], 0.0)
     for found in (scene.pairwise(math.inf), scene.pairwise(reach)):
@@ -93,11 +94,11 @@ def test_by_every_query(case):
     if case.distance > unsure:
         assert len(penetration) == 0
     if len(penetration):
-        assert scene.is_candidate()
+        assert len(scene.query.collision_candidates()) == 1
         assert penetration.depth[0] == pytest.approx(-distance, abs=2.0 * row.error_bound[0])
         gap = penetration.p_WCb[0] - penetration.p_WCa[0]
         depth = gap @ penetration.nhat_BA_W[0]
-        rounding = laws.rounding(case)
+        rounding = case_laws.rounding(case)
         assert depth == pytest.approx(penetration.depth[0], abs=rounding)
 
 
@@ -115,9 +116,9 @@ def test_the_centre_of_a_sphere_as_a_point(case):
     scene = PairScene(case.a, case.b)
     ball, other = (0, 1) if case.a.kind == 'Sphere' else (1, 0)
     ball = (case.a, case.b)[ball]
-    found = scene.to_point(ball)
+    found = scene.query.ComputeSignedDistanceToPoint(ball.p)
     distance = found.distance[other]
-    rounding = laws.rounding(case)
+    rounding = case_laws.rounding(case)
     assert abs(distance - ball.size[0] - case.distance) <= rounding + case.tolerance
     assert np.linalg.norm(found.grad_W[other]) == pytest.approx(1.0, abs=1e-12)
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from evidence.hard_cases.families import FAMILIES, generate
+from oracles import body_truth as truth
 
 from drake_geom_ros.evidence.hard_cases import cases
 from drake_geom_ros.evidence.surfaces import width
-from drake_geom_ros.evidence.truth import bodies as truth
 
 QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested', 'solids')
 

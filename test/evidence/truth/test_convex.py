@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from oracles import closed_forms
 from oracles.forms import body
 from oracles.pairs import random_pairs
 
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
-from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.evidence.truth.supports import (
     BOX,

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+from oracles import closed_forms
 from oracles.forms import signed_distance
 from oracles.worlds import (
     geometry_table,
@@ -20,7 +21,6 @@ from oracles.worlds import (
 
 from drake_geom_ros.evidence.asking import PairScene
 from drake_geom_ros.evidence.bodies import HALVES, Body
-from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (

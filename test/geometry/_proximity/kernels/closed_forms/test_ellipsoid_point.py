@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
+from oracles import closed_forms
 
-from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
     ellipsoid_point,
 )

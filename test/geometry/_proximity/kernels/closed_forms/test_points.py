@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from numba import config
+from oracles import closed_forms
 from oracles.pairs import EPS, NAMES, PARAMETERS, height
 
-from drake_geom_ros.evidence.truth import closed_forms
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,

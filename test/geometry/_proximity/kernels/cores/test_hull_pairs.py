@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numba import config
 from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.evidence.random_bodies import random_directions
 from drake_geom_ros.evidence.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -38,6 +39,10 @@ def _hull(rng, scale):
     return points, np.concatenate(([len(points)], points.ravel()))
 
 
+def _rotation(rng):
+    return Rotation.random(random_state=rng.integers(1 << 31)).as_matrix()
+
+
 def _widths(pair, vertices, ns):
     """Return the widths of the overlap along (m, 3) unit vectors, of a hull B."""
     kind, size, R_WA, _, _, R_WB, p = pair
@@ -66,7 +71,7 @@ def test_bounds_are_as_narrow_as_promised_at_any_ratio_of_sizes(kind, hinted):
         radii = bounding_radius(kind, size), bounding_radius(CONVEX, hull)
         reach = rng.choice([0.3 * max(radii), sum(radii) * rng.uniform(0.3, 1.2), 3 * sum(radii)])
         p = reach * random_directions(rng, 1)[0]
-        pair = Pair(kind, size, random_rotation(rng), CONVEX, hull, random_rotation(rng), p)
+        pair = Pair(kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
         out, promised = _answer(pair, random_directions(rng, 1)[0] if hinted else None)
         assert out[ERROR_BOUND] <= promised
         if out[DISTANCE] < 0.0:
@@ -84,9 +89,9 @@ def test_a_speck_beside_a_capsule_is_apart_whatever_the_hint():
     rng = np.random.default_rng(3)
     vertices = 1e-15 * rng.normal(size=(8, 3))
     hull = np.concatenate(([8], vertices.ravel()))
-    size, R = np.array([2500.0, 1600.0]), random_rotation(rng)
+    size, R = np.array([2500.0, 1600.0]), _rotation(rng)
     p = R @ [0.0, 3000.0, 1500.0]
-    pair = (CAPSULE, size, R, CONVEX, hull, random_rotation(rng), tuple(p))
+    pair = (CAPSULE, size, R, CONVEX, hull, _rotation(rng), tuple(p))
     for hint in random_directions(rng, 4 * COUNT):
         out, _ = _answer(pair, hint)
         assert out[DISTANCE] == pytest.approx(500.0, abs=out[ERROR_BOUND] + 1e-11)
@@ -110,7 +115,7 @@ def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_th
     rng = np.random.default_rng([3, kind])
     for _ in range(10):
         size = _hull(rng, 1.0)[1] if kind == CONVEX else rng.uniform(0.1, 1.0, 3)
-        pair = (kind, size, random_rotation(rng), CONVEX, _hull(rng, 1.0)[1], random_rotation(rng))
+        pair = (kind, size, _rotation(rng), CONVEX, _hull(rng, 1.0)[1], _rotation(rng))
         pair = Pair(*pair, tuple(rng.normal(size=3)))
         ns = [tuple(n) for n in random_directions(rng, 50)]
         terms, _, last, r_A, r_B = difference = sums.difference_of_edges(pair, ns[0])
@@ -137,7 +142,7 @@ def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
         vertices, hull = _hull(rng, scale)
         size = np.array([0.3, 0.3 * ratio])
         p = tuple(rng.choice([0.0, 1e-12, scale]) * rng.normal(size=3))
-        pair = Pair(CYLINDER, size, random_rotation(rng), CONVEX, hull, random_rotation(rng), p)
+        pair = Pair(CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
         complete, h, floor, n, unique = rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)
         assert complete
         assert h - 2e-15 <= floor <= h

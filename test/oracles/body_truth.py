@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 from mpmath import mp, mpf
+from oracles import closed_forms
 
 from drake_geom_ros.evidence.bodies import Body, Floats
 from drake_geom_ros.evidence.tolerances import EPS, SEARCH
-from drake_geom_ros.evidence.truth import closed_forms, convex
+from drake_geom_ros.evidence.truth import convex
 from drake_geom_ros.evidence.truth.meshes import ball_distance
 from drake_geom_ros.evidence.truth.supports import CONVEX, HALF_SPACE, offset_between, posed
 
