@@ -17,6 +17,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
 
 DEFECT = 1  # places after the coordinates: the defect, six summits, the lists
@@ -27,7 +28,7 @@ LISTS = 8
 @inlined
 def hull_defect(shape):
     """Return how far [m] the vertices of ``farthest_vertex`` may fall short of the true ones."""
-    end = 3 * int(shape[0])
+    end = 3 * int(shape[VERTEX_COUNT])
     return shape[end + DEFECT] if shape.size > end + DEFECT else 0.0
 
 
@@ -37,7 +38,7 @@ def _farthest_of_all(shape, x, y, z):
     # Unsigned numbers: the test for negative ones would double the time.
     best = np.uint64(1)
     value = shape[1] * x + shape[2] * y + shape[3] * z
-    for k in range(np.uint64(4), np.uint64(3 * int(shape[0]) + 1), np.uint64(3)):
+    for k in range(np.uint64(4), np.uint64(3 * int(shape[VERTEX_COUNT]) + 1), np.uint64(3)):
         candidate = shape[k] * x + shape[k + np.uint64(1)] * y + shape[k + np.uint64(2)] * z
         if candidate > value:
             value = candidate
@@ -61,7 +62,7 @@ def _climbed(shape, end, x, y, z):
     """Return the place of the vertex that is extreme along (x, y, z), up to the defect."""
     here = _summit(shape, end, x, y, z)
     # The path visits no vertex twice, for each is farther than the one before.
-    for _ in range(int(shape[0])):
+    for _ in range(int(shape[VERTEX_COUNT])):
         place = end + LISTS + (here - 1) // 3
         first, last = int(shape[place]), int(abs(shape[place + 1]))
         if first < 0:
@@ -84,7 +85,7 @@ def _climbed(shape, end, x, y, z):
 def _farthest(shape, x, y, z):
     """Return the place of the vertex that is extreme along the unit vector (x, y, z)."""
     if hull_defect(shape) > 0.0:
-        return _climbed(shape, 3 * int(shape[0]), x, y, z)
+        return _climbed(shape, 3 * int(shape[VERTEX_COUNT]), x, y, z)
     return _farthest_of_all(shape, x, y, z)
 
 
@@ -120,7 +121,7 @@ def farthest_edge(shape, x, y, z):
     only neighbours are looked at where they are listed.
     """
     here = _farthest(shape, x, y, z)
-    end = 3 * int(shape[0])
+    end = 3 * int(shape[VERTEX_COUNT])
     other, least = here, math.inf
     place, listed = 0, hull_defect(shape) > 0.0
     if listed:
@@ -147,12 +148,12 @@ def farthest_edge(shape, x, y, z):
 def hull_radius(shape):
     """Return the largest distance [m] of a vertex from Go."""
     farthest, one = 0.0, np.uint64(1)
-    for k in range(one, np.uint64(3 * int(shape[0]) + 1), np.uint64(3)):
+    for k in range(one, np.uint64(3 * int(shape[VERTEX_COUNT]) + 1), np.uint64(3)):
         x, y, z = shape[k], shape[k + one], shape[k + np.uint64(2)]
         farthest = max(farthest, x * x + y * y + z * z)
     if SMALL_SQUARE < farthest < LARGE_SQUARE:
         return math.sqrt(farthest)
     farthest = 0.0
-    for k in range(1, 3 * int(shape[0]) + 1, 3):
+    for k in range(1, 3 * int(shape[VERTEX_COUNT]) + 1, 3):
         farthest = max(farthest, norm((shape[k], shape[k + 1], shape[k + 2])))
     return farthest

@@ -31,6 +31,7 @@ ALIVE = 6
 FACE_WIDTH = 7
 OFFSET = 3
 PLANE_WIDTH = 4
+START, END, BEYOND = 0, 1, 2  # columns of a horizon
 ZERO = (0.0, 0.0, 0.0)
 
 
@@ -107,7 +108,7 @@ def link_tetrahedron(points, faces):
 def cut_visible(faces, planes, f, w, thickness, stack, horizon):
     """Kill the faces that see w, from f outwards, and fill in their horizon; return its length.
 
-    A row of the horizon is an edge (from, to) of a killed face and the living face across it. A
+    A row of the horizon is an edge of a killed face and the living face across it. A
     face sees w if w is above its plane by more than ``thickness``: faces in one plane with w would
     else be killed as rounding falls, and a cone over such a horizon folds back on itself.
     """
@@ -126,9 +127,9 @@ def cut_visible(faces, planes, f, w, thickness, stack, horizon):
                 stack[waiting] = other
                 waiting += 1
             else:
-                horizon[edges, 0] = faces[g, k]
-                horizon[edges, 1] = faces[g, (k + 1) % 3]
-                horizon[edges, 2] = other
+                horizon[edges, START] = faces[g, k]
+                horizon[edges, END] = faces[g, (k + 1) % 3]
+                horizon[edges, BEYOND] = other
                 edges += 1
     return edges
 
@@ -142,7 +143,8 @@ def link_cone(faces, horizon, edges, apex, total, starting_at):
     the old number of faces is returned, and the surface is no longer closed.
     """
     for i in range(edges):
-        start, end, other = horizon[i, 0], horizon[i, 1], np.uint64(horizon[i, 2])
+        start, end = horizon[i, START], horizon[i, END]
+        other = np.uint64(horizon[i, BEYOND])
         if starting_at[start] >= total:
             return total
         f = np.uint64(total + i)

@@ -48,6 +48,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
+    HALF_LENGTH,
+    SHAPE_RADIUS,
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
@@ -57,11 +59,18 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 MOST_CORNERS = 64  # a corner halves its arc, and an arc of 1e-8 is flat to rounding
-# Columns of a corner: direction (s, c), point (radial, axial), width along the direction; and of
-# the chord to the next corner: its normal, the bound of the widths over its arc.
-WIDTH = 4
-CHORD = 5
+# Columns of a corner: direction, point, width along the direction; and of the chord to the next
+# corner: its normal, the bound of the widths over its arc.
+SINE, COSINE, RADIAL, AXIAL, WIDTH, CHORD_SINE, CHORD_COSINE, CHORD_WIDTH = range(8)
+CORNER_WIDTH = 8
 OFF_AXIS = math.sqrt(1.0 - SAME_DIRECTION**2)  # sine of the angle that makes a clear difference
+
+
+class Planar(NamedTuple):
+    """A point in a half plane through the axis [m]."""
+
+    radial: float
+    axial: float
 
 
 @compiled
@@ -106,27 +115,28 @@ def common_axis(pair):
 
 @compiled
 def profile(kind, shape, s, c):
-    """Return (radial, axial) of the core's profile where its normal is (s, c), both >= 0."""
+    """Return the point of the core's profile where its normal is (s, c), both >= 0."""
     if kind == CAPSULE:
-        return 0.0, shape[1]
+        return Planar(0.0, shape[HALF_LENGTH])
     if kind == CYLINDER:
-        return shape[0], shape[1]
+        return Planar(shape[SHAPE_RADIUS], shape[HALF_LENGTH])
     if kind != ELLIPSOID:
-        return 0.0, 0.0
+        return Planar(0.0, 0.0)
     k, _ = axis_of_revolution(kind, shape)
     x, z = 0.5 * (shape[(k + 1) % 3] + shape[(k + 2) % 3]), shape[k]
     h = math.sqrt((x * s) * (x * s) + (z * c) * (z * c))
     r = core_radius(kind, shape)
-    return s * (x * (x / h) - r), c * (z * (z / h) - r)
+    return Planar(s * (x * (x / h) - r), c * (z * (z / h) - r))
 
 
 @compiled
 def put_corner(corners, k, pair, radial, axial, s, c):
     """Store direction, point of the difference and width along (s, c) in row k."""
     a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
-    corners[k, 0], corners[k, 1] = s, c
-    corners[k, 2], corners[k, 3] = a[0] + b[0] - radial, a[1] + b[1] - axial
-    corners[k, WIDTH] = s * corners[k, 2] + c * corners[k, 3]
+    x, z = a.radial + b.radial - radial, a.axial + b.axial - axial
+    corners[k, SINE], corners[k, COSINE] = s, c
+    corners[k, RADIAL], corners[k, AXIAL] = x, z
+    corners[k, WIDTH] = s * x + c * z
 
 
 @compiled
@@ -137,27 +147,28 @@ def set_chord(corners, k, following):
     concave where positive, so the least is at an end of the arc or where they cross: at the normal
     of the chord, if that is within the arc; else there is no chord and its width is infinite.
     """
-    x, y = corners[k, 2] - corners[following, 2], corners[following, 3] - corners[k, 3]
+    x = corners[k, RADIAL] - corners[following, RADIAL]
+    y = corners[following, AXIAL] - corners[k, AXIAL]
     length = math.sqrt(x * x + y * y)
-    corners[k, CHORD + 2] = np.inf
+    corners[k, CHORD_WIDTH] = np.inf
     if x > 0.0 and y > 0.0:
         s, c = y / length, x / length
-        corners[k, CHORD], corners[k, CHORD + 1] = s, c
-        corners[k, CHORD + 2] = min(
-            s * corners[k, 2] + c * corners[k, 3],
-            s * corners[following, 2] + c * corners[following, 3],
+        corners[k, CHORD_SINE], corners[k, CHORD_COSINE] = s, c
+        corners[k, CHORD_WIDTH] = min(
+            s * corners[k, RADIAL] + c * corners[k, AXIAL],
+            s * corners[following, RADIAL] + c * corners[following, AXIAL],
         )
 
 
 @compiled
 def touching_points(corners, after, best, pair, radial, axial):
-    """Return (radial, axial) of a point of each profile, one over the other along the best normal.
+    """Return a point of each profile, one over the other along the best normal.
 
     The best corner's points are aside of each other by ``aside``. Its neighbour on the other side
     has the opposite sign; at the ends of the quarter that is its own mirror image.
     """
-    s, c = corners[best, 0], corners[best, 1]
-    aside = s * corners[best, 3] - c * corners[best, 2]
+    s, c = corners[best, SINE], corners[best, COSINE]
+    aside = s * corners[best, AXIAL] - c * corners[best, RADIAL]
     other, mirror_radial, mirror_axial = best, 1.0, 1.0
     if aside < 0.0 and after[best] >= 0:
         other = after[best]
@@ -170,19 +181,18 @@ def touching_points(corners, after, best, pair, radial, axial):
         while after[other] != best:
             other = after[other]
     a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
-    a_, b_ = (
-        profile(pair.kind_A, pair.shape_A, corners[other, 0], corners[other, 1]),
-        profile(pair.kind_B, pair.shape_B, corners[other, 0], corners[other, 1]),
-    )
-    a_, b_ = (
-        (mirror_radial * a_[0], mirror_axial * a_[1]),
-        (mirror_radial * b_[0], mirror_axial * b_[1]),
-    )
-    aside_ = s * (a_[1] + b_[1] - axial) - c * (a_[0] + b_[0] - radial)
+    s_, c_ = corners[other, SINE], corners[other, COSINE]
+    a_, b_ = profile(pair.kind_A, pair.shape_A, s_, c_), profile(pair.kind_B, pair.shape_B, s_, c_)
+    a_ = Planar(mirror_radial * a_.radial, mirror_axial * a_.axial)
+    b_ = Planar(mirror_radial * b_.radial, mirror_axial * b_.axial)
+    aside_ = s * (a_.axial + b_.axial - axial) - c * (a_.radial + b_.radial - radial)
     t = 0.0 if aside == aside_ else min(max(aside / (aside - aside_), 0.0), 1.0)
     return (
-        (a[0] + t * (a_[0] - a[0]), a[1] + t * (a_[1] - a[1])),
-        (radial - b[0] - t * (b_[0] - b[0]), axial - b[1] - t * (b_[1] - b[1])),
+        Planar(a.radial + t * (a_.radial - a.radial), a.axial + t * (a_.axial - a.axial)),
+        Planar(
+            radial - b.radial - t * (b_.radial - b.radial),
+            axial - b.axial - t * (b_.axial - b.axial),
+        ),
     )
 
 
@@ -196,24 +206,24 @@ class PlanarDepth(NamedTuple):
     lower: float
     s: float
     c: float
-    a: tuple[float, float]
-    b: tuple[float, float]
+    a: Planar
+    b: Planar
     unique: bool
 
 
 @allocating
 def planar_depth(pair, radial, axial, enough, noise):
     """Return the least width over directions s, c >= 0, and where."""
-    corners = np.empty((MOST_CORNERS, CHORD + 3))
+    corners = np.empty((MOST_CORNERS, CORNER_WIDTH))
     after = np.empty(MOST_CORNERS, dtype=np.int32)
     put_corner(corners, 0, pair, radial, axial, 1.0, 0.0)
     put_corner(corners, 1, pair, radial, axial, 0.0, 1.0)
     after[0], after[1], count = 1, -1, 2
     set_chord(corners, 0, 1)
     best = 0 if corners[0, WIDTH] <= corners[1, WIDTH] else 1
-    arc, lower = 0, min(corners[best, WIDTH], corners[0, CHORD + 2])
+    arc, lower = 0, min(corners[best, WIDTH], corners[0, CHORD_WIDTH])
     while corners[best, WIDTH] - lower > enough and count < MOST_CORNERS:
-        s, c = corners[arc, CHORD], corners[arc, CHORD + 1]
+        s, c = corners[arc, CHORD_SINE], corners[arc, CHORD_COSINE]
         put_corner(corners, count, pair, radial, axial, s, c)
         after[count] = after[arc]
         after[arc] = count
@@ -224,16 +234,16 @@ def planar_depth(pair, radial, axial, enough, noise):
         count += 1
         lower = corners[best, WIDTH]
         for k in range(count):
-            if after[k] >= 0 and corners[k, CHORD + 2] < lower:
-                arc, lower = k, corners[k, CHORD + 2]
-    s, c, rival = corners[best, 0], corners[best, 1], corners[best, WIDTH] + enough
+            if after[k] >= 0 and corners[k, CHORD_WIDTH] < lower:
+                arc, lower = k, corners[k, CHORD_WIDTH]
+    s, c, rival = corners[best, SINE], corners[best, COSINE], corners[best, WIDTH] + enough
     unique = True
     for k in range(count):
-        if after[k] >= 0 and corners[k, CHORD + 2] <= rival:
-            cosine = corners[k, CHORD] * s + corners[k, CHORD + 1] * c
+        if after[k] >= 0 and corners[k, CHORD_WIDTH] <= rival:
+            cosine = corners[k, CHORD_SINE] * s + corners[k, CHORD_COSINE] * c
             unique = unique and cosine >= SAME_DIRECTION
         if corners[k, WIDTH] <= rival:
-            cosine = corners[k, 0] * s + corners[k, 1] * c
+            cosine = corners[k, SINE] * s + corners[k, COSINE] * c
             unique = unique and cosine >= SAME_DIRECTION
     a, b = touching_points(corners, after, best, pair, radial, axial)
     return PlanarDepth(lower, s, c, a, b, unique)
@@ -259,7 +269,8 @@ def depth_of_revolution(pair, u, move, size, tolerance):
     n = unit(add_scaled(scale(s, e), c, u))
     s_A, s_B = support_points(pair, n, 0.0)
     upper = dot(sub(s_A, s_B), n)
-    a, b = add_scaled(scale(a[0], e), a[1], u), add_scaled(scale(b[0], e), b[1], u)
+    a = add_scaled(scale(a.radial, e), a.axial, u)
+    b = add_scaled(scale(b.radial, e), b.axial, u)
     lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     centre = scale(0.5, add_scaled(add(a, b), rise, n))

@@ -19,7 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID, VERTEX_COUNT
 
 
 @compiled
@@ -27,7 +27,7 @@ def middle_of(A, p):
     """Return a point of A's core, inside where that has a volume, from Bo."""
     if A.kind != CONVEX:
         return p
-    middle, count = (0.0, 0.0, 0.0), int(A.shape[0])
+    middle, count = (0.0, 0.0, 0.0), int(A.shape[VERTEX_COUNT])
     for k in range(count):
         middle = add_scaled(middle, 1.0 / count, vector_at(A.shape, 1 + 3 * k))
     return add(p, rotate(A.R, middle))
