@@ -6,6 +6,7 @@ The room grows with the number, so that a body has as many neighbours in each sc
 from __future__ import annotations
 
 import gc
+import os
 from pathlib import Path
 
 import matplotlib
@@ -16,6 +17,7 @@ from bench.peers.chart import COLOURS, DPI
 from bench.peers.motion import PACES
 from bench.peers.run import installed
 from bench.peers.timing import Taken, Turn, interleave
+from bench.ros.processes import memory
 from drake_geom_ros.evidence.pages import table
 
 matplotlib.use('Agg')
@@ -27,12 +29,6 @@ LIMIT = 2.0  # [s] a cycle, of peers
 MOST = {'ours': 100_000, 'MuJoCo': 10_000, 'python-fcl': 30_000, 'Coal': 30_000}
 GROWTH = 45.0  # times the mean of 1000 balls that 30 000 may take
 HEADINGS = ['balls', 'pace', 'library', 'mean [ms]', 'p99 [ms]', 'results', 'mean / that of 1000']
-
-
-def resident() -> int:
-    """Return the memory of this process [bytes]."""
-    pages = int(Path('/proc/self/statm').read_text().split()[1])
-    return pages * 4096
 
 
 def _asked(scene: scenes.Scene, poses: scenes.Floats) -> ours.Side:
@@ -59,12 +55,13 @@ class Growth:
         scene = scenes.spheres(count)
         first = scene.motion.poses(1, 0, 'jump')[0]
         gc.collect()
-        before = resident()
+        before = memory(os.getpid())
         sides = {'ours': _asked(scene, first)}
         found = sides['ours'].answers['penetration']()
         effects = sides['ours'].query.effects()
+        grown = 1e6 * (memory(os.getpid()) - before)
         self._say(
-            f'{count} balls: {(resident() - before) / count:.0f} bytes of memory a ball, with the '
+            f'{count} balls: {grown / count:.0f} bytes of memory a ball, with the '
             f'scene and an answer; {effects.broadphase_pairs / count:.1f} pairs a ball are '
             f'looked at, {found} overlap'
         )

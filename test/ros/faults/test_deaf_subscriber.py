@@ -6,6 +6,8 @@ import sys
 from drake_geom_msgs import msg
 from ros.harness import ROOT, Process, environment, start_node
 
+from bench.ros.processes import memory
+
 SCENE = ROOT / 'scenes/minimal.yaml'
 DEAF = """
 import time
@@ -18,12 +20,7 @@ for kind, name in (SignedDistancePairs, 'signed_distances'), (PenetrationPairs, 
 print('deaf', flush=True)
 time.sleep(600)
 """
-MOST_GROWTH = 5e6  # [bytes] over 600 cycles whose messages hold 1 kB each
-
-
-def memory(pid):
-    with open(f'/proc/{pid}/statm') as file:
-        return 4096 * int(file.read().split()[1])
+MOST_GROWTH = 5.0  # [MB] over 600 cycles whose messages hold 1 kB each
 
 
 def test_nobody_waits_for_it(tmp_path, lone_client):
