@@ -70,9 +70,9 @@ def point_phase(  # type: ignore[no-untyped-def]
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
     ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``world`` is a
-    handle. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and
-    ``ids`` (m n,) are filled, in the order of points, then ids. ``found`` (m n,) comes in as
-    False, ``counts`` get how many answers there are by each method.
+    handle. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in
+    the order of points, then ids. ``found`` (m n,) comes in as False, ``counts`` get how many
+    answers there are by each method.
     """
     world = world_of(world)
     types, starts, pool = world.types, world.starts, world.pool

@@ -33,7 +33,7 @@ A shape grown by a ball of radius r has ``h(n) + r`` as support function, so
 ``phi(A + rA, B + rB) = phi(A, B) - rA - rB`` for either sign: a sphere is a point with a
 radius, a capsule a segment with a radius, and one kernel of the cores serves both.
 
-Shape parameters (half sizes, in the geometry's frame):
+Shape parameters (half sizes, in the geometry's frame; their places have names in ``kinds``):
 
 ========== ============================= ==========================================
 SPHERE     radius

@@ -31,7 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CONVEX
+from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CONVEX, HALF_LENGTH, SHAPE_RADIUS
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 MOST_DIRECTIONS = 160
@@ -123,7 +123,8 @@ def least_of_hull_in_barrel(pair, enough, noise):
     A is the core of a cylinder or of a capsule, whose radius is 0.
     """
     kind_A, shape_A, R_WA, _, shape_B, R_WB, p = pair
-    radius, length, u = shape_A[0], shape_A[1], column(R_WA, 2)
+    radius, length = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
+    u = column(R_WA, 2)
     if kind_A == CAPSULE:
         radius = 0.0
     if not is_bulged(radius, length, norm(p) + hull_radius(shape_B)):
