@@ -290,8 +290,6 @@ class Engine:
         self._kernels, self._unrefined = [], 0
         stale, lacking = world.is_stale, 0
         state = world.revision + stale, filters.version, world.placings
-        if stale:
-            world.leave_moment()
         while True:
             count = run_cycle(hands, ADDRESSES, lacking, stale, *state, *query, mode, ids, rows)
             if stale:
