@@ -86,10 +86,11 @@ def run(options: argparse.Namespace) -> int:
         'question': question.words,
     }
     parts = Parts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
-    missing = parts.begin(options.resume)
-    _say(f'{len(parts.blocks) - len(missing)} of {len(parts.blocks)} blocks are there', options)
     scheduler = options.scheduler
     with cluster_executor(scheduler) if scheduler else nullcontext() as executor:
+        missing = parts.begin(options.resume)
+        done = len(parts.blocks) - len(missing)
+        _say(f'{done} of {len(parts.blocks)} blocks are there', options)
         try:
             for block, columns in computed(job, states.rows, missing, executor, progress=True):
                 parts.put(block, columns)
