@@ -1,12 +1,13 @@
 """Batches of states beside pydrake, Coal with Pinocchio, and MuJoCo in loops, in one run.
 
-    python -m bench.batches [--states 2000] [--million] [--cluster]
+    python -m bench.batches [--states 2000] [--million] [--cluster [plain]]
 
 The scene is the demo's: two Pandas, a table and what lies on it. Random joint values within the
 limits; adjacent links and what the SRDF names are filtered, as are the arms' feet and what stands
 still. All libraries get the same pairs of geometries. Times are means by state; ratios of one run
 can be compared, figures of two cannot. ``--million`` asks about a million states and tells the
-peak memory of the process; ``--cluster`` starts a Dask scheduler and one and two workers.
+peak memory of the process; ``--cluster`` starts a Dask scheduler and one and two workers, as
+docs/batches.md advises or, with ``plain``, with Dask's own defaults.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ SCENE = ROOT / 'scenes/two_pandas.yaml'
 FOOT = 'panda_link0'
 BELOW, FLOOR = '{position: [0, 0, -0.1]}', '{type: box, size: [4, 4, 0.2]}'
 TURNS = 3  # of which the fastest counts: what else the machine does only ever adds
-CLUSTER_STATES = 400_000  # 40 blocks: of ten, one more for a worker would be a tenth
+CLUSTER_STATES = 800_000  # 40 blocks a worker of two: of five, half a block would be a tenth
+# A batch: to bring the scene into arrays takes 4 ms on one core, which is a tenth of 2000 states.
+THREAD_STATES = 50_000
 
 
 class Ours:
@@ -175,7 +178,9 @@ def by_threads(ours: Ours, states: np.ndarray) -> None:
     """Print what a second thread gives."""
     for want in ('least', 'collision'):
         one, two = (seconds(lambda n=n, w=want: ask(ours, states, w, n)) for n in (1, 2))
-        print(f'{want}: two threads are {one / two:.2f} times as fast as one')
+        print(
+            f'{want}: two threads are {one / two:.2f} times as fast as one, {len(states)} states'
+        )
 
 
 def near_states(ours: Ours, states: np.ndarray) -> None:
@@ -213,7 +218,7 @@ def main() -> None:
     )
     parser.add_argument('--states', type=int, default=2000)
     parser.add_argument('--million', action='store_true')
-    parser.add_argument('--cluster', action='store_true')
+    parser.add_argument('--cluster', nargs='?', const='advised', choices=('advised', 'plain'))
     given = parser.parse_args()
     ours = Ours()
     states = ours.states(given.states)
@@ -224,14 +229,15 @@ def main() -> None:
     print(f'pairs of geometries {len(ours.pairs())}, states that collide {yes.mean():.2f}')
     for other in others:
         beside(ours, other, states)
-    by_threads(ours, states)
+    for count in (given.states, THREAD_STATES):
+        by_threads(ours, ours.states(count))
     near_states(ours, states)
     if given.million:
         million(ours)
     if given.cluster:
         from bench.batches_cluster import on_cluster
 
-        on_cluster(ours, ours.states(CLUSTER_STATES))
+        on_cluster(ours, ours.states(CLUSTER_STATES), given.cluster == 'advised')
 
 
 if __name__ == '__main__':

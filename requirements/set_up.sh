@@ -212,15 +212,18 @@ pip_add() {
     -c "${kept:-$root/requirements/lock.txt}" "$@"
 }
 
-# Each peer that has a wheel for this Python and machine.
-install_peers() {
-  local name missing=()
-  for name in drake coal mujoco pin; do
-    pip_add --only-binary :all: -c "$root/requirements/peers.txt" "$name" || missing+=("$name")
+# pip_add_wheels SET PACKAGE...: each of its packages that has a wheel for this Python and machine.
+pip_add_wheels() {
+  local set=$1 name missing=()
+  shift
+  for name; do
+    pip_add --only-binary :all: -c "$root/requirements/$set.txt" "$name" || missing+=("$name")
   done
-  ((${#missing[@]} < 4)) # all of them: not a matter of wheels
+  ((${#missing[@]} < $#)) # all of them: not a matter of wheels
 }
 
+install_peers() { pip_add_wheels peers drake coal mujoco pin; }
+install_cluster() { pip_add_wheels cluster distributed pyarrow; }
 install_view() { pip_add -r "$root/requirements/view.txt"; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 

@@ -14,14 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.batch.joints import Joints
 from drake_geom_ros.batch.questions import Columns, Job, Question
-from drake_geom_ros.batch.results import Results, gathered, with_ids
+from drake_geom_ros.batch.results import Gathered, Results
 from drake_geom_ros.batch.running import (
+    LEAST_BLOCK,
     LOCAL_BLOCK,
     REMOTE_BLOCK,
     Block,
     blocks_of,
     by_executor,
     by_threads,
+    size_for_all,
 )
 from drake_geom_ros.geometry import ArgumentError, FrameId, SceneGraph, SceneGraphContext
 from drake_geom_ros.geometry.state_queries import PackedScene, default_accuracy
@@ -82,12 +84,13 @@ def evaluate(
     rows, ids, arms = _states(frame_ids, poses, states, joints)
     scene, geometry_ids = PackedScene.of(context, ids)
     job = Job(scene, question, arms)
-    found: dict[Block, Columns] = {}
-    size = block_size or (LOCAL_BLOCK if executor is None else REMOTE_BLOCK)
+    found = Gathered(want, len(rows), geometry_ids)
+    local = size_for_all(len(rows), threads, LOCAL_BLOCK, LEAST_BLOCK)
+    size = block_size or (local if executor is None else REMOTE_BLOCK)
     blocks = blocks_of(len(rows), size) or [(0, 0)]
     for block, columns in computed(job, rows, blocks, executor, progress, threads):
-        found[block] = with_ids(columns, geometry_ids)
-    return gathered(want, [found[block] for block in blocks])
+        found.put(block, columns)
+    return found.results()
 
 
 def context_of(scene: SceneGraph | SceneGraphContext) -> SceneGraphContext:

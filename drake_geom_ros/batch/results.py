@@ -65,29 +65,44 @@ class PointsOfStates(NamedTuple):
     p_GN: Floats  # (k, 3) [m] in the geometry's frame
 
 
+_IDS = ('id_A', 'id_B', 'id_G')
+
 Results = Flags | LeastDistances | PairsOfStates | PointsOfStates
 
 
-def with_ids(columns: dict[str, NDArray[Any]], ids: Indices) -> dict[str, NDArray[Any]]:
-    """Return columns in which geometries go by their ids (n,), no longer by their place.
+class Gathered:
+    """The results of ``count`` states, of blocks that come in any order; at least of one.
 
-    Place -1, where there is none, becomes 0.
+    Where each state has one row, a block is put where it belongs at once: it is held once.
     """
-    known = np.append(ids, 0)
-    named: dict[str, NDArray[Any]] = {
-        name: known[columns[name]] for name in ('id_A', 'id_B', 'id_G') if name in columns
-    }
-    return {**columns, **named}
 
+    def __init__(self, want: str, count: int, ids: Indices) -> None:
+        self._want, self._count = want, count
+        self._ids = np.append(ids, 0)  # of geometries by their place; 0 for place -1, none
+        self._rows: dict[str, NDArray[Any]] = {}
+        self._ragged: dict[tuple[int, int], dict[str, NDArray[Any]]] = {}
 
-def gathered(want: str, blocks: list[dict[str, NDArray[Any]]]) -> Results:
-    """Return the results of blocks of states in their order; at least one block."""
-    columns = {
-        name: np.concatenate([block.pop(name) for block in blocks]) for name in list(blocks[0])
-    }
-    if want == 'collision':
-        return columns['collision']
-    if want == 'least':
-        return LeastDistances(**columns)
-    columns['offsets'] = np.concatenate(([0], np.cumsum(columns.pop('counts'))))
-    return PointsOfStates(**columns) if want == 'points' else PairsOfStates(**columns)
+    def put(self, block: tuple[int, int], columns: dict[str, NDArray[Any]]) -> None:
+        """Take the answers of a block, in which geometries go by their place in the scene."""
+        ids = {name: self._ids[columns[name]] for name in _IDS if name in columns}
+        columns = {**columns, **ids}
+        if 'counts' in columns:
+            self._ragged[block] = columns
+            return
+        for name, values in columns.items():
+            if name not in self._rows:
+                self._rows[name] = np.empty((self._count, *values.shape[1:]), values.dtype)
+            self._rows[name][slice(*block)] = values
+
+    def results(self) -> Results:
+        """Return all of it, in the order of the states."""
+        if self._want == 'collision':
+            return self._rows['collision']
+        if self._want == 'least':
+            return LeastDistances(**self._rows)
+        blocks = [self._ragged[block] for block in sorted(self._ragged)]
+        columns = {
+            name: np.concatenate([block.pop(name) for block in blocks]) for name in list(blocks[0])
+        }
+        columns['offsets'] = np.concatenate(([0], np.cumsum(columns.pop('counts'))))
+        return (PointsOfStates if self._want == 'points' else PairsOfStates)(**columns)

@@ -6,6 +6,7 @@ GIL and look at a flag before each state, so Ctrl-C ends them at once.
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 import time
@@ -38,8 +39,10 @@ _KILLED = 'KilledWorker'  # Dask: a block that died with several workers; the ot
 _T = TypeVar('_T')
 _B = TypeVar('_B')
 
+LEAST_BLOCK = 256  # states: to begin with a block takes as long as two of them
 LOCAL_BLOCK = 1024  # states: some hundredths of a second, arrays that stay in the caches
 REMOTE_BLOCK = 10_000  # states: what a scheduler takes for a task is nothing beside it
+_BLOCKS_A_THREAD = 8  # at least, where states are few: all cores have work until the end
 AHEAD = 64  # blocks that are with an executor at once: memory stays flat
 _LOOKS = 0.2  # [s] how often a wait for blocks lets Ctrl-C in
 _GRACE = 5.0  # [s] that blocks have, one after the other, once their executor is known to be gone
@@ -58,6 +61,12 @@ def cores() -> int:
 def blocks_of(count: int, size: int) -> list[Block]:
     """Return the blocks of ``count`` states."""
     return [(first, min(first + size, count)) for first in range(0, count, size)]
+
+
+def size_for_all(count: int, threads: int, most: int, least: int = 1) -> int:
+    """Return how many states a block should have for so many threads (0: one for each core)."""
+    share = math.ceil(count / (_BLOCKS_A_THREAD * (threads or cores())))
+    return max(least, min(most, share))
 
 
 def by_threads(job: Job, states: Any, blocks: Iterable[Block], threads: int = 0) -> Iterator[Done]:

@@ -16,7 +16,7 @@ from drake_geom_ros.batch.evaluation import computed
 from drake_geom_ros.batch.parts import Parts
 from drake_geom_ros.batch.questions import Job
 from drake_geom_ros.batch.result_files import about, check_suffix, write
-from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, cores
+from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
 from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
@@ -26,7 +26,6 @@ from drake_geom_ros.geometry.state_queries import PackedScene
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError, load_scene
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
-_BLOCKS_A_CORE = 8  # at least, where states are few: all cores have work until the end
 _PIECE = 1 << 20  # bytes of a file that are hashed at once
 
 
@@ -79,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
     )
     job, names = _job(scene_graph, loaded, states, question)
     start = time.perf_counter()
-    size = max(1, min(REMOTE_BLOCK, math.ceil(len(states.rows) / (_BLOCKS_A_CORE * cores()))))
+    size = size_for_all(len(states.rows), 0, REMOTE_BLOCK)
     task = {
         'job': job.digest,
         'states': _digest(Path(options.states)),
@@ -87,10 +86,11 @@ def run(options: argparse.Namespace) -> int:
         'question': question.words,
     }
     parts = Parts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
-    missing = parts.begin(options.resume)
-    _say(f'{len(parts.blocks) - len(missing)} of {len(parts.blocks)} blocks are there', options)
     scheduler = options.scheduler
     with cluster_executor(scheduler) if scheduler else nullcontext() as executor:
+        missing = parts.begin(options.resume)
+        done = len(parts.blocks) - len(missing)
+        _say(f'{done} of {len(parts.blocks)} blocks are there', options)
         try:
             for block, columns in computed(job, states.rows, missing, executor, progress=True):
                 parts.put(block, columns)

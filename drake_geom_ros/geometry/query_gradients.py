@@ -36,9 +36,10 @@ class PairGradients:
         """Whether each gradient (k,) is the only one: the distance has a derivative there.
 
         False where normals are equally good, where faces or edges lie parallel, where corners
-        touch, for answers from bounds alone, and for solids that touch or overlap. Of solids that
-        are apart all parts are looked at that may be as near. Rounding decides for what is so by
-        less than about 1e-6 rad.
+        touch, for answers from bounds alone, and for solids that touch. Of solids that are apart
+        all parts are looked at that may be as near; of those that overlap it is False, too, where
+        nothing proves that no other way out is as short. Rounding decides for what is so by less
+        than about 1e-6 rad.
         """
         return self._derivatives()[1]
 

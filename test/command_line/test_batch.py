@@ -168,3 +168,14 @@ def test_bad_input_is_said_in_a_line(ask, tmp_path, capsys):
     ):
         assert ask(*options, **keywords) == 2
         assert words in capsys.readouterr().err
+
+
+@pytest.mark.skipif(
+    not importlib.util.find_spec('distributed'), reason="Dask's distributed is not installed"
+)
+def test_a_scheduler_that_is_not_there_leaves_no_parts_behind(ask, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv('DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT', '1s')
+    assert ask('--scheduler', 'tcp://127.0.0.1:9') == 2
+    assert 'no scheduler at tcp://127.0.0.1:9' in capsys.readouterr().err
+    assert not (tmp_path / 'out.npz.parts').exists()
+    assert ask() == 0

@@ -200,7 +200,7 @@ def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):
     assert calls(folder) == ['venv', 'packages', 'messages', 'tf2_msgs']
 
 
-@pytest.mark.parametrize('name', ['peers', 'mutants', 'view'])
+@pytest.mark.parametrize('name', ['peers', 'mutants', 'view', 'cluster'])
 def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(folder, name):
     script = FAKE_STEPS + f'install_{name}() {{ echo {name} >>"$root/calls"; }}\n'
     for change in ('', '', '# changed\n'):
@@ -208,6 +208,11 @@ def test_a_further_set_is_installed_for_its_command_and_when_its_pins_change(fol
         code, _, errors = shell(folder, script + f'prepare_with {name}')
         assert code == 0, errors
     assert calls(folder) == ['venv', 'packages', 'messages', name, name]
+
+
+def test_a_package_without_a_wheel_is_left_out_but_not_all_of_them(folder):
+    script = 'pip_add() { [[ ${*: -1} == there ]]; }\npip_add_wheels cluster '
+    assert [shell(folder, script + names)[0] for names in ('there not', 'not')] == [0, 1]
 
 
 def test_what_was_deleted_is_made_again(folder):

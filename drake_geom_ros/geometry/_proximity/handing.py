@@ -11,6 +11,7 @@ Under ``NUMBA_DISABLE_JIT=1`` a handle is the record itself.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
@@ -41,13 +42,14 @@ Handle: TypeAlias = Any  # an array of integers, or uncompiled the record
 Extents: TypeAlias = tuple[int | None, ...]
 
 
-def _fields(record: type[Any]) -> list[tuple[str, type[Any], Extents]]:
+@cache  # reading the types of a record takes longer than a query
+def _fields(record: type[tuple[Any, ...]]) -> list[tuple[str, type[Any], Extents]]:
     """Return name, type of number and following extents of each field."""
     hints = get_type_hints(record, include_extras=True)
-    return [(name, *get_args(hints[name])[1:]) for name in record._fields]
+    return [(name, *get_args(hint)[1:]) for name, hint in hints.items()]
 
 
-def handle_of(record: Any) -> Handle:
+def handle_of(record: tuple[Any, ...]) -> Handle:
     """Return the handle of a record of arrays; TypeError for one that is not as its field says."""
     if config.DISABLE_JIT:
         return record
@@ -65,7 +67,7 @@ def handle_of(record: Any) -> Handle:
     return np.array(numbers, dtype=np.int64)
 
 
-def taker(record: type[Any]) -> Any:
+def taker(record: type[tuple[Any, ...]]) -> Any:
     """Return the compiled function that makes a record of its handle."""
     if config.DISABLE_JIT:
         return lambda handle: handle

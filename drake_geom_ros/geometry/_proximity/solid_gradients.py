@@ -15,7 +15,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius, core_radius
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
-from drake_geom_ros.geometry._proximity.kernels.solids.uniqueness import is_nearest_alone
+from drake_geom_ros.geometry._proximity.kernels.solids.uniqueness import (
+    is_nearest_alone,
+    is_way_out_alone,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     norm,
@@ -38,20 +41,22 @@ def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_
     R = np.empty((3, 3))
     for j in range(3):
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
-    n = scale(-1.0, unrotate(R_WB, nhat_BA_W))
-    p = sub(add_scaled(p_BCb, -numbers[DISTANCE], n), rotate(R, p_ACa))
+    m, distance, error = unrotate(R_WB, nhat_BA_W), numbers[DISTANCE], numbers[ERROR_BOUND]
+    q = add_scaled(p_BCb, distance, m)
+    p = sub(q, rotate(R, p_ACa))
     size = bounding_radius(kind_A, shape_A) + bounding_radius(SOLID, shape_B) + norm(p)
-    limit = numbers[DISTANCE] + core_radius(kind_A, shape_A) + numbers[ERROR_BOUND]
-    A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
-    return is_nearest_alone(A, B, p, n, size, limit + ROUNDING * EPS * size)
+    A, B, radius = body_of(kind_A, shape_A, R), solid_of(shape_B), core_radius(kind_A, shape_A)
+    if distance < 0.0:
+        return is_way_out_alone(A, B, p, q, m, -distance, error, radius, size)
+    limit = distance + radius + error + ROUNDING * EPS * size
+    return is_nearest_alone(A, B, p, scale(-1.0, m), size, limit)[0]
 
 
 @allocating
 def find_unique_of_solids(rows, places, scene, unique):  # type: ignore[no-untyped-def]
     """Fill ``unique`` (k,) where a pair is of surfaces, as ``pair_gradients`` does elsewhere.
 
-    Only what is apart can be unique: of the ways out of an overlap nobody knows that there is no
-    other one as short.
+    Of what touches nobody knows whether it is the only one.
     """
     types, starts, pool, R_WGs = scene
     for k in range(places.shape[0]):
@@ -59,12 +64,15 @@ def find_unique_of_solids(rows, places, scene, unique):  # type: ignore[no-untyp
         if not is_of_surfaces(types[a], types[b]):
             continue
         numbers = row(rows, k)
-        sure = numbers[UNIQUE] != 0.0 and numbers[METHOD] != BOUND_ONLY
-        unique[k] = sure and numbers[DISTANCE] > numbers[ERROR_BOUND]
+        far, sure = abs(numbers[DISTANCE]) > numbers[ERROR_BOUND], numbers[METHOD] != BOUND_ONLY
+        # Whether the normal of an overlap is the only one is known with the way out.
+        unique[k] = far and sure and (numbers[UNIQUE] != 0.0 or numbers[DISTANCE] < 0.0)
         if not unique[k]:
             continue
         n, p, q = vector_at(numbers, NORMAL), vector_at(numbers, P_ACA), vector_at(numbers, P_BCB)
-        if types[b] != SOLID:  # the other way around
-            a, b, n, p, q = b, a, scale(-1.0, n), q, p
         A, B = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-        unique[k] = _is_alone(numbers, types[a], A, row(R_WGs, a), p, B, row(R_WGs, b), q, n)
+        R_WA, R_WB, m = row(R_WGs, a), row(R_WGs, b), scale(-1.0, n)
+        # Each solid can be the one that the other is near to or leaves.
+        unique[k] = types[b] == SOLID and _is_alone(numbers, types[a], A, R_WA, p, B, R_WB, q, n)
+        if not unique[k] and types[a] == SOLID:
+            unique[k] = _is_alone(numbers, types[b], B, R_WB, q, A, R_WA, p, m)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import weakref
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -19,10 +17,6 @@ from drake_geom_ros.geometry._proximity.records import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-
-def _none() -> None:
-    """Return nothing, as a reference does to what nobody holds."""
 
 
 class FrameTable(NamedTuple):
@@ -110,7 +104,7 @@ class World:
     def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        self._moment: Callable[[], Moment | None] = _none  # that of now, while a result holds it
+        self._moment: Moment | None = None  # that of now, if a result asked for it
         self._posed_now = Posed(
             ids=table.ids,
             types=table.types,
@@ -236,11 +230,9 @@ class World:
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
-        found = self._moment()
-        if found is None:
-            found = Moment(self._posed_now)
-            self._moment = weakref.ref(found)
-        return found
+        if self._moment is None:
+            self._moment = Moment(self._posed_now)
+        return self._moment
 
     @property
     def is_stale(self) -> bool:
@@ -249,19 +241,12 @@ class World:
 
     def note_update(self, revision: int) -> None:
         """Note that a cycle has brought everything up to date."""
-        self.revision, self._stale = revision, False
-
-    def leave_moment(self) -> None:
-        """Have what results hold of the poses copied, for these are about to change."""
-        if (held := self._moment()) is not None:
-            held.keep()
-        self._moment = _none
+        self.revision, self._stale, self._moment = revision, False, None
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self._stale:
             return 0, 0
-        self.leave_moment()
         counts = update(self.handle, self.revision + 1)
         self.note_update(self.revision + 1)
         return counts  # type: ignore[no-any-return]

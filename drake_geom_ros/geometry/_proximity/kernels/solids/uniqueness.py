@@ -6,6 +6,10 @@ room (``features``); so has the least of finitely many, where all attain it with
 Bodies are given as in ``distance``.
 """
 
+import math
+
+import numpy as np
+
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.features import (
@@ -17,11 +21,16 @@ from drake_geom_ros.geometry._proximity.kernels.features import (
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
     CORNERS,
+    NO_BOX,
+    NO_TREE,
+    Body,
     first_of_leaf,
     next_leaves,
     walk,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
     cross,
     dot,
     norm,
@@ -31,8 +40,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import SOLID
-from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SAME_WITNESS
+from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.tolerances import (
+    DISTINCT_NORMALS,
+    EPS,
+    ROUNDING,
+    SAME_WITNESS,
+)
 
 
 @compiled
@@ -68,27 +82,58 @@ def hold_leaves_one_point(A, i, B, j, n):
 
 @allocating
 def is_nearest_alone(A, B, p, n, size, limit):
-    """Tell whether no other points of A's core and of B's surface are as near as the nearest.
+    """Return (alone, b): whether no other points are as near as the nearest, that of B being b.
 
-    All leaves are looked at that are not certified to be farther apart than ``limit`` [m], which
-    is no less than the distance. False where rounding leaves it open.
+    They are of A's core and of B's surface. All leaves are looked at that are not certified to be
+    farther apart than ``limit`` [m], which is no less than the distance. False where rounding
+    leaves it open.
     """
     path, top = walk(A, B, p), 1
     count, b, slack = 0, p, SAME_WITNESS * size
     while True:
         top, i, j, _ = next_leaves(A, B, p, path, top, limit)
         if i < 0:
-            return count > 0
+            return count > 0, b
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
                 found = leaf_gap(A, k, B, m, p, n, size, 0.0, limit)
                 if found.end == BEYOND_CUTOFF:
                     continue
                 if found.end == OVERLAP or not hold_leaves_one_point(A, k, B, m, found.n):
-                    return False
+                    return False, b
                 if count == 0:
                     b, n = found.b, found.n
                 count += 1
                 apart = norm(sub(found.b, b)) > slack
                 if apart or norm(sub(found.n, n)) > SAME_WITNESS:
-                    return False
+                    return False, b
+
+
+@allocating
+def is_way_out_alone(A, B, p, q, m, depth, error, radius, size):
+    """Tell whether the move by ``depth`` along the unit m is the only one that takes A out of B.
+
+    ``depth`` exceeds the least one by ``error`` at most; A, its core grown by ``radius``, then
+    touches B with the point that is at q before. It is proven by the ball of A that touches q from
+    within, which has to be out of B, too. Where ``depth`` is less than its radius that takes the
+    point of B that touches out of the ball, which no other move of this length does. Else its
+    middle x is in B, and a move leads through a point of B's surface that is nearer to x than the
+    length of the move less the radius: where only one point is that near, none leads elsewhere.
+
+    Nothing may touch after the move but what is at q. False where this proves nothing: edges that
+    cross, and faces of A that B's corners touch, have no such ball.
+    """
+    noise, between = ROUNDING * EPS * size, abs(depth - radius)
+    # A move that is longer by the error may end as far beside the end of the shortest.
+    aside = 2.0 * math.sqrt(depth * error * max(depth, radius) / max(between, noise))
+    if depth >= radius:
+        x = add_scaled(q, radius, m)
+        point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
+        alone, _ = is_nearest_alone(point, B, x, m, size, between + noise)
+        if not alone or not is_inside(B.shape, B.tree, x):
+            return False
+    aside += DISTINCT_NORMALS * size
+    there = add_scaled(p, depth + aside, m)
+    alone, b = is_nearest_alone(A, B, there, scale(-1.0, m), size, radius + 3.0 * aside)
+    at_q = norm(sub(b, add_scaled(q, depth, m))) <= SAME_WITNESS * size + aside
+    return alone and at_q
