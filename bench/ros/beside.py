@@ -29,7 +29,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from bench.ros.processes import Processes
-from bench.ros.routes import Reports, Route, stream
+from bench.ros.routes import LAST_ANSWERS, Reports, Route, stream
 from bench.ros.scenes import Played, two_arms
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
@@ -93,21 +93,24 @@ class Measurement:
         while not self._route.publisher.get_subscription_count():
             self._executor.spin_once(timeout_sec=0.1)
 
-    def turn(self, seconds: float, close: Callable[[], float]) -> Turn:
-        """Stream; ``close()`` ends what is beside and returns how many images came a second."""
+    def turn(self, seconds: float, close: Callable[[], list[float]]) -> Turn:
+        """Stream; ``close()`` ends what is beside and returns when images came."""
         route, reports = self._route, self._reports
         delays, lost = route.result()
         cycles, before = len(reports.cycles), used(self._pid)
+        start = time.monotonic()
         stream(self._executor, route, self._played, POSE_RATE, seconds)
-        spent, images = used(self._pid) - before, close()
+        end, spent = time.monotonic() - LAST_ANSWERS, used(self._pid) - before
+        # Before and after the stream nothing moves, and hardly an image is due.
+        images = sum(start <= came <= end for came in close()) / (end - start)
         all_delays, all_lost = route.result()
         return Turn(
             all_delays[len(delays) :], reports.cycles[cycles:], all_lost - lost, images, spent
         )
 
 
-def start(processes: Processes, options: argparse.Namespace) -> Callable[[], float]:
-    """Start what is beside; return what ends it, and says how many images came a second."""
+def start(processes: Processes, options: argparse.Namespace) -> Callable[[], list[float]]:
+    """Start what is beside; return what ends it, and says when images came [s]."""
     if options.what == 'viewer':
         process = processes.start(VIEWER, port=18099)
     else:
@@ -116,14 +119,12 @@ def start(processes: Processes, options: argparse.Namespace) -> Callable[[], flo
         process = processes.start(LISTENER, *names)
     time.sleep(SETTLING)
 
-    def close() -> float:
+    def close() -> list[float]:
         process.terminate()
         lines = process.stdout.read().splitlines()
         processes.forget(process)
-        if options.what == 'viewer':
-            return 0.0
-        came = json.loads(lines[-1])
-        return came['images'] / max(came['seconds'], 1.0)
+        times: list[float] = [] if options.what == 'viewer' else json.loads(lines[-1])
+        return times
 
     return close
 
@@ -162,7 +163,7 @@ def main() -> None:
         measurement = Measurement(node, played, server.pid)
         for _ in range(TURNS):
             for name, its in turns.items():
-                close = start(processes, options) if name == 'with' else lambda: 0.0
+                close = start(processes, options) if name == 'with' else list
                 its.append(measurement.turn(options.seconds / TURNS, close))
         rclpy.shutdown()
     due = len(PLACES) * len(options.images) * options.rate

