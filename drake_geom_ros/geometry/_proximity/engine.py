@@ -291,7 +291,8 @@ class Engine:
         near, hands = self._handed(world, filters, unlimited)
         self._kernels, self._unrefined = [], 0
         stale, lacking = world.is_stale, 0
-        state = world.revision + stale, filters.version, world.placings
+        revision = world.revision + stale
+        state = revision, filters.version, world.placings
         while True:
             count = run_cycle(hands, ADDRESSES, lacking, stale, *state, *query, mode, ids, rows)
             if stale:
