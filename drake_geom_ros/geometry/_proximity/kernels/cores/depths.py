@@ -132,6 +132,7 @@ def iterated_depth(pair, difference, n, near, size, tolerance):
         complete, h, floor, m, unique = least_of_ring(
             pair, difference, n, upper, lower, enough, noise
         )
+        complete = complete and h >= lower - noise  # two proofs that contradict prove nothing
         if complete and hulls:
             m, h, a, b, aside = points_on_edges(pair, m, h, enough, noise)
             return guarded_hulls(pair, Depth(h, min(floor, h), m, a, b, aside, unique), noise)

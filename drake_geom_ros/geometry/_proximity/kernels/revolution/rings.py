@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import support
+from drake_geom_ros.geometry._proximity.kernels.revolution.circles import across
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     column,
@@ -71,7 +72,7 @@ def least_of_two(known, i, j, u):
         at, least = end, known[j, VALUE]
     # On the arc: (y - x) . n is not negative at its start, where x is extreme, nor positive at
     # its end.
-    crossing = unit(cross(u, sub(y, x)))
+    crossing = across(unit(cross(u, sub(y, x))), u)
     for way in (crossing, unit(cross(cross(u, x), u)), unit(cross(cross(u, y), u))):
         inside = dot(cross(start, way), u) > 0.0 and dot(cross(way, end), u) > 0.0
         value = max(-dot(x, way), -dot(y, way))

@@ -186,3 +186,23 @@ def test_points_of_hulls_count_where_the_hulls_are_as_deep(monkeypatch, there, t
     monkeypatch.setattr(depths, 'support_points', lambda *_: ((there, 0.0, 0.0), zero))
     found = _python(depths.points_on_edges)(pair, Z, 1.0, 1e-9, 1e-12)
     assert found == (Touch(X, 1.0, X, zero, 0.0) if taken else Touch(Z, 1.0, Y, Z, 0.125))
+
+
+def test_a_ring_that_contradicts_a_proven_depth_is_not_believed(monkeypatch):
+    """A search may be wrong; EPA's polytope is in the difference, whatever that search says."""
+    points = 1e-4 * np.random.default_rng(2).normal(size=(12, 3))
+    hull = np.append(float(len(points)), points.ravel())
+    pair = Pair(
+        CYLINDER, np.array([0.3, 0.9]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.1)
+    )
+    asked, difference = [], sums.difference_of(pair)
+
+    def of_ring(*_):
+        asked.append(1)
+        return Least(True, -1.0, -1.0, Z, True)
+
+    monkeypatch.setattr(depths, 'least_of_ring', of_ring)
+    size = 1.5
+    found = _python(depths.iterated_depth)(pair, difference, X, False, size, 1e-15)
+    assert asked
+    assert found.upper == pytest.approx(0.3, abs=1e-3)

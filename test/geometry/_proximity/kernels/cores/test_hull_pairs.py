@@ -174,6 +174,28 @@ def test_a_tiny_hull_at_the_axis_of_a_capsule():
             assert truth - 1e-3 * scale <= -out[DISTANCE] <= truth + promised
 
 
+@pytest.mark.parametrize('kind', [CAPSULE, CYLINDER])
+def test_a_needle_along_the_axis_from_far_along_it(kind):
+    """Hunted: seen along the axis two of its ends are so near that no cut is across the axis."""
+    rng, corners = np.random.default_rng(9), [[-1, 1, 1], [1, -1, -1], [-1, -1, 1], [1, -1, 1]]
+    for _ in range(COUNT):
+        thin = 10 ** rng.uniform(-8, -5)
+        shape = np.array([thin, thin, 0.4])
+        vertices = shape * (corners + rng.uniform(-1e-4, 1e-4, (4, 3)))
+        R_WA = _rotation(rng)
+        turn = Rotation.from_rotvec(10 ** rng.uniform(-12, -8) * rng.normal(size=3)).as_matrix()
+        p = R_WA @ [*(1e-3 * thin * rng.normal(size=2)), rng.uniform(-3, 3)]
+        hull = np.concatenate(([4], vertices.ravel()))
+        R_WB = np.ascontiguousarray(R_WA @ turn)
+        pair = Pair(kind, np.array([0.003, 11.0]), R_WA, CONVEX, hull, R_WB, p)
+        out, _ = _answer(pair)
+        angles = np.linspace(0, 2 * np.pi, 4001)
+        ns = np.outer(np.cos(angles), R_WA[:, 0]) + np.outer(np.sin(angles), R_WA[:, 1])
+        ns = np.vstack([ns, -out[NORMAL : NORMAL + 3]])
+        least = _widths(pair, vertices, ns / np.linalg.norm(ns, axis=1)[:, None]).min()
+        assert abs(least + out[DISTANCE]) <= out[ERROR_BOUND] + 1e-3 * thin
+
+
 def test_a_hull_that_fills_a_cylinder_is_left_to_others():
     hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel() * 0.2))
     pair = Pair(

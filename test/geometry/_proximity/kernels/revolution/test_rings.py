@@ -235,6 +235,22 @@ def test_the_least_of_two_vertices_on_an_arc_against_all_of_it():
         assert np.max(ns @ n) >= 1.0 - 1e-6
 
 
+def test_the_least_of_two_ends_of_a_needle_is_across_the_axis():
+    """Hunted: seen along the axis they are 1e-11 m apart, and both far to one side."""
+    rng, cuts = np.random.default_rng(8), 0
+    for _ in range(4000):
+        R, (x, y) = turned(rng.normal(size=3), 2.0), 1e-11 * rng.normal(size=(2, 3))
+        x, y = (R @ [*a[:2], along] for a, along in ((x, -1.5), (y, -2.3)))
+        ns = [R[:, 0], R @ [math.cos(1.5), math.sin(1.5), 0.0]]
+        (from_x, from_y), (to_x, to_y) = ([-x @ n, -y @ n] for n in ns)
+        if from_x > from_y and to_y > to_x:
+            known = np.array([[*ns[0], *x, from_x], [*ns[1], *y, to_y]])
+            n, _ = rings.least_of_two(known, 0, 1, tuple(R[:, 2]))
+            cuts += all(np.dot(n, end) < 1.0 - 1e-9 for end in ns)
+            assert abs(np.dot(n, R[:, 2])) <= 1e-15
+    assert cuts > 100
+
+
 def test_a_search_about_a_barrel_that_comes_to_no_end_says_so():
     """No cut is ever as low as this noise asks for."""
     hull = np.append(3.0, 0.01 * np.eye(3))
