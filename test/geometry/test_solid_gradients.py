@@ -178,3 +178,22 @@ def test_a_half_space_meets_the_hull_as_it_meets_that_of_any_body():
     tilted = turned(random_rotation(np.random.default_rng(0)), [0, 0, 9.0])
     assert pair.place(NONE, tilted).ask().is_gradient_unique[0]
     assert not pair.place(NONE, turned(QUARTERS[0], [0, 0, 9.0])).ask().is_gradient_unique[0]
+
+
+@pytest.mark.parametrize('solid', ['L', 'U', 'ring'])
+@pytest.mark.parametrize('swapped', [False, True])
+def test_both_witnesses_of_an_overlap_on_a_lattice_are_on_their_surfaces(solid, swapped):
+    """By the point query. An ellipsoid that left across an edge had one 1 m off: its end."""
+    rng, ellipsoid = np.random.default_rng(5), OTHERS['ellipsoid']
+    pair = pair_of(*(SOLIDS[solid], ellipsoid)[:: -1 if swapped else 1])
+    overlaps = 0
+    for _ in range(400):
+        X_WS, R = turned(QUARTERS[rng.integers(len(QUARTERS))]), QUARTERS[rng.integers(24)]
+        X_WE = turned(R, X_WS.rotation().matrix() @ (0.25 * rng.integers(-2, 15, 3)))
+        found = pair.place(*(X_WS, X_WE)[:: -1 if swapped else 1]).ask()
+        if found.distance[0] < -1e-9:
+            overlaps += 1
+            for p_WC, geometry in ((found.p_WCa, found.id_A), (found.p_WCb, found.id_B)):
+                seen = pair.query.ComputeSignedDistanceToPoint(p_WC)
+                assert abs(seen.distance[seen.id_G == geometry][0]) <= 1e-7
+    assert overlaps > 50

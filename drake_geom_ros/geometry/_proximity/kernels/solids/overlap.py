@@ -65,7 +65,12 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, RIGHT_ANGLE, ROUNDING
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    RIGHT_ANGLE,
+    ROUNDING,
+    SAME_DIRECTION,
+)
 
 MOST_PUSHES = 6  # directions that are tried
 MOST_CONTACTS = 64  # pairs of leaves that they are taken from
@@ -73,6 +78,7 @@ MOST_ROUNDS = 4  # pushes one after the other
 MOST_SLIDES = 16
 MOST_MIDDLES = 16  # of touching triangles that are tried
 STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
+MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 
 
@@ -87,6 +93,25 @@ def clearance(A, B, p, n, size, tolerance, radius):
     found = nearest(A, B, p, n, size, tolerance, math.inf)
     clear = found.end != OVERLAP and found.lower >= radius - 2.0 * noise
     return clear and not is_contained(A, B, p, found.lower <= noise, size), found
+
+
+@allocating
+def where_it_touches(A, B, p, m, size, tolerance, radius):
+    """Return the point of B where A at p touches the hull of B, out along the unit m.
+
+    Rounding says that they cross. Somewhat farther out they do not, and are nearest at that point,
+    unless A lies as near to another part of B. Any corner of the hull out along m would be as far
+    out, but may be elsewhere on its face.
+    """
+    for k in range(1, MOST_STEPS_OUT):
+        out = 2.0**k * BACK_OFF * ROUNDING * EPS * size
+        there = add_scaled(p, out, m)
+        clear, found = clearance(A, B, there, scale(-1.0, m), size, tolerance, radius)
+        if clear and dot(found.n, m) <= -SAME_DIRECTION:
+            return found.b
+    if A.kind == ELLIPSOID:  # only one of its points is that far out
+        return add_scaled(add(p, hull_support(A, scale(-1.0, m))), -radius, m)
+    return local_support(CONVEX, B.shape, m, 0.0)
 
 
 @allocating
@@ -254,7 +279,8 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
             t = scale(s + back_off, m)
             clear, ahead = clearance(A, B, add(p, t), scale(-1.0, m), size, tolerance, radius)
             if not clear and s < depth:  # so rounding says, but hulls that are apart are apart
-                depth, t_best, b_best = norm(t), t, local_support(CONVEX, B.shape, m, 0.0)
+                depth, t_best = norm(t), t
+                b_best = where_it_touches(A, B, add(p, t), m, size, tolerance, radius)
         if clear:
             t, m, a, b = slide(A, B, p, t, ahead, size, tolerance, radius)
             if norm(t) < depth:
