@@ -18,7 +18,7 @@ import rclpy
 from drake_geom_msgs import srv
 
 SERVER = '/scene_graph'
-PATIENCE = 10.0  # [s] to find the service
+PATIENCE = 30.0  # [s] to find the service
 LONGEST_LIFE = 3.0  # [s] after the request; an answer of 60 MB takes about half a second
 
 
