@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._rendering.kernels.bands import draw_band, pose_meshes
+from drake_geom_ros.geometry._rendering.kernels.bands import Band, draw_band, pose_meshes
 from drake_geom_ros.geometry._rendering.kernels.primitives import find_windows
 from drake_geom_ros.geometry._rendering.kernels.shading import (
     write_colours,
@@ -19,8 +19,10 @@ from drake_geom_ros.geometry._rendering.kernels.shading import (
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Pixels that are drawn at once: those of 640 x 480, in 8 MB; an image of any size needs no more.
-BAND_PIXELS = 2**19
+# Pixels that are drawn at once: in half a megabyte, which stays in a core's cache. Each band
+# passes all triangles, which costs as much as so many pixels each: where there are many of them
+# it is larger, up to 8 MB.
+BAND_PIXELS, PIXELS_OF_TRIANGLE, MOST_PIXELS = 2**15, 16, 2**19
 
 
 class Bodies(NamedTuple):
@@ -113,15 +115,6 @@ def render(
     return images
 
 
-class _Band(NamedTuple):
-    """Rows of an image, drawn: see ``kernels``."""
-
-    first: int
-    depths: Floats
-    owners: NDArray[np.int32]
-    facets: NDArray[np.int32]
-
-
 class _Pass:
     """Bodies seen by a camera: posed, with the windows of pixels that they can be in."""
 
@@ -140,6 +133,7 @@ class _Pass:
         self._size = lens.width * samples, lens.height * samples
         intrinsics = np.array([*lens.focal, *lens.centre]) * samples
         self._view = np.array([*intrinsics, *lens.clipping, *lens.up_C, 0.0])
+        self._slopes = (np.arange(self._size[0]) + 0.5 - intrinsics[2]) / intrinsics[0]
         self._depth_range = lens.depth_range
         count = len(bodies.kinds)
         self._windows = np.zeros((count, 4), np.int64)
@@ -164,7 +158,7 @@ class _Pass:
             return
         neighbours = self._neighbours()
         for band in self._bands(1):
-            rows = slice(band.first, band.first + len(band.depths))
+            rows = slice(band.first_row, band.first_row + len(band.depths))
             if images.depth is not None:
                 write_depths(band.depths, *self._depth_range, images.depth[rows])
             if images.label is not None:
@@ -183,42 +177,45 @@ class _Pass:
             parts = fine.reshape(count // n, n, width // n, n, 4)
             # Whole numbers, rounded half up: the same on every machine.
             sums = parts.sum(axis=(1, 3), dtype=np.uint32)
-            first = band.first // n
+            first = band.first_row // n
             colour[first : first + count // n] = (2 * sums + n * n) // (2 * n * n)
 
-    def _bands(self, step: int) -> Iterator[_Band]:
+    def _bands(self, step: int) -> Iterator[Band]:
         """Yield the drawn bands of the image, of a multiple of ``step`` rows each."""
         width, height = self._size
-        rows = min(max(BAND_PIXELS // width // step, 1) * step, height)
+        pixels = max(
+            BAND_PIXELS, min(PIXELS_OF_TRIANGLE * len(self._bodies.triangles), MOST_PIXELS)
+        )
+        rows = min(max(pixels // width // step, 1) * step, height)
         depths = np.empty((rows, width))
         owners = np.empty((rows, width), np.int32)
         facets = np.empty_like(owners)
         bodies = self._bodies
         for first in range(0, height, rows):
             count = min(rows, height - first)
-            band = _Band(first, depths[:count], owners[:count], facets[:count])
+            band = Band(first, depths[:count], owners[:count], facets[:count])
             draw_band(
                 *(self._order, bodies.kinds, bodies.shapes, *self._poses, self._windows),
                 *(self._nearest, bodies.triangle_starts, bodies.triangles, self._p_CVs),
-                *(self._view, *band),
+                *(self._view, self._slopes, band),
             )
             yield band
 
-    def _neighbours(self) -> tuple[NDArray[np.int32], Floats]:
-        """Return room for owners (width,) and normals (width, 3) of the row above."""
+    def _neighbours(self) -> tuple[NDArray[np.int32], Floats, Floats]:
+        """Return room for owners of the row above, normals of two rows, and a row's light."""
         width = self._size[0]
-        return np.full(width, -1, np.int32), np.zeros((width, 3))
+        return np.full(width, -1, np.int32), np.zeros((2, 3, width)), np.empty(width)
 
     def _write_colours(
         self,
-        band: _Band,
+        band: Band,
         look: Look,
-        neighbours: tuple[NDArray[np.int32], Floats],
+        neighbours: tuple[NDArray[np.int32], Floats, Floats],
         out: NDArray[np.uint8],
     ) -> None:
         bodies = self._bodies
         write_colours(
-            *(*band, self._view, bodies.kinds, bodies.shapes, *self._poses, bodies.triangles),
-            *(self._p_CVs, bodies.colours, bodies.facet_colours, look.background, look.edges),
-            *(*neighbours, out),
+            *(band, self._view, self._slopes, bodies.kinds, bodies.shapes, *self._poses),
+            *(bodies.triangles, self._p_CVs, bodies.colours, bodies.facet_colours),
+            *(look.background, look.edges, *neighbours, out),
         )

@@ -12,6 +12,7 @@ Primitives are convex: a ray enters and leaves them once, at (t_in, t_out), and 
 it misses. ``shape``: radius of a SPHERE; half sizes of a BOX; radius and half length of CAPSULE
 and CYLINDER; semi-axes of an ELLIPSOID (as ``_proximity.kernels`` lays them out).
 
-Buffers of a band of rows: ``depths`` (rows, width) [m], infinite where nothing is; ``owners`` the
-row of the body, -1 for none; ``facets`` the triangle, -1 for primitives.
+An image is drawn by bands of rows (``bands.Band``). Loops over the pixels of a row are written so
+that LLVM vectorises them: slices known to be contiguous, of at most so many arrays as it checks
+to be apart, selections and no branches, and the kind of a body known when they are compiled.
 """

@@ -1,6 +1,9 @@
 """All bodies into the buffers of a band of rows."""
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._rendering.compiled import compiled
@@ -30,6 +33,15 @@ def pose_meshes(
         nearest[k] = z
 
 
+class Band(NamedTuple):
+    """Rows of an image that are drawn at once."""
+
+    first_row: int
+    depths: NDArray[np.float64]  # (rows, width) [m]; infinite where nothing is
+    owners: NDArray[np.int32]  # (rows, width) the body's row, -1 for none
+    facets: NDArray[np.int32]  # (rows, width) the triangle, -1 for primitives
+
+
 @compiled
 def draw_band(
     order,
@@ -43,30 +55,25 @@ def draw_band(
     triangles,
     p_CVs,
     view,
-    first_row,
-    depths,
-    owners,
-    facets,
+    slopes,
+    band,
 ):
-    """Draw bodies, those named by ``order``, into cleared buffers."""
-    for row in range(depths.shape[0]):
-        for u in range(depths.shape[1]):
-            depths[row, u] = np.inf
-            owners[row, u] = -1
-            facets[row, u] = -1
+    """Draw bodies, those named by ``order``, into a band, which is cleared."""
+    rows, width = band.depths.shape
+    for row in range(rows):
+        for u in range(width):
+            band.depths[row, u] = np.inf
+            band.owners[row, u] = -1
+            band.facets[row, u] = -1
     for k in order:
         window = windows[k]
         if window[0] >= window[1] or window[2] >= window[3]:
             continue
-        if window[3] <= first_row or window[2] >= first_row + depths.shape[0]:
+        if window[3] <= band.first_row or window[2] >= band.first_row + rows:
             continue
         if kinds[k] == CONVEX:
             first, last = triangle_starts[k], triangle_starts[k + 1]
-            draw_triangles(
-                *(k, first, last, triangles, p_CVs, view, first_row, depths, owners, facets)
-            )
+            draw_triangles(k, first, last, triangles, p_CVs, view, slopes, band)
         else:
-            draw_primitive(
-                *(k, kinds[k], shapes[k], R_CGs[k], p_CGs[k], window, nearest[k]),
-                *(view, first_row, depths, owners, facets),
-            )
+            kind, shape, R, p = kinds[k], shapes[k], R_CGs[k], p_CGs[k]
+            draw_primitive(k, kind, shape, R, p, window, nearest[k], view, slopes, band)

@@ -1,6 +1,15 @@
 """Primitives into the buffers of a band: a ray for every pixel of a body's window."""
 
-from drake_geom_ros.geometry._proximity.kinds import BOX, ELLIPSOID, HALF_SPACE, SPHERE
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_SPACE,
+    SPHERE,
+)
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.rays import interval
 from drake_geom_ros.geometry._rendering.kernels.windows import box_window
@@ -31,37 +40,69 @@ def find_windows(kinds, shapes, R_CGs, p_CGs, view, width, height, windows, near
         nearest[k] = z
 
 
-@compiled
-def draw_primitive(k, kind, shape, R, p, window, nearest, view, first_row, depths, owners, facets):
-    """Draw body ``k``, posed (R, p) in C, into a band that begins with ``first_row``.
+@inlined
+def is_behind(nearest, depths):
+    """Return whether a body, no nearer than ``nearest``, is behind all that is there."""
+    seen = False
+    for i in range(len(depths)):
+        seen |= nearest <= depths[i]
+    return not seen
 
-    Of surfaces at the same depth that of the body with the lower number is shown, in whatever
-    order they are drawn.
+
+@inlined
+def scan(kind, k, shape, R, p, window, nearest, view, slopes, band):
+    """Draw body ``k`` of a ``kind`` that the compiler knows: a loop of its own for each kind.
+
+    It is vectorised: all pixels of a row are computed and written, unless the body is behind all.
     """
     near, far = view[4], view[5]
     s0, s1, s2 = shape[0], shape[1], shape[2]
     ox = -(R[0, 0] * p[0] + R[1, 0] * p[1] + R[2, 0] * p[2])
     oy = -(R[0, 1] * p[0] + R[1, 1] * p[1] + R[2, 1] * p[2])
     oz = -(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
-    begin = max(window[2] - first_row, 0)
-    end = min(window[3] - first_row, depths.shape[0])
+    ax, ay, az = R[0, 0], R[0, 1], R[0, 2]
+    xs = slopes[window[0] : window[1]]
+    begin = max(window[2] - band.first_row, 0)
+    end = min(window[3] - band.first_row, band.depths.shape[0])
     for row in range(begin, end):
-        y = (row + first_row + 0.5 - view[3]) / view[1]
+        y = (row + band.first_row + 0.5 - view[3]) / view[1]
         bx = R[1, 0] * y + R[2, 0]
         by = R[1, 1] * y + R[2, 1]
         bz = R[1, 2] * y + R[2, 2]
-        for u in range(window[0], window[1]):
-            if nearest > depths[row, u]:
-                continue
-            x = (u + 0.5 - view[2]) / view[0]
-            dx, dy, dz = R[0, 0] * x + bx, R[0, 1] * x + by, R[0, 2] * x + bz
+        row_depths = band.depths[row, window[0] : window[1]]
+        if is_behind(nearest, row_depths):
+            continue
+        row_owners = band.owners[row, window[0] : window[1]]
+        row_facets = band.facets[row, window[0] : window[1]]
+        for i in range(len(xs)):
+            x, deep, owner = xs[i], row_depths[i], row_owners[i]
+            dx, dy, dz = ax * x + bx, ay * x + by, az * x + bz
             t_in, t_out = interval(kind, s0, s1, s2, ox, oy, oz, dx, dy, dz)
-            if t_in > t_out:
-                continue
             z = t_in if t_in >= near else t_out
-            if not near <= z <= far:
-                continue
-            if z < depths[row, u] or (z == depths[row, u] and k < owners[row, u]):
-                depths[row, u] = z
-                owners[row, u] = k
-                facets[row, u] = -1
+            hit = (t_in <= t_out) & (near <= z) & (z <= far)
+            first = hit & ((z < deep) | ((z == deep) & (k < owner)))
+            row_depths[i] = z if first else deep
+            row_owners[i] = k if first else owner
+            row_facets[i] = -1 if first else row_facets[i]
+
+
+@compiled
+def draw_primitive(k, kind, shape, R, p, window, nearest, view, slopes, band):
+    """Draw body ``k``, posed (R, p) in C, into a band.
+
+    ``slopes`` (width,) are x of the rays of a row's pixels. Of surfaces at the same depth that of
+    the body with the lower number is shown, in whatever order they are drawn.
+    """
+    k = np.int32(k)
+    if kind == SPHERE:
+        scan(SPHERE, k, shape, R, p, window, nearest, view, slopes, band)
+    elif kind == BOX:
+        scan(BOX, k, shape, R, p, window, nearest, view, slopes, band)
+    elif kind == CAPSULE:
+        scan(CAPSULE, k, shape, R, p, window, nearest, view, slopes, band)
+    elif kind == CYLINDER:
+        scan(CYLINDER, k, shape, R, p, window, nearest, view, slopes, band)
+    elif kind == ELLIPSOID:
+        scan(ELLIPSOID, k, shape, R, p, window, nearest, view, slopes, band)
+    else:
+        scan(HALF_SPACE, k, shape, R, p, window, nearest, view, slopes, band)

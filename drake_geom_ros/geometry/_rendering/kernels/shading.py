@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
+
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
-from drake_geom_ros.geometry._rendering.kernels.rays import normal
+from drake_geom_ros.geometry._rendering.kernels.normals import facet_normals, primitive_normals
 from drake_geom_ros.geometry._rendering.tolerances import EDGE_COSINE
 
 # Of a surface's colour: what it has everywhere, and what light from the camera and from above add.
@@ -36,58 +38,72 @@ def write_labels(owners, labels, empty, out):
 
 
 @inlined
-def normal_in_camera(k, f, z, x, y, kinds, shapes, R_CGs, p_CGs, triangles, p_CVs):
-    """Return the unit normal in C at depth z of a pixel's ray (x, y, 1), towards the camera."""
-    if f >= 0:
-        a, b, c = triangles[f, 0], triangles[f, 1], triangles[f, 2]
-        ex, ey, ez = (
-            p_CVs[b, 0] - p_CVs[a, 0],
-            p_CVs[b, 1] - p_CVs[a, 1],
-            p_CVs[b, 2] - p_CVs[a, 2],
-        )
-        gx, gy, gz = (
-            p_CVs[c, 0] - p_CVs[a, 0],
-            p_CVs[c, 1] - p_CVs[a, 1],
-            p_CVs[c, 2] - p_CVs[a, 2],
-        )
-        nx, ny, nz = ey * gz - ez * gy, ez * gx - ex * gz, ex * gy - ey * gx
-    else:
-        R = R_CGs[k]
-        cx, cy, cz = x * z - p_CGs[k, 0], y * z - p_CGs[k, 1], z - p_CGs[k, 2]
-        px = R[0, 0] * cx + R[1, 0] * cy + R[2, 0] * cz
-        py = R[0, 1] * cx + R[1, 1] * cy + R[2, 1] * cz
-        pz = R[0, 2] * cx + R[1, 2] * cy + R[2, 2] * cz
-        mx, my, mz = normal(kinds[k], shapes[k, 0], shapes[k, 1], shapes[k, 2], px, py, pz)
-        nx = R[0, 0] * mx + R[0, 1] * my + R[0, 2] * mz
-        ny = R[1, 0] * mx + R[1, 1] * my + R[1, 2] * mz
-        nz = R[2, 0] * mx + R[2, 1] * my + R[2, 2] * mz
-    length = math.sqrt(nx * nx + ny * ny + nz * nz)
-    if nx * x + ny * y + nz > 0.0:
-        length = -length
-    if length == 0.0:
-        return 0.0, 0.0, -1.0
-    return nx / length, ny / length, nz / length
+def run_end(u, owners):
+    """Return the end of the run of pixels from ``u`` on that show one body, or none."""
+    end = u + 1
+    while end < len(owners) and owners[end] == owners[u]:
+        end += 1
+    return end
 
 
-@inlined
-def is_edge(k, nx, ny, nz, other, m):
-    """Return whether a pixel of body k and normal n differs from a neighbour and its normal m."""
-    return other != k or nx * m[0] + ny * m[1] + nz * m[2] < EDGE_COSINE
+@compiled
+def find_edges(owners, xs, ys, zs, other_owners, other_xs, other_ys, other_zs, factors):
+    """Darken pixels that show another body than a neighbour, or another face: ``factors`` (n,).
+
+    All are (n,). A body's silhouette belongs to the body: what shows nothing is not darkened, the
+    pixel beside it is.
+    """
+    for i in range(len(owners)):
+        cosine = xs[i] * other_xs[i] + ys[i] * other_ys[i] + zs[i] * other_zs[i]
+        is_edge = (owners[i] != other_owners[i]) | (cosine < EDGE_COSINE)
+        factors[i] = EDGE if is_edge else factors[i]
+
+
+@compiled
+def light_run(y, slopes, view, xs, ys, zs, light):
+    """Give pixels (n,) the light of the camera and from above, times what ``light`` holds."""
+    up_x, up_y, up_z = view[6], view[7], view[8]
+    for i in range(len(slopes)):
+        x = slopes[i]
+        facing = -(xs[i] * x + ys[i] * y + zs[i]) / math.sqrt(x * x + y * y + 1.0)
+        up = xs[i] * up_x + ys[i] * up_y + zs[i] * up_z
+        lit = AMBIENT + FROM_CAMERA * facing + FROM_ABOVE * (up if up > 0.0 else 0.0)
+        light[i] = lit * light[i]
 
 
 @inlined
 def channel(value):
     """Return a colour from 0 to 1 as a number of 8 bits."""
-    return int(min(max(value, 0.0), 1.0) * 255.0 + 0.5)
+    value = value if value < 1.0 else 1.0
+    return np.uint8(np.int32((value if value > 0.0 else 0.0) * 255.0 + 0.5))
+
+
+@compiled
+def colour_run(colour, light, out):
+    """Write pixels (n, 4) of one colour in their light (n,)."""
+    red, green, blue = colour[0], colour[1], colour[2]
+    for i in range(len(light)):
+        out[i, 0] = channel(red * light[i])
+        out[i, 1] = channel(green * light[i])
+        out[i, 2] = channel(blue * light[i])
+        out[i, 3] = 255
+
+
+@compiled
+def colour_facets(facets, facet_colours, light, out):
+    """Write pixels (n, 4) again that show a triangle with a colour of its own."""
+    for i in range(len(light)):
+        f = facets[i]
+        if facet_colours[f, 0] >= 0.0:
+            for j in range(3):
+                out[i, j] = channel(facet_colours[f, j] * light[i])
 
 
 @compiled
 def write_colours(
-    first_row,
-    depths,
-    owners,
-    facets,
+    band,
     view,
+    slopes,
     kinds,
     shapes,
     R_CGs,
@@ -100,41 +116,53 @@ def write_colours(
     edges,
     above,
     normals,
+    light,
     out,
 ):
-    """Write a band's colours.
+    """Write a band's colours, a row after the other, and in it by runs of pixels of one body.
 
-    ``above`` (width,) and ``normals`` (width, 3) are owners and normals of the row above, and are
-    left as those of the last row: so an edge does not hang on where bands end.
+    ``above`` (width,) are the owners of the row before the band, and are left as those of its last
+    row; ``normals`` (2, 3, width) are those of even and odd rows: so an edge does not hang on
+    where bands end. ``light`` (width,) is room.
     """
-    for row in range(depths.shape[0]):
+    first_row, owners, facets = band.first_row, band.owners, band.facets
+    width, count = len(slopes), len(owners)
+    for row in range(count):
         y = (row + first_row + 0.5 - view[3]) / view[1]
-        for u in range(depths.shape[1]):
-            k, f, z = owners[row, u], facets[row, u], depths[row, u]
-            out[row, u, 3] = 255
+        here, odd = owners[row], (row + first_row) & 1
+        before = owners[row - 1] if row > 0 else above
+        xs, ys, zs = normals[odd, 0], normals[odd, 1], normals[odd, 2]
+        up_xs, up_ys, up_zs = normals[1 - odd, 0], normals[1 - odd, 1], normals[1 - odd, 2]
+        end = 0
+        while end < width:
+            u = end
+            k, end = here[u], run_end(u, here)
+            lit, pixels = light[u:end], out[row, u:end]
+            for i in range(len(lit)):
+                lit[i] = 1.0
             if k < 0:
-                for i in range(3):
-                    out[row, u, i] = channel(background[i])
-                # A body's silhouette belongs to the body: the pixel beside it draws it.
-                above[u] = k
+                colour_run(background, lit, pixels)
                 continue
-            x = (u + 0.5 - view[2]) / view[0]
-            nx, ny, nz = normal_in_camera(
-                k, f, z, x, y, kinds, shapes, R_CGs, p_CGs, triangles, p_CVs
-            )
-            facing = -(nx * x + ny * y + nz) / math.sqrt(x * x + y * y + 1.0)
-            up = max(nx * view[6] + ny * view[7] + nz * view[8], 0.0)
-            light = AMBIENT + FROM_CAMERA * facing + FROM_ABOVE * up
+            rays, shown = slopes[u:end], facets[row, u:end]
+            nx, ny, nz = xs[u:end], ys[u:end], zs[u:end]
+            if shown[0] >= 0:
+                facet_normals(shown, triangles, p_CVs, y, rays, nx, ny, nz)
+            else:
+                R, p, deep = R_CGs[k], p_CGs[k], band.depths[row, u:end]
+                primitive_normals(kinds[k], shapes[k], R, p, y, rays, deep, nx, ny, nz)
             if edges:
-                new = row + first_row > 0 and is_edge(k, nx, ny, nz, above[u], normals[u])
-                if u > 0:
-                    new = new or is_edge(k, nx, ny, nz, above[u - 1], normals[u - 1])
-                if new:
-                    light *= EDGE
-            above[u] = k
-            normals[u, 0], normals[u, 1], normals[u, 2] = nx, ny, nz
-            for i in range(3):
-                base = colours[k, i]
-                if f >= 0 and facet_colours[f, 0] >= 0.0:
-                    base = facet_colours[f, i]
-                out[row, u, i] = channel(base * light)
+                if row + first_row > 0:
+                    mx, my, mz = up_xs[u:end], up_ys[u:end], up_zs[u:end]
+                    find_edges(here[u:end], nx, ny, nz, before[u:end], mx, my, mz, lit)
+                v = max(u, 1)
+                mx, my, mz = xs[v - 1 : end - 1], ys[v - 1 : end - 1], zs[v - 1 : end - 1]
+                nx, ny, nz = xs[v:end], ys[v:end], zs[v:end]
+                find_edges(
+                    here[v:end], nx, ny, nz, here[v - 1 : end - 1], mx, my, mz, light[v:end]
+                )
+            light_run(y, rays, view, xs[u:end], ys[u:end], zs[u:end], lit)
+            colour_run(colours[k], lit, pixels)
+            if shown[0] >= 0:
+                colour_facets(shown, facet_colours, lit, pixels)
+    for u in range(width):
+        above[u] = owners[count - 1, u]

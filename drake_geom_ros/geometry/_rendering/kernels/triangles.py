@@ -11,6 +11,8 @@ far away, and the other triangle of the edge has the very negative. So no ray sl
 
 import math
 
+import numpy as np
+
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.windows import crossed, span, widened
 
@@ -63,13 +65,15 @@ def triangle_window(x0, y0, z0, x1, y1, z1, x2, y2, z2, view, width, height):
 
 
 @compiled
-def draw_triangles(k, first, last, triangles, p_CVs, view, first_row, depths, owners, facets):
+def draw_triangles(k, first, last, triangles, p_CVs, view, slopes, band):
     """Draw triangles ``first`` to ``last`` of body ``k`` into a band; see ``draw_primitive``.
 
     Of triangles of one body at the same depth the one with the lower number is shown.
     """
     near, far = view[4], view[5]
-    rows, width = depths.shape
+    first_row = band.first_row
+    rows, width = band.depths.shape
+    k = np.int32(k)
     for f in range(first, last):
         a, b, c = triangles[f, 0], triangles[f, 1], triangles[f, 2]
         x0, y0, z0 = p_CVs[a, 0], p_CVs[a, 1], p_CVs[a, 2]
@@ -84,24 +88,25 @@ def draw_triangles(k, first, last, triangles, p_CVs, view, first_row, depths, ow
         ax, ay, az = edge(x1, y1, z1, x2, y2, z2)
         bx, by, bz = edge(x2, y2, z2, x0, y0, z0)
         cx, cy, cz = edge(x0, y0, z0, x1, y1, z1)
+        xs = slopes[u0:u1]
         for row in range(v0 - first_row, v1 - first_row):
             y = (row + first_row + 0.5 - view[3]) / view[1]
-            for u in range(u0, u1):
-                x = (u + 0.5 - view[2]) / view[0]
+            row_depths = band.depths[row, u0:u1]
+            row_owners = band.owners[row, u0:u1]
+            row_facets = band.facets[row, u0:u1]
+            for i in range(len(xs)):
+                x, deep, owner = xs[i], row_depths[i], row_owners[i]
                 wa = ax * x + ay * y + az
                 wb = bx * x + by * y + bz
                 wc = cx * x + cy * y + cz
-                inside = wa >= 0.0 and wb >= 0.0 and wc >= 0.0
-                if not (inside or (wa <= 0.0 and wb <= 0.0 and wc <= 0.0)):
-                    continue
+                inside = (wa >= 0.0) & (wb >= 0.0) & (wc >= 0.0)
+                inside |= (wa <= 0.0) & (wb <= 0.0) & (wc <= 0.0)
                 total = wa + wb + wc
-                if total == 0.0:  # seen edge on
-                    continue
                 z = (wa * z0 + wb * z1 + wc * z2) / total
-                if not near <= z <= far:
-                    continue
-                # Triangles come in ascending order, so that of one body the first stays.
-                if z < depths[row, u] or (z == depths[row, u] and k < owners[row, u]):
-                    depths[row, u] = z
-                    owners[row, u] = k
-                    facets[row, u] = f
+                # A total of 0 is a triangle seen edge on. They come in ascending order, so that
+                # of one body the first stays.
+                hit = inside & (total != 0.0) & (near <= z) & (z <= far)
+                shown = hit & ((z < deep) | ((z == deep) & (k < owner)))
+                row_depths[i] = z if shown else deep
+                row_owners[i] = k if shown else owner
+                row_facets[i] = f if shown else row_facets[i]
