@@ -11,7 +11,7 @@ from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.world import World
 from drake_geom_ros.geometry._records import GeometryRecord, named
-from drake_geom_ros.geometry._rendering.drawing import Bodies
+from drake_geom_ros.geometry._rendering.kernels.records import Bodies
 from drake_geom_ros.geometry._rendering.tolerances import LARGEST_SIZE, SMALLEST_SIZE
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import GeometryId

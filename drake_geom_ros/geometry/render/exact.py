@@ -131,7 +131,7 @@ class RenderEngineExact(RenderEngine):
             int(RenderLabel.kEmpty),
         )
         return RenderedImages(
-            None if images.color is None else ImageRgba8U.of(images.color),
-            None if images.depth is None else ImageDepth32F.of(images.depth),
-            None if images.label is None else ImageLabel16I.of(images.label),
+            ImageRgba8U.of(images.color) if 'color' in want else None,
+            ImageDepth32F.of(images.depth) if 'depth' in want else None,
+            ImageLabel16I.of(images.label) if 'label' in want else None,
         )

@@ -1,13 +1,16 @@
-"""All bodies into the buffers of a band of rows."""
-
-from typing import NamedTuple
+"""All bodies into the buffers of a band of rows, and band after band into images."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._rendering.compiled import compiled
 from drake_geom_ros.geometry._rendering.kernels.primitives import draw_primitive
+from drake_geom_ros.geometry._rendering.kernels.records import Band
+from drake_geom_ros.geometry._rendering.kernels.shading import (
+    write_colours,
+    write_depths,
+    write_labels,
+)
 from drake_geom_ros.geometry._rendering.kernels.triangles import draw_triangles, pose_vertices
 from drake_geom_ros.geometry._rendering.kernels.windows import box_window
 
@@ -33,47 +36,44 @@ def pose_meshes(
         nearest[k] = z
 
 
-class Band(NamedTuple):
-    """Rows of an image that are drawn at once."""
-
-    first_row: int
-    depths: NDArray[np.float64]  # (rows, width) [m]; infinite where nothing is
-    owners: NDArray[np.int32]  # (rows, width) the body's row, -1 for none
-    facets: NDArray[np.int32]  # (rows, width) the triangle, -1 for primitives
-
-
 @compiled
-def draw_band(
-    order,
-    kinds,
-    shapes,
-    R_CGs,
-    p_CGs,
-    windows,
-    nearest,
-    triangle_starts,
-    triangles,
-    p_CVs,
-    view,
-    slopes,
-    band,
-):
-    """Draw bodies, those named by ``order``, into a band, which is cleared."""
+def draw_band(bodies, seen, band):
+    """Draw the bodies that are seen into a band, which is cleared."""
     rows, width = band.depths.shape
     for row in range(rows):
         for u in range(width):
             band.depths[row, u] = np.inf
             band.owners[row, u] = -1
             band.facets[row, u] = -1
-    for k in order:
-        window = windows[k]
+    for k in seen.order:
+        window = seen.windows[k]
         if window[0] >= window[1] or window[2] >= window[3]:
             continue
         if window[3] <= band.first_row or window[2] >= band.first_row + rows:
             continue
-        if kinds[k] == CONVEX:
-            first, last = triangle_starts[k], triangle_starts[k + 1]
-            draw_triangles(k, first, last, triangles, p_CVs, view, slopes, band)
+        if bodies.kinds[k] == CONVEX:
+            draw_triangles(k, bodies, seen, band)
         else:
-            kind, shape, R, p = kinds[k], shapes[k], R_CGs[k], p_CGs[k]
-            draw_primitive(k, kind, shape, R, p, window, nearest[k], view, slopes, band)
+            draw_primitive(k, bodies, seen, band)
+
+
+@compiled
+def draw_bands(bodies, seen, room, paint, depth_range, empty, outputs):
+    """Draw the bodies that are seen, by bands of the size of ``room``, and fill ``outputs``.
+
+    ``depth_range`` are the least and the largest depth [m] that are told, ``empty`` is the label
+    of nothing. All in one call: between two, another thread could keep Python's lock.
+    """
+    color, depth, label = outputs
+    height = max(len(color), len(depth), len(label))
+    rows = len(room.depths)
+    for first in range(0, height, rows):
+        count = min(rows, height - first)
+        band = Band(first, room.depths[:count], room.owners[:count], room.facets[:count])
+        draw_band(bodies, seen, band)
+        if len(depth):
+            write_depths(band.depths, depth_range[0], depth_range[1], depth[first : first + count])
+        if len(label):
+            write_labels(band.owners, bodies.labels, empty, label[first : first + count])
+        if len(color):
+            write_colours(bodies, seen, paint, band, color[first : first + count])

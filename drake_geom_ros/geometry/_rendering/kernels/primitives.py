@@ -50,20 +50,22 @@ def is_behind(nearest, depths):
 
 
 @inlined
-def scan(kind, k, shape, R, p, window, nearest, view, slopes, band):
+def scan(kind, k, bodies, seen, band):
     """Draw body ``k`` of a ``kind`` that the compiler knows: a loop of its own for each kind.
 
     It is vectorised: all pixels of a row are computed and written, unless the body is behind all.
     """
+    shape, R, p, view = bodies.shapes[k], seen.R_CGs[k], seen.p_CGs[k], seen.camera
+    window, nearest, k = seen.windows[k], seen.nearest[k], np.int32(k)
     near, far = view[4], view[5]
     s0, s1, s2 = shape[0], shape[1], shape[2]
     ox = -(R[0, 0] * p[0] + R[1, 0] * p[1] + R[2, 0] * p[2])
     oy = -(R[0, 1] * p[0] + R[1, 1] * p[1] + R[2, 1] * p[2])
     oz = -(R[0, 2] * p[0] + R[1, 2] * p[1] + R[2, 2] * p[2])
     ax, ay, az = R[0, 0], R[0, 1], R[0, 2]
-    xs = slopes[window[0] : window[1]]
+    xs = seen.slopes[window[0] : window[1]]
     begin = max(window[2] - band.first_row, 0)
-    end = min(window[3] - band.first_row, band.depths.shape[0])
+    end = min(window[3] - band.first_row, len(band.depths))
     for row in range(begin, end):
         y = (row + band.first_row + 0.5 - view[3]) / view[1]
         bx = R[1, 0] * y + R[2, 0]
@@ -87,22 +89,22 @@ def scan(kind, k, shape, R, p, window, nearest, view, slopes, band):
 
 
 @compiled
-def draw_primitive(k, kind, shape, R, p, window, nearest, view, slopes, band):
-    """Draw body ``k``, posed (R, p) in C, into a band.
+def draw_primitive(k, bodies, seen, band):
+    """Draw body ``k`` into a band.
 
-    ``slopes`` (width,) are x of the rays of a row's pixels. Of surfaces at the same depth that of
-    the body with the lower number is shown, in whatever order they are drawn.
+    Of surfaces at the same depth that of the body with the lower number is shown, in whatever
+    order they are drawn.
     """
-    k = np.int32(k)
+    kind = bodies.kinds[k]
     if kind == SPHERE:
-        scan(SPHERE, k, shape, R, p, window, nearest, view, slopes, band)
+        scan(SPHERE, k, bodies, seen, band)
     elif kind == BOX:
-        scan(BOX, k, shape, R, p, window, nearest, view, slopes, band)
+        scan(BOX, k, bodies, seen, band)
     elif kind == CAPSULE:
-        scan(CAPSULE, k, shape, R, p, window, nearest, view, slopes, band)
+        scan(CAPSULE, k, bodies, seen, band)
     elif kind == CYLINDER:
-        scan(CYLINDER, k, shape, R, p, window, nearest, view, slopes, band)
+        scan(CYLINDER, k, bodies, seen, band)
     elif kind == ELLIPSOID:
-        scan(ELLIPSOID, k, shape, R, p, window, nearest, view, slopes, band)
+        scan(ELLIPSOID, k, bodies, seen, band)
     else:
-        scan(HALF_SPACE, k, shape, R, p, window, nearest, view, slopes, band)
+        scan(HALF_SPACE, k, bodies, seen, band)

@@ -100,32 +100,15 @@ def colour_facets(facets, facet_colours, light, out):
 
 
 @compiled
-def write_colours(
-    band,
-    view,
-    slopes,
-    kinds,
-    shapes,
-    R_CGs,
-    p_CGs,
-    triangles,
-    p_CVs,
-    colours,
-    facet_colours,
-    background,
-    edges,
-    above,
-    normals,
-    light,
-    out,
-):
+def write_colours(bodies, seen, paint, band, out):
     """Write a band's colours, a row after the other, and in it by runs of pixels of one body.
 
-    ``above`` (width,) are the owners of the row before the band, and are left as those of its last
-    row; ``normals`` (2, 3, width) are those of even and odd rows: so an edge does not hang on
-    where bands end. ``light`` (width,) is room.
+    The last row's owners and normals are left in ``paint``, so that an edge does not hang on where
+    bands end.
     """
     first_row, owners, facets = band.first_row, band.owners, band.facets
+    background, edges, above, normals, light = paint
+    view, slopes, R_CGs, p_CGs = seen.camera, seen.slopes, seen.R_CGs, seen.p_CGs
     width, count = len(slopes), len(owners)
     for row in range(count):
         y = (row + first_row + 0.5 - view[3]) / view[1]
@@ -146,10 +129,12 @@ def write_colours(
             rays, shown = slopes[u:end], facets[row, u:end]
             nx, ny, nz = xs[u:end], ys[u:end], zs[u:end]
             if shown[0] >= 0:
-                facet_normals(shown, triangles, p_CVs, y, rays, nx, ny, nz)
+                facet_normals(shown, bodies.triangles, seen.p_CVs, y, rays, nx, ny, nz)
             else:
                 R, p, deep = R_CGs[k], p_CGs[k], band.depths[row, u:end]
-                primitive_normals(kinds[k], shapes[k], R, p, y, rays, deep, nx, ny, nz)
+                primitive_normals(
+                    bodies.kinds[k], bodies.shapes[k], R, p, y, rays, deep, nx, ny, nz
+                )
             if edges:
                 if row + first_row > 0:
                     mx, my, mz = up_xs[u:end], up_ys[u:end], up_zs[u:end]
@@ -161,8 +146,8 @@ def write_colours(
                     here[v:end], nx, ny, nz, here[v - 1 : end - 1], mx, my, mz, light[v:end]
                 )
             light_run(y, rays, view, xs[u:end], ys[u:end], zs[u:end], lit)
-            colour_run(colours[k], lit, pixels)
+            colour_run(bodies.colours[k], lit, pixels)
             if shown[0] >= 0:
-                colour_facets(shown, facet_colours, lit, pixels)
+                colour_facets(shown, bodies.facet_colours, lit, pixels)
     for u in range(width):
         above[u] = owners[count - 1, u]

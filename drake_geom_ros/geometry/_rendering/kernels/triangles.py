@@ -65,11 +65,13 @@ def triangle_window(x0, y0, z0, x1, y1, z1, x2, y2, z2, view, width, height):
 
 
 @compiled
-def draw_triangles(k, first, last, triangles, p_CVs, view, slopes, band):
-    """Draw triangles ``first`` to ``last`` of body ``k`` into a band; see ``draw_primitive``.
+def draw_triangles(k, bodies, seen, band):
+    """Draw the triangles of body ``k`` into a band; see ``draw_primitive``.
 
     Of triangles of one body at the same depth the one with the lower number is shown.
     """
+    first, last = bodies.triangle_starts[k], bodies.triangle_starts[k + 1]
+    triangles, p_CVs, view, slopes = bodies.triangles, seen.p_CVs, seen.camera, seen.slopes
     near, far = view[4], view[5]
     first_row = band.first_row
     rows, width = band.depths.shape
