@@ -284,11 +284,12 @@ class ConfiguredNode:
             *((period, task, beside) for period, task in self._shown.tasks()),
             (level_costs.PERIOD, self._costs.measure, beside),
             (replays.PERIOD, self._write_replays, beside),
-            (cameras.PERIOD, self._take_images, self._groups.images),
             (_HOUSEKEEPING_PERIOD, self._keep_house, None),
             (_DIAGNOSTICS_PERIOD, self._publish_diagnostics, None),
         ):
             self._surface.timer(period, partial(self._guard.attempt, task), group)
+        take = partial(self._guard.attempt, self._take_images)
+        self._camera_timer = self._surface.timer(cameras.PERIOD, take, self._groups.images)
 
     # What comes in.
 
@@ -313,7 +314,8 @@ class ConfiguredNode:
 
     def _take_images(self) -> None:
         if self._stream.active:
-            self._cameras.publish()
+            self._camera_timer.timer_period_ns = int(1e9 * self._cameras.publish())
+            self._camera_timer.reset()
 
     def _replay_settings(self) -> tuple[str, int]:
         values = self._settings.values

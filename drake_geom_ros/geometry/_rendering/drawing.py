@@ -54,7 +54,7 @@ class Wanted(NamedTuple):
 
 
 _NOTHING = Outputs(
-    np.empty((0, 0, 4), np.uint8), np.empty((0, 0, 1), np.float32), np.empty((0, 0, 1), np.int16)
+    np.empty((0, 0), np.uint32), np.empty((0, 0, 1), np.float32), np.empty((0, 0, 1), np.int16)
 )
 
 
@@ -74,7 +74,7 @@ def render(
     """
     shape = lens.height, lens.width
     outputs = Outputs(
-        np.empty((*shape, 4), np.uint8) if wanted.color else _NOTHING.color,
+        np.empty(shape, np.uint32) if wanted.color else _NOTHING.color,
         np.empty((*shape, 1), np.float32) if wanted.depth else _NOTHING.depth,
         np.empty((*shape, 1), np.int16) if wanted.label else _NOTHING.label,
     )
@@ -91,6 +91,11 @@ def render(
         fine.draw_fine(outputs.color, look)
     _Pass(bodies, placed, R_CGs, p_CGs, lens).draw(first, look, empty)
     return outputs
+
+
+def bytes_of(colours: NDArray[np.uint32]) -> NDArray[np.uint8]:
+    """Return pixels (height, width) as red, green, blue and alpha (height, width, 4)."""
+    return colours.view(np.uint8).reshape(*colours.shape, 4)
 
 
 class _Pass:
@@ -132,7 +137,7 @@ class _Pass:
         paint, room = self._paint(look), self._room(1)
         draw_bands(self._bodies, self._seen, room, paint, self._depth_range, empty, outputs)
 
-    def draw_fine(self, colour: NDArray[np.uint8], look: Look) -> None:
+    def draw_fine(self, colour: NDArray[np.uint32], look: Look) -> None:
         """Fill a colour image, if it is wanted, whose pixels are means of samples."""
         if not colour.size:
             return
@@ -142,13 +147,13 @@ class _Pass:
         for first in range(0, height, rows):
             count = min(rows, height - first)
             band = Band(first, room.depths[:count], room.owners[:count], room.facets[:count])
-            fine = np.empty((count, width, 4), np.uint8)
+            fine = np.empty((count, width), np.uint32)
             draw_band(self._bodies, self._seen, band)
             write_colours(self._bodies, self._seen, paint, band, fine)
-            parts = fine.reshape(count // n, n, width // n, n, 4)
+            parts = bytes_of(fine).reshape(count // n, n, width // n, n, 4)
             # Whole numbers, rounded half up: the same on every machine.
             sums = parts.sum(axis=(1, 3), dtype=np.uint32)
-            colour[first // n : (first + count) // n] = (2 * sums + n * n) // (2 * n * n)
+            bytes_of(colour)[first // n : (first + count) // n] = (2 * sums + n * n) // (2 * n * n)
 
     def _room(self, step: int) -> Band:
         """Return room for the largest band, of a multiple of ``step`` rows."""
@@ -162,4 +167,5 @@ class _Pass:
         """Return how colours are made."""
         width = self._size[0]
         above, normals = np.full(width, -1, np.int32), np.zeros((2, 3, width))
-        return Paint(look.background, look.edges, above, normals, np.empty(width))
+        light = np.empty(width, np.float32)
+        return Paint(look.background, look.edges, above, normals, light)

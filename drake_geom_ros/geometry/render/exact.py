@@ -99,7 +99,13 @@ class RenderEngineExact(RenderEngine):
         want: frozenset[str],
     ) -> RenderedImages:
         """Return the images whose names are in ``want``."""
-        from drake_geom_ros.geometry._rendering.drawing import Lens, Look, Wanted, render
+        from drake_geom_ros.geometry._rendering.drawing import (
+            Lens,
+            Look,
+            Wanted,
+            bytes_of,
+            render,
+        )
 
         packed = self._packed(context, core.renderer_name())
         R_WGs, p_WGs, placed = packed.posed(context._posed_world())
@@ -131,7 +137,7 @@ class RenderEngineExact(RenderEngine):
             int(RenderLabel.kEmpty),
         )
         return RenderedImages(
-            ImageRgba8U.of(images.color) if 'color' in want else None,
+            ImageRgba8U.of(bytes_of(images.color)) if 'color' in want else None,
             ImageDepth32F.of(images.depth) if 'depth' in want else None,
             ImageLabel16I.of(images.label) if 'label' in want else None,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,7 +24,8 @@ from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import CameraDescription, camera_of
 
-PERIOD = 0.02  # [s] between two looks which camera is due
+PERIOD = 0.05  # [s] at most between two looks which cameras there are, and which is due
+_SOON = 1e-3  # [s] at least, so that others may have the lock of the scene
 _AGAIN = 1.0  # [s] an image that stays the same is sent again, for who came late or lost it
 # Where the images of a kind are published, below ~/cameras/NAME.
 _TOPICS = {
@@ -89,10 +91,14 @@ class CameraPublisher:
             return NO_SUBSCRIBER
         return 'no camera was due' if self._open else 'no cameras'
 
-    def publish(self) -> None:
-        """Take the images that are due, and publish them."""
+    def publish(self) -> float:
+        """Take the images that are due, publish them, and return when to look again [s]."""
         self._follow()
-        now = time.monotonic()
+        self._publish_due(time.monotonic())
+        soonest = min((each.due for each in self._open.values()), default=math.inf)
+        return min(max(soonest - time.monotonic(), _SOON), PERIOD)
+
+    def _publish_due(self, now: float) -> None:
         due = [each for each in self._open.values() if each.due <= now]
         heard = [(each, kinds) for each in due if (kinds := each.heard())]
         for each in due:

@@ -31,9 +31,10 @@ def towards_camera(nx, ny, nz, x, y):
 
 @compiled
 def flat_normals(nx, ny, nz, y, slopes, xs, ys, zs):
-    """Fill the normals, (n,) each, of pixels that show one plane."""
+    """Fill the normals, (n,) each, of pixels that show one plane: all of it from one side."""
+    nx, ny, nz = towards_camera(nx, ny, nz, slopes[0], y)
     for i in range(len(slopes)):
-        xs[i], ys[i], zs[i] = towards_camera(nx, ny, nz, slopes[i], y)
+        xs[i], ys[i], zs[i] = nx, ny, nz
 
 
 @inlined
@@ -88,5 +89,4 @@ def facet_normals(facets, triangles, p_CVs, y, slopes, xs, ys, zs):
             last = facets[i]
             nx, ny, nz = facet_normal(triangles[last], p_CVs)
             nx, ny, nz = towards_camera(nx, ny, nz, slopes[i], y)
-        # Of a plane all that is seen is seen from one side, to rounding.
         xs[i], ys[i], zs[i] = nx, ny, nz

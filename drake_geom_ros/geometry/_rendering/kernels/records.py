@@ -53,12 +53,12 @@ class Paint(NamedTuple):
     edges: bool
     above: NDArray[np.int32]  # (width,) owners of the row before the band
     normals: Floats  # (2, 3, width) of even and of odd rows
-    light: Floats  # (width,)
+    light: NDArray[np.float32]  # (width,)
 
 
 class Outputs(NamedTuple):
     """Images that are filled; of no size: not wanted."""
 
-    color: NDArray[np.uint8]  # (height, width, 4)
+    color: NDArray[np.uint32]  # (height, width), a pixel's four bytes in each
     depth: NDArray[np.float32]  # (height, width, 1)
     label: NDArray[np.int16]  # (height, width, 1)

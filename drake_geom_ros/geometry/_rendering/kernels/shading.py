@@ -1,17 +1,23 @@
 """The buffers of a band to pixels: depth, label, colour."""
 
 import math
+import sys
 
 import numpy as np
 
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.normals import facet_normals, primitive_normals
 from drake_geom_ros.geometry._rendering.tolerances import EDGE_COSINE
 
 # Of a surface's colour: what it has everywhere, and what light from the camera and from above add.
-AMBIENT, FROM_CAMERA, FROM_ABOVE = 0.35, 0.5, 0.25
+# Of light 24 bits are more than enough, and twice as fast.
+AMBIENT, FROM_CAMERA, FROM_ABOVE = np.float32(0.35), np.float32(0.5), np.float32(0.25)
 # What is left of the colour at an edge.
-EDGE = 0.45
+EDGE = np.float32(0.45)
+ONE, NONE = np.float32(1.0), np.float32(0.0)
+# Where the bytes of a pixel, in this order in memory, are in a number of 32 bits.
+RED, GREEN, BLUE, ALPHA = (0, 8, 16, 24) if sys.byteorder == 'little' else (24, 16, 8, 0)
 
 
 @compiled
@@ -65,38 +71,42 @@ def light_run(y, slopes, view, xs, ys, zs, light):
     up_x, up_y, up_z = view[6], view[7], view[8]
     for i in range(len(slopes)):
         x = slopes[i]
-        facing = -(xs[i] * x + ys[i] * y + zs[i]) / math.sqrt(x * x + y * y + 1.0)
-        up = xs[i] * up_x + ys[i] * up_y + zs[i] * up_z
-        lit = AMBIENT + FROM_CAMERA * facing + FROM_ABOVE * (up if up > 0.0 else 0.0)
+        towards = np.float32(-(xs[i] * x + ys[i] * y + zs[i]))
+        up = np.float32(xs[i] * up_x + ys[i] * up_y + zs[i] * up_z)
+        facing = towards / math.sqrt(np.float32(x * x + y * y + 1.0))
+        lit = AMBIENT + FROM_CAMERA * facing + FROM_ABOVE * (up if up > NONE else NONE)
         light[i] = lit * light[i]
 
 
 @inlined
-def channel(value):
-    """Return a colour from 0 to 1 as a number of 8 bits."""
-    value = value if value < 1.0 else 1.0
-    return np.uint8(np.int32((value if value > 0.0 else 0.0) * 255.0 + 0.5))
+def channel(value, shift):
+    """Return a colour from 0 to 1, or brighter, as eight of a pixel's bits."""
+    level = np.int32((value if value < ONE else ONE) * np.float32(255.0) + np.float32(0.5))
+    return np.uint32(level) << np.uint32(shift)
+
+
+@inlined
+def pixel(red, green, blue):
+    """Return a pixel's bytes as one number: to write them one by one takes five times as long."""
+    opaque = np.uint32(255) << np.uint32(ALPHA)
+    return channel(red, RED) | channel(green, GREEN) | channel(blue, BLUE) | opaque
 
 
 @compiled
 def colour_run(colour, light, out):
-    """Write pixels (n, 4) of one colour in their light (n,)."""
-    red, green, blue = colour[0], colour[1], colour[2]
+    """Write pixels (n,) of one colour in their light (n,)."""
+    red, green, blue = np.float32(colour[0]), np.float32(colour[1]), np.float32(colour[2])
     for i in range(len(light)):
-        out[i, 0] = channel(red * light[i])
-        out[i, 1] = channel(green * light[i])
-        out[i, 2] = channel(blue * light[i])
-        out[i, 3] = 255
+        out[i] = pixel(red * light[i], green * light[i], blue * light[i])
 
 
 @compiled
 def colour_facets(facets, facet_colours, light, out):
-    """Write pixels (n, 4) again that show a triangle with a colour of its own."""
+    """Write pixels (n,) again that show a triangle with a colour of its own."""
     for i in range(len(light)):
-        f = facets[i]
-        if facet_colours[f, 0] >= 0.0:
-            for j in range(3):
-                out[i, j] = channel(facet_colours[f, j] * light[i])
+        colour = facet_colours[facets[i]]
+        if colour[0] >= 0.0:
+            out[i] = pixel(colour[0] * light[i], colour[1] * light[i], colour[2] * light[i])
 
 
 @compiled
@@ -122,7 +132,7 @@ def write_colours(bodies, seen, paint, band, out):
             k, end = here[u], run_end(u, here)
             lit, pixels = light[u:end], out[row, u:end]
             for i in range(len(lit)):
-                lit[i] = 1.0
+                lit[i] = ONE
             if k < 0:
                 colour_run(background, lit, pixels)
                 continue
@@ -139,12 +149,12 @@ def write_colours(bodies, seen, paint, band, out):
                 if row + first_row > 0:
                     mx, my, mz = up_xs[u:end], up_ys[u:end], up_zs[u:end]
                     find_edges(here[u:end], nx, ny, nz, before[u:end], mx, my, mz, lit)
-                v = max(u, 1)
-                mx, my, mz = xs[v - 1 : end - 1], ys[v - 1 : end - 1], zs[v - 1 : end - 1]
-                nx, ny, nz = xs[v:end], ys[v:end], zs[v:end]
-                find_edges(
-                    here[v:end], nx, ny, nz, here[v - 1 : end - 1], mx, my, mz, light[v:end]
-                )
+                # Within a run of a half space no face differs from that on the left.
+                v, last = max(u, 1), u + 1 if bodies.kinds[k] == HALF_SPACE else end
+                mx, my, mz = xs[v - 1 : last - 1], ys[v - 1 : last - 1], zs[v - 1 : last - 1]
+                nx, ny, nz = xs[v:last], ys[v:last], zs[v:last]
+                left = here[v - 1 : last - 1]
+                find_edges(here[v:last], nx, ny, nz, left, mx, my, mz, light[v:last])
             light_run(y, rays, view, xs[u:end], ys[u:end], zs[u:end], lit)
             colour_run(bodies.colours[k], lit, pixels)
             if shown[0] >= 0:
