@@ -97,18 +97,25 @@ def fill_camera_info(message: Any, camera: CameraDescription) -> None:
 
 
 def fill_image(message: Any, kind: str, pixels: NDArray[Any]) -> None:
-    """Fill an Image of a kind: 'color', 'depth' or 'label', (rows, columns, channels)."""
+    """Fill an Image of a kind: 'color', 'depth' or 'label', (rows, columns, channels).
+
+    Colours are written into the room that the message has, where it has as much as they need.
+    """
     encoding, size = _ENCODINGS[kind]
     message.height, message.width = pixels.shape[:2]
     message.encoding, message.is_bigendian = encoding, 0
     message.step = size * message.width
-    message.data = _rgb(pixels) if kind == 'color' else uint8s(_little_endian(pixels))
+    if kind == 'color':
+        message.data = _rgb(pixels, message.data)
+    else:
+        message.data = uint8s(_little_endian(pixels))
 
 
-def _rgb(pixels: NDArray[Any]) -> array.array[int]:
-    """Return the bytes of red, green and blue of pixels (rows, columns, 4)."""
+def _rgb(pixels: NDArray[Any], data: array.array[int]) -> array.array[int]:
+    """Return the bytes of red, green and blue of pixels (rows, columns, 4), in ``data`` or new."""
     rows, columns = pixels.shape[:2]
-    data: array.array[int] = array.array('B', b'\0') * (3 * rows * columns)
+    if len(data) != 3 * rows * columns:
+        data = array.array('B', b'\0') * (3 * rows * columns)
     packed = np.frombuffer(data, np.uint8).reshape(rows, columns, 3)
     # One channel after the other, in place: three times as fast as a copy of all three.
     for channel in range(3):

@@ -25,7 +25,7 @@ from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import CameraDescription, camera_of
 
 PERIOD = 0.05  # [s] at most between two looks which cameras there are, and which is due
-_SOON = 1e-3  # [s] at least, so that others may have the lock of the scene
+_SOON = 0.001  # [s] at least, so that others may have the lock of the scene
 _AGAIN = 1.0  # [s] an image that stays the same is sent again, for who came late or lost it
 # Where the images of a kind are published, below ~/cameras/NAME.
 _TOPICS = {
@@ -144,9 +144,10 @@ class CameraPublisher:
         images = view.query.render_images(camera_of(camera), each.frame, camera.X_FC, kinds)
         if each.frame != view.names.world:
             each.X_WC = view.query.X_WF(each.frame) @ camera.X_FC
-        each.messages = {}
+        # What was published is written over: room for an image is slow to come by.
+        room, each.messages = each.messages, {}
         for kind in kinds:
-            image, info = Image(), CameraInfo()
+            image, info = room.get(kind) or (Image(), CameraInfo())
             fill_image(image, kind, getattr(images, kind).data)
             fill_camera_info(info, camera)
             for message in (image, info):
