@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bench import images_moderngl
 from drake_geom_ros.evidence import arms
 from drake_geom_ros.evidence.bodies import Body
 
@@ -24,6 +25,7 @@ class Library(NamedTuple):
     math: Any
     sensors: Any
     renderer: Callable[[Any], Any]
+    drawer: Callable[..., Any] | None = None  # draws our shapes without a query
 
 
 def ours() -> Library:
@@ -57,7 +59,15 @@ def pydrakes() -> Library | None:
     return Library(*modules, make)
 
 
-LIBRARIES = {'exact': ours, 'VTK': ours_by_vtk, 'pydrake': pydrakes}
+def moderngls() -> Library | None:
+    """Return a renderer of our shapes by OpenGL alone; None where that cannot."""
+    if reason := images_moderngl.why_not():
+        print(reason)
+        return None
+    return ours()._replace(drawer=images_moderngl.drawer)
+
+
+LIBRARIES = {'exact': ours, 'VTK': ours_by_vtk, 'pydrake': pydrakes, 'moderngl': moderngls}
 
 
 def shape_of(library: Library, body: Body) -> Any:

@@ -1,4 +1,4 @@
-"""Time of colour, depth and label images: our engines, and pydrake's RenderEngineVtk.
+"""Time of colour, depth and label images: our engines, pydrake's RenderEngineVtk, and moderngl.
 
     ./run exec python -m bench.images [--rounds 9] [--output out/images.json]
     ./run exec python -m bench.images_plot out/images.json docs/images_cost.png
@@ -24,9 +24,13 @@ from typing import Any
 
 import numpy as np
 
+from bench import images_moderngl
 from bench.image_scenes import (
+    FAR,
+    FOV_Y,
     HEIGHT,
     LIBRARIES,
+    NEAR,
     WIDTH,
     Library,
     arms_and_table,
@@ -82,6 +86,10 @@ def spent(
     library: Library, bodies: list[Any], rounds: int, size: tuple[int, int] = (WIDTH, HEIGHT)
 ) -> float:
     """Return the processor time [ms] of three images, in one pass where it can be."""
+    if library.drawer is not None:
+        intrinsics = library.sensors.CameraInfo(*size, FOV_Y)
+        camera = images_moderngl.Camera(looking(library), intrinsics, NEAR, FAR)
+        return milliseconds(library.drawer(bodies, camera), rounds)[0]
     query, *kept = query_of(library, bodies)
     task = together if hasattr(query, 'render_images') else three_calls
     used, _ = milliseconds(partial(task, library, query, cameras(library, *size)), rounds)
@@ -127,10 +135,12 @@ def measured(name: str, rounds: int) -> dict[str, Any]:
     library = LIBRARIES[name]()
     if library is None:
         return {}
-    query, *kept = query_of(library, arms_and_table(library))
-    calls = partial(three_calls, library, query, cameras(library))
-    found: dict[str, Any] = {'three calls: used, wall': milliseconds(calls, rounds)}
-    del kept
+    found: dict[str, Any] = {}
+    if library.drawer is None:
+        query, *kept = query_of(library, arms_and_table(library))
+        calls = partial(three_calls, library, query, cameras(library))
+        found['three calls: used, wall'] = milliseconds(calls, rounds)
+        del kept
     found['three images'] = spent(library, arms_and_table(library), rounds)
     found['arms MB'] = memory()
     found['pixels'] = {

@@ -15,8 +15,9 @@ _LABELS = {
     'exact': 'MakeRenderEngineExact, one pass',
     'VTK': 'MakeRenderEngineVtk',
     'pydrake': 'pydrake, RenderEngineVtk',
+    'moderngl': 'moderngl, tessellated',
 }
-_STYLES = {'exact': 'o-', 'VTK': 's--', 'pydrake': '^:'}
+_STYLES = {'exact': 'o-', 'VTK': 's--', 'pydrake': '^:', 'moderngl': 'd-.'}
 _TITLES = {
     'pixels': 'pixels (arms and table)',
     'primitives': 'primitives (640 x 480)',
