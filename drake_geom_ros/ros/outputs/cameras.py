@@ -25,7 +25,7 @@ from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import CameraDescription, camera_of
 
 PERIOD = 0.05  # [s] at most between two looks which cameras there are, and which is due
-_SOON = 0.001  # [s] at least, so that others may have the lock of the scene
+_SOON = 0.002  # [s] at least, so that others may have the lock of the scene
 _AGAIN = 1.0  # [s] an image that stays the same is sent again, for who came late or lost it
 # Where the images of a kind are published, below ~/cameras/NAME.
 _TOPICS = {
