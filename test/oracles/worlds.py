@@ -1,7 +1,7 @@
 """Small random worlds for the tests of the engine, built from plain arrays."""
 
 import numpy as np
-from oracles.pairs import PARAMETERS
+from oracles.forms import PARAMETERS
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
 from drake_geom_ros.geometry._proximity.filter_state import FilterState

@@ -5,13 +5,13 @@ import mpmath
 import numpy as np
 import pytest
 import trimesh
-from oracles.pairs import random_rotation
-from oracles.solids import Body, row_of, solid, surface_of
+from oracles.forms import row_of
+from oracles.solids import solid, surface_of
 
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
-from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID, SPHERE
-from drake_geom_ros.geometry._solid_mesh import solid_of
 
 NAMES = ('L', 'U', 'ring')
 
@@ -38,17 +38,16 @@ def point_triangle(q, corners):
 
 def test_points_and_balls_against_every_triangle():
     mesh = trimesh.creation.torus(1.0, 0.3, major_sections=12, minor_sections=6)
-    _, parameters = solid_of(MeshData(mesh.vertices, mesh.faces), (1.0, 1.0, 1.0))
-    torus = Body(SOLID, parameters, np.eye(3), np.zeros(3))
+    torus = Body('Solid', mesh.vertices, triangles=mesh.faces)
     for q in np.random.default_rng(5).uniform(-1.5, 1.5, (12, 3)) * [1, 1, 0.4]:
         with mpmath.workdps(50):
             distances = [point_triangle(q, np.asarray(mesh.vertices)[f]) for f in mesh.faces]
             truth = float(min(distances))
-        inside = bool(row_of(Body(SPHERE, np.zeros(1), np.eye(3), q), torus)[0] < 0.0)
+        inside = bool(row_of(Body('Sphere', (0.0,), p=q), torus)[0] < 0.0)
         for radius in (0.0, 0.5 * truth):
             if inside and radius:
                 continue
-            out = row_of(Body(SPHERE, np.array([radius]), np.eye(3), q), torus)
+            out = row_of(Body('Sphere', (radius,), p=q), torus)
             expected = -truth if inside else truth - radius
             assert abs(out[0] - expected) <= out[calling.ERROR_BOUND]
             assert out[calling.ERROR_BOUND] <= 2e-14
@@ -78,13 +77,13 @@ def test_fcl_is_of_the_same_opinion(other):
     apart = 0
     for _ in range(80):
         name, R, p = NAMES[rng.integers(3)], random_rotation(rng), rng.uniform(-2, 5, 3)
-        B, surface = solid(name, np.eye(3), np.zeros(3)), surface_of(name)
+        B, surface = solid(name), surface_of(name)
         if other == 'box':
             size = rng.uniform(0.1, 1.0, 3)
-            A, mesh = Body(BOX, 0.5 * size, R, p), MeshData(CORNERS * size, CUBE)
+            A, mesh = Body('Box', size, R, p), MeshData(CORNERS * size, CUBE)
         else:
-            A, mesh = solid('U', R, p, 0.5), MeshData(0.5 * surface_of('U').vertices,
-                                                      surface_of('U').triangles)  # fmt: skip
+            A = solid('U', 0.5).placed(R, p)
+            mesh = MeshData(A.size, A.triangles)
         out = row_of(A, B)
         if out[0] > 1e-3:
             apart += 1
