@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.body_truth import support_point
-from oracles.forms import ALIGNED, HERE, row_of
-from oracles.pairs import check_row, moved_apart, off_surfaces, pair_of, random_pairs, turned
+from oracles.body_truth import apart
+from oracles.forms import ALIGNED, row_of
+from oracles.pairs import check_row, off_surfaces, pair_of, random_pairs, turned
 
+from drake_geom_ros.evidence.bodies import Pair
 from drake_geom_ros.evidence.laws import lacking
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
@@ -57,13 +58,6 @@ def _check(pair, tolerance=1e-9):
     return out
 
 
-def _apart(pair, n, gap):
-    """Return the pair with two support points moved apart along n: they are the closest points."""
-    return moved_apart(
-        pair, support_point(pair.a, n) - support_point(pair.b.at(HERE), -n) + gap * n
-    )
-
-
 @pytest.mark.parametrize('name', ROWS)
 def test_random_poses_at_every_scale(name):
     rng = np.random.default_rng(11)
@@ -84,9 +78,9 @@ def test_gaps_are_found_along_any_normal(name, gap):
     for pair in random_pairs(rng, ROWS[name], COUNT):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        apart = _apart(pair, n, gap)
-        row = _check(apart)
-        assert abs(row[0] - gap) <= row[calling.ERROR_BOUND] + 1e-15, apart
+        pair = Pair(pair.a, apart(pair.a, pair.b, n, gap))
+        row = _check(pair)
+        assert abs(row[0] - gap) <= row[calling.ERROR_BOUND] + 1e-15, pair
         if gap > 1e-4:
             assert row[1:4] == pytest.approx(-n, abs=1e-4)
 
@@ -279,7 +273,7 @@ def test_normals_are_good_to_eight_digits(name):
     for pair in random_pairs(rng, ROWS[name], COUNT):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        row = _check(_apart(pair, n, 0.01))
+        row = _check(Pair(pair.a, apart(pair.a, pair.b, n, 0.01)))
         assert row[1:4] == pytest.approx(-n, abs=1e-8)
         assert row[calling.ERROR_BOUND] <= 1e-13
 
