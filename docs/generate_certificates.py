@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from drake_geom_ros.evidence.pages import table
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, PAIR_TABLE, SHAPE_NAMES
 
 TARGET = Path(__file__).resolve().parent / 'certificates.md'
@@ -47,11 +48,15 @@ def certificates() -> str:
 def worst_errors() -> str:
     """Return the table of methods and worst errors."""
     rows = [
-        f'| {SHAPE_NAMES[row.type_a]} | {SHAPE_NAMES[row.type_b]} | {row.method.words} '
-        f'| {row.worst_error:.0e} |'
+        (
+            SHAPE_NAMES[row.type_a],
+            SHAPE_NAMES[row.type_b],
+            row.method.words,
+            f'{row.worst_error:.0e}',
+        )
         for row in PAIR_TABLE
     ]
-    return '\n'.join(['| A | B | method | worst error |', '|---|---|---|---|', *rows])
+    return table(('A', 'B', 'method', 'worst error'), rows).rstrip()
 
 
 if __name__ == '__main__':

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from drake_geom_ros.evidence.pages import table
+
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / 'docs/reference.md'
 _FIELD = re.compile(r'(?P<type>[\w/\[\]<=]+) +(?P<name>\w+)(?P<value>=\S+)?(?: +# (?P<text>.*))?')
@@ -87,9 +89,7 @@ def _rows(lines: list[str]) -> list[tuple[str, str, str]]:
 
 def _table(rows: list[tuple[str, str, str]]) -> str:
     cells = [tuple(cell.replace('|', '\\|') for cell in row) for row in rows]
-    return '\n'.join(
-        ['| field | type | |', '|---|---|---|', *(f'| {" | ".join(row)} |' for row in cells)]
-    )
+    return table(('field', 'type', ''), cells).rstrip()
 
 
 if __name__ == '__main__':

@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.evidence.pages import table
+
 ROOT = Path(__file__).resolve().parents[1]
 SCHEMA = ROOT / 'drake_geom_ros/scene_files/scene.schema.json'
 EXAMPLE = ROOT / 'scenes/minimal.yaml'
@@ -104,24 +106,24 @@ def _shapes(definition: dict[str, Any]) -> str:
         properties = {key: value for key, value in then['properties'].items() if key != 'type'}
         if 'uri' in properties:
             meshes = _keys({'properties': properties})
-            rows.append(f'| {names} | `uri`* or `vertices`*, see below |')
+            rows.append((names, '`uri`* or `vertices`*, see below'))
             continue
         keys = [f'`{key}`* ({kind(value)})' for key, value in properties.items()]
-        rows.append(f'| {names} | {", ".join(keys) or "none"} |')
+        rows.append((names, ', '.join(keys) or 'none'))
     head = (
         'The key `type`* chooses the shape, and with it the other keys; lengths are in metres.\n'
     )
-    return '\n'.join([head, '| type | keys |', '|---|---|', *rows, '', '### Meshes', '', meshes])
+    return '\n'.join([head, table(('type', 'keys'), rows), '### Meshes', '', meshes])
 
 
 def _keys(definition: dict[str, Any]) -> str:
     """Return the table of the keys of an object."""
     required = definition.get('required', ())
     rows = [
-        f'| `{key}`{"*" * (key in required)} | {kind(given)} | {given.get("description", "")} |'
+        (f'`{key}`{"*" * (key in required)}', kind(given), given.get('description', ''))
         for key, given in definition['properties'].items()
     ]
-    return '\n'.join(['| key | value | meaning |', '|---|---|---|', *rows]) + '\n'
+    return table(('key', 'value', 'meaning'), rows)
 
 
 def kind(given: dict[str, Any]) -> str:

@@ -71,11 +71,6 @@ class Question:
                 raise ArgumentError(f'points must be (m, 3), all finite; the shape is {shape}')
 
     @property
-    def is_ragged(self) -> bool:
-        """Whether states have answers of any number."""
-        return self.want in ('nearest', 'within', 'points')
-
-    @property
     def words(self) -> str:
         """The question in one line, the same for the same question."""
         points = b'' if self.points is None else np.ascontiguousarray(self.points).tobytes()

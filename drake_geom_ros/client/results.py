@@ -113,6 +113,11 @@ class Results(Sequence[Record], Generic[Record]):
         values: NDArray[Any] = np.asarray(getattr(self._message, name)).astype(kind)
         return (values if width == 1 else values.reshape(-1, width))[self._rows]
 
+    def _row(self, k: int, *names: str) -> dict[str, Any]:
+        """Return row ``k`` of columns by their names, numbers as those of Python."""
+        columns = {name: getattr(self, name) for name in names}
+        return {name: x[k] if x.ndim > 1 else x[k].item() for name, x in columns.items()}
+
     def _subset(self: Rows, mask: NDArray[np.bool_]) -> Rows:
         return type(self)(self._message, self.table, self._rows[mask])
 
@@ -152,9 +157,10 @@ class _PairResults(Results[Record]):
         other_way = np.isin(self.id_a, ids_b) & np.isin(self.id_b, ids_a)
         return self._subset(one_way | other_way)
 
-    def _pair(self, k: int) -> tuple[int, str, str, int, str, str]:
+    def _pair(self, k: int) -> dict[str, Any]:
         a, b = self.table[self.id_a[k]], self.table[self.id_b[k]]
-        return a.id, a.source, a.short_name, b.id, b.source, b.short_name
+        of_a = {'id_a': a.id, 'source_a': a.source, 'name_a': a.short_name}
+        return {**of_a, 'id_b': b.id, 'source_b': b.source, 'name_b': b.short_name}
 
 
 class SignedDistances(_PairResults[SignedDistance]):
@@ -181,8 +187,8 @@ class SignedDistances(_PairResults[SignedDistance]):
         return self[int(np.argmin(self.lower_bound))] if len(self) else None
 
     def _record(self, k: int) -> SignedDistance:
-        columns = self.distance, self.error_bound, self.p_ACa, self.p_BCb, self.nhat_BA_W
-        return SignedDistance(*self._pair(k), *_row(k, *columns))
+        columns = self._row(k, 'distance', 'error_bound', 'p_ACa', 'p_BCb', 'nhat_BA_W')
+        return SignedDistance(**self._pair(k), **columns)
 
 
 class Penetrations(_PairResults[Penetration]):
@@ -199,8 +205,8 @@ class Penetrations(_PairResults[Penetration]):
         self.p_WCb = self._column('p_wcb', 3)  # (n, 3) [m]
 
     def _record(self, k: int) -> Penetration:
-        columns = self.depth, self.error_bound, self.p_WCa, self.p_WCb, self.nhat_BA_W
-        return Penetration(*self._pair(k), *_row(k, *columns))
+        columns = self._row(k, 'depth', 'error_bound', 'p_WCa', 'p_WCb', 'nhat_BA_W')
+        return Penetration(**self._pair(k), **columns)
 
 
 class PointDistances(Results[PointDistance]):
@@ -226,11 +232,5 @@ class PointDistances(Results[PointDistance]):
 
     def _record(self, k: int) -> PointDistance:
         g = self.table[self.id[k]]
-        columns = self.distance, self.error_bound, self.p_GN, self.grad_W
-        index = int(self.point_index[k])
-        return PointDistance(index, g.id, g.source, g.short_name, *_row(k, *columns))
-
-
-def _row(k: int, *columns: NDArray[Any]) -> list[Any]:
-    """Return row ``k`` of columns, numbers as those of Python."""
-    return [column[k] if column.ndim > 1 else column[k].item() for column in columns]
+        columns = self._row(k, 'point_index', 'distance', 'error_bound', 'p_GN', 'grad_W')
+        return PointDistance(id=g.id, source=g.source, name=g.short_name, **columns)

@@ -46,7 +46,8 @@ class CameraInfo:
         if len(given) == 4:
             fx, fy, cx, cy = (_number('intrinsics', n) for n in given)
         elif len(given) == 1 and np.ndim(given[0]) == 2:
-            fx, fy, cx, cy = _of_matrix(given[0])
+            K = _checked_matrix(given[0])
+            fx, fy, cx, cy = K[[0, 1, 0, 1], [0, 1, 2, 2]].tolist()
         elif len(given) == 1:
             fx = fy = 0.5 * self._height / math.tan(0.5 * field_of_view('CameraInfo', given[0]))
             cx, cy = 0.5 * self._width - 0.5, 0.5 * self._height - 0.5
@@ -144,7 +145,7 @@ def _number(name: str, value: Any) -> float:
         raise RuntimeError(f'CameraInfo: {name} = {value!r} must be a number') from None
 
 
-def _of_matrix(matrix: ArrayLike) -> tuple[float, float, float, float]:
+def _checked_matrix(matrix: ArrayLike) -> NDArray[np.float64]:
     K = np.asarray(matrix, dtype=np.float64)
     plain = np.zeros((3, 3))
     if K.shape == (3, 3):
@@ -154,4 +155,4 @@ def _of_matrix(matrix: ArrayLike) -> tuple[float, float, float, float]:
             f'CameraInfo: intrinsic_matrix = {K.tolist()} must be [[focal_x, 0, center_x], '
             '[0, focal_y, center_y], [0, 0, 1]]'
         )
-    return float(K[0, 0]), float(K[1, 1]), float(K[0, 2]), float(K[1, 2])
+    return K

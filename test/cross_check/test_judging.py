@@ -9,6 +9,7 @@ from drake_geom_ros.cross_check.judging import judged, tolerance_of
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, Question
 from drake_geom_ros.evidence.bodies import Body, Pair
 from drake_geom_ros.evidence.peers import PairAnswer
+from drake_geom_ros.evidence.random_bodies import box_corners
 
 EYE = np.eye(3)
 X = np.array([1.0, 0.0, 0.0])
@@ -97,7 +98,7 @@ class TestSolids:
 
     BOX = Body(
         'Solid',
-        np.indices((2, 2, 2)).reshape(3, -1).T - 0.5,
+        box_corners(),
         triangles=[
             *([0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]),
             *([2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]),

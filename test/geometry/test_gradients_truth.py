@@ -7,18 +7,8 @@ from oracles import closed_forms
 from oracles.moving_pairs import MovingPair
 from oracles.pairs import random_pairs
 
-from drake_geom_ros.geometry import Box, Capsule, Cylinder, Ellipsoid, HalfSpace, Sphere
-from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math import RigidTransform
 
-# Made of the half sizes that kernels and the truth take.
-SHAPES = {
-    1: Sphere,
-    2: lambda *half: Box(*(2.0 * h for h in half)),
-    3: lambda radius, half: Capsule(radius, 2.0 * half),
-    4: lambda radius, half: Cylinder(radius, 2.0 * half),
-    5: Ellipsoid,
-    6: HalfSpace,
-}
 KINDS = [(1, b) for b in range(1, 7)] + [(a, 6) for a in (2, 3, 4, 5)] + [(2, 2), (2, 3), (3, 3)]
 STEP = mpf(10) ** -15
 # Of gradients, in units of EPS times the extent over the gap of the cores: the normal has lost
@@ -39,13 +29,9 @@ def rate(pair, V):
     values = []
     for t in (STEP, -STEP):
         p_AB_W = [mpf(float(p)) + t * mpf(float(b - a)) for p, a, b in
-                  zip(pair.p_AB_W, V[3:6], V[9:], strict=True)]  # fmt: skip
-        R_WA, R_WB = turned(pair.R_WA, V[:3], t), turned(pair.R_WB, V[6:9], t)
-        values.append(
-            closed_forms.signed_distance(
-                *(pair.kind_A, pair.size_A, R_WA, pair.kind_B, pair.size_B, R_WB, p_AB_W)
-            )
-        )
+                  zip(pair.b.p, V[3:6], V[9:], strict=True)]  # fmt: skip
+        R_WA, R_WB = turned(pair.a.R, V[:3], t), turned(pair.b.R, V[6:9], t)
+        values.append(closed_forms.signed_distance(*pair.a.form, R_WA, *pair.b.form, R_WB, p_AB_W))
     return float((values[0] - values[1]) / (2 * STEP))
 
 
@@ -55,14 +41,8 @@ def test_it_is_the_derivative_to_rounding(kinds):
     told = 0
     with mp.workdps(closed_forms.DIGITS):
         for pair in random_pairs(rng, kinds, 12):
-            shapes = [
-                SHAPES[k](*s) for k, s in zip(kinds, (pair.size_A, pair.size_B), strict=True)
-            ]
-            moving = MovingPair(*shapes, *2 * [RigidTransform()])
-            moving.place(
-                RigidTransform(RotationMatrix(pair.R_WA)),
-                RigidTransform(RotationMatrix(pair.R_WB), pair.p_AB_W),
-            )
+            moving = MovingPair(pair.a.shape, pair.b.shape, *2 * [RigidTransform()])
+            moving.place(pair.a.pose, pair.b.pose)
             found = moving.ask()
             if found.is_gradient_unique[0] and abs(found.distance[0]) > 1e-4:
                 told += 1

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.crossings import crossings
-from oracles.pairs import random_rotation
 from oracles.voxels import KINDS, filled_cells, placed, voxel_mesh
 
 from drake_geom_ros.evidence.grids import surface
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData, MeshFileError
 from drake_geom_ros.geometry._solid_mesh import solid_of
 

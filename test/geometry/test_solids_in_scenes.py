@@ -11,6 +11,7 @@ import pytest
 from oracles.shape_scene import ShapeScene
 from oracles.solids import surface_of
 
+from drake_geom_ros.evidence.random_bodies import box_corners
 from drake_geom_ros.geometry import (
     Box,
     Convex,
@@ -27,7 +28,7 @@ from drake_geom_ros.scene_files import load_scene, save_scene
 
 ROOT = Path(__file__).parents[2]
 L, RING = Mesh.FromMeshData(surface_of('L')), Mesh.FromMeshData(surface_of('ring'))
-CORNERS = np.array(list(np.ndindex(2, 2, 2)), dtype=float) - 0.5
+CORNERS = box_corners()
 QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 CUBE = [t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))]
 Scene = partial(ShapeScene, solid=True)

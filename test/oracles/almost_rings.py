@@ -38,11 +38,8 @@ def _size(rng, kind):
 def widths(pair, ns):
     """Return the widths of the overlap along (m, 3) unit vectors: each is at least the depth."""
     kind_A, size_A, R_WA, kind_B, size_B, R_WB, p = pair
-    h_A, h_B = (
-        support_value_of((kind, size), ns @ R)
-        for kind, size, R in ((kind_A, size_A, R_WA), (kind_B, size_B, R_WB))
-    )
-    return h_A + h_B - ns @ p
+    h_A = support_value_of((kind_A, size_A), ns @ R_WA)
+    return h_A + support_value_of((kind_B, size_B), -ns @ R_WB) - ns @ p
 
 
 def directions(rng, pair, n):

@@ -30,6 +30,11 @@ def support_point(body: Body, n: Any) -> Floats:
     return point
 
 
+def apart(a: Body, b: Body, n: Floats, gap: float) -> Body:
+    """Return B so placed that it is a gap [m] from A along a unit n."""
+    return b.at(support_point(a, n) + gap * n - (support_point(b, -n) - b.p))
+
+
 def is_closed(a: Body, b: Body) -> bool:
     """Return whether the pair has a closed form with 50 digits."""
     low, high = sorted((a.form[0], b.form[0]))

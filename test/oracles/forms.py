@@ -1,16 +1,52 @@
-"""The true distance of two shapes as kernels have them: a type number, sizes and a pose."""
+"""Bodies as kernels have them, by type numbers and parameters: asked of kernels, and of the truth.
 
-from types import SimpleNamespace
+The numbers are half sizes; of a hull, and of a solid, they are what it is packed as.
+"""
 
 import numpy as np
 
+from drake_geom_ros.evidence.bodies import COUNTS, HALVES, NUMBERS, Body
 from drake_geom_ros.evidence.truth import convex
+from drake_geom_ros.geometry import MeshData
+from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
+from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
+from drake_geom_ros.geometry._solid_mesh import solid_of
+
+KINDS = {NUMBERS[kind]: kind for kind in (*COUNTS, 'Convex')}
+PARAMETERS = {NUMBERS[kind]: count for kind, count in COUNTS.items()}
+ALIGNED, HERE = np.eye(3), np.zeros(3)
 
 
-def body(form, R, p=(0.0, 0.0, 0.0)):
-    """Return what the truth takes of a body; ``form`` is (type number, sizes)."""
-    p = np.array(p, dtype=float)
-    return SimpleNamespace(form=form, R=R, p=p, X_WG=(R, p))
+def body(form, R=ALIGNED, p=HERE):
+    """Return the body of a form, (type number, parameters), at a pose."""
+    kind, size = KINDS[form[0]], np.asarray(form[1], dtype=float)
+    if kind == 'Convex':
+        size = size[1:].reshape(-1, 3)
+    else:
+        size = tuple((size[: COUNTS[kind]] / np.array(HALVES.get(kind, 1.0))).tolist())
+    return Body(kind, size, R, np.array(p, dtype=float))
+
+
+def kernel_form(body):
+    """Return the type number and the parameters that kernels take; a convex Solid is its hull."""
+    if body.kind == 'Solid':
+        return solid_of(MeshData(body.size, body.triangles), (1.0, 1.0, 1.0))
+    return body.form
+
+
+def row_of(a, b, tolerance=1e-9, cutoff=np.inf, hint=(0.0, 0.0, 0.0), kernel=None):
+    """Return the result row of two bodies, the lower type first; by the pair table's kernel."""
+    (kind_A, shape_A), (kind_B, shape_B) = kernel_form(a), kernel_form(b)
+    if kernel is None:
+        kernel = ALL_ROWS[ROW_OF_TYPES[kind_A * TYPE_COUNT + kind_B]].load_kernel()
+    out = np.full(calling.PAIR_WIDTH, np.nan)
+    out[calling.NORMAL : calling.NORMAL + 3] = hint
+    kernel(
+        kind_A, shape_A, np.ascontiguousarray(a.R), kind_B, shape_B, np.ascontiguousarray(b.R),
+        b.p - a.p, tolerance, cutoff, out,
+    )  # fmt: skip
+    assert np.isfinite(out).all(), (a, b, out)
+    return out
 
 
 def signed_distance(form_A, X_WA, form_B, X_WB):

@@ -1,13 +1,12 @@
 """Two shapes on frames that move: the derivative of their distance by differences."""
 
-import itertools
 from types import SimpleNamespace as Plain
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -33,7 +32,7 @@ SHAPES = {
     'half_space': HalfSpace(),
     'convex': HULL,
 }
-BLOCK = np.array(list(itertools.product((-0.1, 0.1), (-0.1, 0.1), (-0.2, 0.2))))
+BLOCK = box_corners((0.2, 0.2, 0.4))
 LATTICE_SHAPES = {
     'sphere': Sphere(0.1),
     'box': Box(0.2, 0.2, 0.4),

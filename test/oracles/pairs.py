@@ -1,65 +1,37 @@
-"""Pairs of shapes, and the laws that every result row of a kernel obeys."""
+"""Pairs of bodies, and the laws that every result row of a kernel obeys."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
-from oracles import closed_forms
+from oracles import body_truth
+from oracles.case_laws import radius_of_core
+from oracles.forms import PARAMETERS, body, row_of
 
 from drake_geom_ros.evidence import laws
-from drake_geom_ros.evidence.bodies import COUNTS
+from drake_geom_ros.evidence.bodies import Pair
 from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.evidence.surfaces import height_of, support_value_of
-from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
-from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
-
-NAMES = {1: 'sphere', 2: 'box', 3: 'capsule', 4: 'cylinder', 5: 'ellipsoid', 6: 'half_space'}
-PARAMETERS = dict(enumerate(COUNTS.values(), 1))
-EPS = np.finfo(float).eps
+from drake_geom_ros.evidence.surfaces import width
+from drake_geom_ros.evidence.tolerances import EPS
+from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CLOSED_FORM, HALF_SPACE
 
 
-@dataclass(frozen=True)
-class Pair:
-    """Two shapes at their poses, as a kernel takes them."""
-
-    kind_A: int
-    size_A: np.ndarray
-    R_WA: np.ndarray
-    kind_B: int
-    size_B: np.ndarray
-    R_WB: np.ndarray
-    p_AB_W: np.ndarray
-
-    @property
-    def extent(self):
-        return self.size_A.sum() + self.size_B.sum() + np.linalg.norm(self.p_AB_W)
-
-    def moved(self, R):
-        """The pair under a common rotation."""
-        return replace(self, R_WA=R @ self.R_WA, R_WB=R @ self.R_WB, p_AB_W=R @ self.p_AB_W)
-
-    def scaled(self, s):
-        return replace(
-            self, size_A=s * self.size_A, size_B=s * self.size_B, p_AB_W=s * self.p_AB_W
-        )
-
-    def swapped(self):
-        return Pair(
-            self.kind_B, self.size_B, self.R_WB,
-            self.kind_A, self.size_A, self.R_WA, -self.p_AB_W,
-        )  # fmt: skip
-
-    def truth(self):
-        """The signed distance, rounded once."""
-        return float(
-            closed_forms.signed_distance(
-                self.kind_A, self.size_A, self.R_WA,
-                self.kind_B, self.size_B, self.R_WB, self.p_AB_W,
-            )
-        )  # fmt: skip
+def pair_of(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p_AB_W):
+    """Return two bodies as a kernel takes them, A at the origin."""
+    return Pair(body((kind_A, size_A), R_WA), body((kind_B, size_B), R_WB, p_AB_W))
 
 
-@dataclass(frozen=True)
-class Row:
+def moved_apart(pair, p_AB_W):
+    """Return the pair with B elsewhere."""
+    return replace(pair, b=pair.b.at(pair.a.p + p_AB_W))
+
+
+def turned(pair, R):
+    """Return the pair under a common rotation."""
+    return pair.moved(R, np.zeros(3))
+
+
+class Row(NamedTuple):
     """One result row, by name."""
 
     distance: float
@@ -71,43 +43,25 @@ class Row:
     method: int
 
 
-def height(kind, size, q):
-    """Signed distance of a point close to a shape's surface, quickly."""
-    return height_of((kind, size), q)
-
-
 def evaluate(kernel, pair):
     """Call a kernel and check the laws that need no truth; return the row."""
-    out = np.full(calling.PAIR_WIDTH, np.nan)
-    kernel(
-        pair.kind_A, pair.size_A, np.ascontiguousarray(pair.R_WA),
-        pair.kind_B, pair.size_B, np.ascontiguousarray(pair.R_WB),
-        pair.p_AB_W, 1e-9, np.inf, out,
-    )  # fmt: skip
-    assert np.all(np.isfinite(out)), pair
+    out = row_of(pair.a, pair.b, kernel=kernel)
     row = Row(out[0], out[1:4], out[4:7], out[7:10], out[10], bool(out[11]), int(out[12]))
     rounding = 32 * EPS * pair.extent
-    assert laws.off_unit(row.nhat) <= 1e-14, pair
-    assert laws.off_span(row.distance, row.nhat, row.p_ACa, row.p_ACb) <= rounding, (pair, row)
-    for kind, size, R, p in (
-        (pair.kind_A, pair.size_A, pair.R_WA, row.p_ACa),
-        (pair.kind_B, pair.size_B, pair.R_WB, row.p_ACb - pair.p_AB_W),
-    ):
-        assert abs(height(kind, size, R.T @ p)) <= rounding, (pair, row)
+    check_row(out, rounding, 1e-14)
+    assert off_surfaces(pair, out) <= rounding, (pair, row)
     return row
 
 
-def support(kind, size, R, n):
-    """Support value of a shape along the unit n."""
-    return support_value_of((kind, size), R.T @ n)
+def check_row(out, rounding, unit=1e-12):
+    """Check what holds of every row, to within ``rounding`` [m] and ``unit`` [-]."""
+    assert laws.off_unit(out[1:4]) <= unit, out
+    assert laws.off_span(out[0], out[1:4], out[4:7], out[7:10]) <= rounding, out
 
 
-def width_along_normal(pair, nhat):
-    """Gap between the supporting planes along a unit normal; no normal has a wider one."""
-    n = -nhat
-    h_A = support(pair.kind_A, pair.size_A, pair.R_WA, n)
-    h_B = support(pair.kind_B, pair.size_B, pair.R_WB, -n)
-    return float(pair.p_AB_W @ n) - h_A - h_B
+def off_surfaces(pair, out):
+    """Return how far [m] the witness points of a row are off the surfaces."""
+    return laws.off_surfaces(pair, pair.a.p + out[4:7], pair.a.p + out[7:10])
 
 
 def random_pairs(rng, kinds, count, scale=1.0):
@@ -124,20 +78,20 @@ def random_pairs(rng, kinds, count, scale=1.0):
         R_WA = random_rotation(rng)
         R_WB = R_WA @ random_rotation(rng, 10 ** rng.uniform(-17, -2) if k % 4 == 2 else None)
         p = rng.normal(size=3)
-        n = -R_WB[:, 2] if b == closed_forms.HALF_SPACE else p / np.linalg.norm(p)
-        pair = Pair(a, size_A, R_WA, b, size_B, R_WB, np.zeros(3))
+        n = -R_WB[:, 2] if b == HALF_SPACE else p / np.linalg.norm(p)
+        pair = pair_of(a, size_A, R_WA, b, size_B, R_WB, np.zeros(3))
         if k % 6 < 4:
             gap = scale * (0.2, 2e-3, 0.0, -2e-2)[k % 6]
-            yield replace(pair, p_AB_W=(gap - width_along_normal(pair, -n)) * n)
+            yield moved_apart(pair, (gap - width(pair.a, pair.b, -n)) * n)
         else:
-            yield replace(pair, p_AB_W=p * scale * rng.uniform(0, 0.1))
+            yield moved_apart(pair, p * scale * rng.uniform(0, 0.1))
 
 
 def _feature_point(rng, kind, size):
     """A random vertex, edge or face point of a box or segment, and a direction out of it."""
     at = rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1, 1)], size=3)
     at[rng.integers(3)] = rng.choice([-1.0, 1.0])
-    half = np.array([0.0, 0.0, size[1]]) if kind == closed_forms.CAPSULE else size
+    half = np.array([0.0, 0.0, size[1]]) if kind == CAPSULE else size
     out = np.where(np.abs(at) == 1.0, at, 0.0)
     return at * half, out / np.linalg.norm(out)
 
@@ -164,7 +118,7 @@ def feature_pairs(rng, kinds, count):
         point_B, _ = _feature_point(rng, b, size_B)
         gap = rng.choice([0.0, 1e-16, 1e-14, 1e-12, 1e-9, 1e-6, 1e-3, 0.1]) * rng.choice([-1, 1])
         p_AB_W = R_WA @ (point_A + gap * n) - R_WB @ point_B
-        pair = Pair(a, size_A, R_WA, b, size_B, R_WB, p_AB_W)
+        pair = pair_of(a, size_A, R_WA, b, size_B, R_WB, p_AB_W)
         yield pair.scaled(rng.choice([1e-6, 1.0, 1e6]))
 
 
@@ -174,38 +128,31 @@ def special_pairs(kinds):
     quarter = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
     sizes = {1: [0.5], 2: [0.5, 0.25, 0.5], 3: [0.25, 0.5], 4: [0.25, 0.5], 5: [0.5, 0.25, 0.5]}
     for R_WB in (np.eye(3), quarter):
-        pair = Pair(
-            a, np.array(sizes[a]), np.eye(3), b, np.array(sizes.get(b, [])), R_WB, np.zeros(3)
-        )
+        pair = pair_of(a, sizes[a], np.eye(3), b, sizes.get(b, []), R_WB, np.zeros(3))
         for offset in (0.0, 1e-300, 1e-17, 1e-12, 1e-6, 0.1, 0.25, 0.5, 1e6):
             for direction in ([1, 0, 0], [0, 0, -1], [0, 1, 1], [1, 1, 1]):
-                yield replace(pair, p_AB_W=offset * np.array(direction, dtype=float))
-        for n in [-R_WB[:, 2]] if b == closed_forms.HALF_SPACE else np.eye(3):
+                yield moved_apart(pair, offset * np.array(direction, dtype=float))
+        for n in [-R_WB[:, 2]] if b == HALF_SPACE else np.eye(3):
             for gap in (1e-3, 1e-9, 1e-15, 0.0, -1e-15, -1e-9, -1e-3):
-                at = (gap - width_along_normal(pair, -n)) * n
-                yield replace(pair, p_AB_W=at)
-                yield replace(pair, p_AB_W=at + 0.125 * np.roll(n, 1))
+                at = (gap - width(pair.a, pair.b, -n)) * n
+                yield moved_apart(pair, at)
+                yield moved_apart(pair, at + 0.125 * np.roll(n, 1))
 
 
 def check(kernel, pair):
     """Check a kernel's row for a pair against the truth; return the row."""
     row = evaluate(kernel, pair)
-    truth = pair.truth()
+    truth, _ = body_truth.signed_distance(pair.a, pair.b)
     assert row.method == CLOSED_FORM
     assert abs(row.distance - truth) <= row.error_bound, (truth, pair, row)
     # Rounding is relative to whatever is largest of the sizes and the offset: all are added up.
-    largest = max(*pair.size_A, *pair.size_B, np.linalg.norm(pair.p_AB_W))
+    largest = max(*pair.a.form[1], *pair.b.form[1], np.linalg.norm(pair.b.p - pair.a.p))
     assert 16 * EPS * largest <= row.error_bound <= 100 * EPS * pair.extent, (pair, row)
     # The normal is one of those that attain the signed distance; how well it can be known
     # depends on how far the cores (what remains without the radii) are apart.
-    radii = sum(
-        size[0] for kind, size in ((pair.kind_A, pair.size_A), (pair.kind_B, pair.size_B))
-        if kind in (closed_forms.SPHERE, closed_forms.CAPSULE)
-    )  # fmt: skip
-    core = abs(truth + radii)
-    attained = width_along_normal(pair, row.nhat)
+    core = abs(truth + radius_of_core(pair.a) + radius_of_core(pair.b))
     slack = row.error_bound * (1 + pair.extent / max(core, row.error_bound))
-    assert abs(attained - truth) <= slack, (attained, truth, pair, row)
+    assert abs(laws.lacking(pair, truth, row.nhat)) <= slack, (truth, pair, row)
     return row
 
 
@@ -225,9 +172,9 @@ def check_kernel(kernel, kinds, seed, samples, special_step=1):
             assert scaled.distance == power * row.distance, pair
             assert scaled.error_bound == power * row.error_bound, pair
             assert (scaled.unique, *scaled.nhat) == (row.unique, *row.nhat), pair
-        turned = evaluate(kernel, pair.moved(random_rotation(rng)))
-        bound = row.error_bound + turned.error_bound
-        assert abs(turned.distance - row.distance) <= bound, pair
-        if pair.kind_A == pair.kind_B:
+        other = evaluate(kernel, turned(pair, random_rotation(rng)))
+        bound = row.error_bound + other.error_bound
+        assert abs(other.distance - row.distance) <= bound, pair
+        if pair.a.kind == pair.b.kind:
             swapped = check(kernel, pair.swapped())
             assert abs(swapped.distance - row.distance) <= 2 * row.error_bound, pair

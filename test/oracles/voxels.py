@@ -1,9 +1,9 @@
 """Surfaces of sets of cells of a grid, of which it is known whether they cross themselves."""
 
 import numpy as np
-from oracles.pairs import random_rotation
 
 from drake_geom_ros.evidence.grids import surface
+from drake_geom_ros.evidence.random_bodies import random_rotation
 
 KINDS = ('any', 'pits', 'tunnels', 'shells', 'corners', 'edges')
 

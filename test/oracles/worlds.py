@@ -1,9 +1,9 @@
 """Small random worlds for the tests of the engine, built from plain arrays."""
 
 import numpy as np
-from oracles.pairs import PARAMETERS
+from oracles.forms import KINDS
 
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.evidence.random_bodies import random_body, random_rotations
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
@@ -12,10 +12,7 @@ from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, 
 
 def random_parameters(rng, kind):
     """Return the kernel parameters of a random shape of about 0.2 m."""
-    if kind == CONVEX:
-        vertices = random_directions(rng, 20) * rng.uniform(0.05, 0.2, 3)
-        return np.concatenate(([len(vertices)], vertices.ravel()))
-    return rng.uniform(0.05, 0.2, PARAMETERS[kind])
+    return random_body(rng, KINDS[kind], 20).form[1]
 
 
 def scaled_parameters(kind, parameters, scale):

@@ -29,7 +29,7 @@ def signed_distance(a: Body, mesh: Body) -> float | None:
     """Return the signed distance [m] of a body and a Solid; None where it is not known."""
     if a.kind in ('Point', 'Sphere'):
         return ball_distance(mesh.corners, mesh.X_WG, a.p, a.size[0] if a.size else 0.0)
-    return _of_parts(_parts(a), _parts(mesh))
+    return _of_parts(parts_of(a), parts_of(mesh))
 
 
 def point_distance(corners: Floats, q: Any) -> tuple[Any, Floats]:
@@ -68,7 +68,8 @@ def ball_distance(corners: Floats, X_WM: Pose, p_WA: Floats, radius: float) -> f
         return phi if clear >= radius - FREE else None
 
 
-def _parts(body: Body) -> list[Body]:
+def parts_of(body: Body) -> list[Body]:
+    """Return the convex bodies in World whose union a body is; of a Solid those known."""
     if body.kind != 'Solid':
         return [body]
     return [part.moved(body.R, body.p) for part in body.parts]

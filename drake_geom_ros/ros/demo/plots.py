@@ -1,7 +1,7 @@
 """distances.png: how close things came, how deep they touched, and when the filters changed."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -94,7 +94,7 @@ def _draw_deepest(axes: Any, recording: Recording) -> None:
     # Labels of neighbours stand at two heights, so that they do not overlap.
     spells = _spells(recording)
     if len(spells) > _MOST_LABELS:
-        spells = [max(spells, key=lambda spell: spell[3])]
+        spells = [max(spells, key=lambda spell: spell.depth)]
     for number, (name, begin, end, deepest) in enumerate(spells):
         middle = (begin + end) / 2 - recording.start
         label, height, align = name.replace(' - ', '\n'), deepest * 1e3, 'center'
@@ -112,8 +112,17 @@ def _settled(recording: Recording) -> float:
     return recording.changes[0].time - recording.start if recording.changes else 0.0
 
 
-def _spells(recording: Recording) -> list[tuple[str, float, float, float]]:
-    """Return the unbroken times of contact: the deepest pair's name, begin, end, depth."""
+class _Spell(NamedTuple):
+    """An unbroken time of contact [s], with the deepest pair's name and depth [m]."""
+
+    name: str
+    begin: float
+    end: float
+    depth: float
+
+
+def _spells(recording: Recording) -> list[_Spell]:
+    """Return the unbroken times of contact."""
     spells = []
     run = []
     for contact in [*recording.contacts, None]:
@@ -122,6 +131,6 @@ def _spells(recording: Recording) -> list[tuple[str, float, float, float]]:
         elif run:
             deepest = max(run, key=lambda c: c.depth)
             name = recording.scene.pair_name(deepest.id_a, deepest.id_b)
-            spells.append((name, run[0].time, run[-1].time, deepest.depth))
+            spells.append(_Spell(name, run[0].time, run[-1].time, deepest.depth))
             run = []
     return spells

@@ -25,11 +25,6 @@ def body(kind, size, R=None, p=(0.0, 0.0, 0.0)):
     return Body(kind, tuple(size), R, np.array(p, dtype=float))
 
 
-def apart(a, b, n, gap):
-    """Return B so placed that it is `gap` from A along n."""
-    return b.at(truth.support_point(a, n) + gap * n - (truth.support_point(b, -n) - b.p))
-
-
 def placing(a, b, n):
     """Return the rounding [m] of such a placement."""
     extent = a.radius + b.radius + np.abs(a.p).max() + np.abs(b.p).max()
@@ -42,7 +37,7 @@ def gap_case(about, a, b, n, gap):
     The engine may only be given what floats can hold: B's rounded position is what counts.
     """
     n = np.asarray(n, dtype=float)
-    b = apart(a, b, n, gap)
+    b = truth.apart(a, b, n, gap)
     if gap < 0.0:
         return case(about, a, b)
     distance, tolerance = gap, placing(a, b, n)

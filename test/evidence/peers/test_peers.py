@@ -8,11 +8,12 @@ import pytest
 from oracles.solids import surface_of
 
 from drake_geom_ros.evidence import peers
+from drake_geom_ros.evidence.random_bodies import box_corners
 from drake_geom_ros.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpace, Sphere
 from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
-CUBE = Convex.FromMeshData(MeshData(np.indices((2, 2, 2)).reshape(3, -1).T - 0.5))
+CUBE = Convex.FromMeshData(MeshData(box_corners()))
 L_SHAPE = peers.SolidMesh.FromMeshData(surface_of('L'))
 SHAPES = (Sphere(0.5), Box(1, 1, 1), Capsule(0.5, 1), Cylinder(0.5, 1), Ellipsoid(0.5, 0.6, 0.7))
 # Each is 0.5 long in x: it stands at the origin, and a cube of edge 1 to the right of it.

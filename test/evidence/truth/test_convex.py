@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 from mpmath import mp, mpf
-from oracles import closed_forms
+from oracles import body_truth, closed_forms
 from oracles.forms import body
 from oracles.pairs import random_pairs
 
+from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.evidence.truth.supports import (
     BOX,
     CAPSULE,
-    CONVEX,
     CYLINDER,
     DIGITS,
     ELLIPSOID,
@@ -21,13 +21,6 @@ from drake_geom_ros.evidence.truth.supports import (
     MinkowskiDifference,
     posed,
 )
-
-
-def bodies(pair):
-    return (
-        body((pair.kind_A, pair.size_A), pair.R_WA),
-        body((pair.kind_B, pair.size_B), pair.R_WB, pair.p_AB_W),
-    )
 
 
 @pytest.mark.parametrize(
@@ -67,16 +60,16 @@ def test_distances_known_by_hand(a, b, p, expected):
 )  # fmt: skip
 def test_it_agrees_with_fifty_digits(kinds):
     for pair in random_pairs(np.random.default_rng(3), kinds, 6):
-        phi, _ = signed_distance(*bodies(pair))
+        phi, _ = signed_distance(pair.a, pair.b)
         # R is orthogonal but for rounding, and the two take it differently.
-        assert phi == pytest.approx(pair.truth(), abs=1e-15)
+        assert phi == pytest.approx(body_truth.signed_distance(pair.a, pair.b)[0], abs=1e-15)
 
 
 def test_a_box_is_the_hull_of_its_corners():
     for pair in random_pairs(np.random.default_rng(2), (BOX, CYLINDER), 6):
-        box, cylinder = bodies(pair)
-        corners = np.append(8, box_corners(2.0 * pair.size_A).ravel())
-        of_hull, _ = signed_distance(body((CONVEX, corners), pair.R_WA), cylinder)
+        box, cylinder = pair.a, pair.b
+        hull = Body('Convex', box_corners(box.size), box.R)
+        of_hull, _ = signed_distance(hull, cylinder)
         assert signed_distance(box, cylinder)[0] == pytest.approx(of_hull, abs=1e-15)
 
 
@@ -85,7 +78,7 @@ def test_no_direction_is_better():
     directions = random_directions(rng, 100_000)
     for kinds in ((CYLINDER, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, CYLINDER)):
         for pair in random_pairs(rng, kinds, 6):
-            a, b = bodies(pair)
+            a, b = pair.a, pair.b
             phi, n = signed_distance(a, b)
             both = MinkowskiDifference(posed(a.form, *a.X_WG), posed(b.form, *b.X_WG))
             assert both.values(directions).max() <= phi + 1e-15

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from numba import config
+from oracles.forms import kernel_form
 from oracles.solids import solid
 from oracles.worlds import (
     filters_of,
@@ -42,9 +43,7 @@ def parameters_of(rng, kind, scale):
     """A shape of about 0.2 m times a scale; some are needles, plates or beside their origin."""
     if kind == SOLID:
         name = NAMES[rng.integers(3)]
-        return solid(
-            name, np.eye(3), np.zeros(3), float(np.exp2(np.round(np.log2(0.1 * scale))))
-        ).parameters
+        return kernel_form(solid(name, float(np.exp2(np.round(np.log2(0.1 * scale))))))[1]
     parameters = scaled_parameters(kind, random_parameters(rng, kind), scale)
     if kind == CONVEX:
         parameters[1:] += np.tile(rng.choice([0, 1]) * scale * rng.normal(size=3), 20)
@@ -176,7 +175,7 @@ def small_turns(rng, n):
 @pytest.fixture
 def peg(monkeypatch):
     """A box in the hole of a ring, a millimetre from each wall, and an engine without time."""
-    ring = solid('ring', np.eye(3), np.zeros(3)).parameters
+    ring = kernel_form(solid('ring'))[1]
     world = world_of([BOX, SOLID], [np.array([0.499, 0.499, 0.5]), ring])
     places = np.array([[1.5, 1.5, 0.5], [0.0, 0.0, 0.0]])
     world.set_poses(np.array([1, 2]), np.tile(np.eye(3), (2, 1, 1)), places)

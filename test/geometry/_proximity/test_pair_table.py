@@ -11,7 +11,8 @@ import math
 import numpy as np
 import pytest
 from oracles import closed_forms
-from oracles.forms import signed_distance
+from oracles.forms import body, signed_distance
+from oracles.pairs import check_row
 from oracles.worlds import (
     geometry_table,
     random_parameters,
@@ -20,15 +21,12 @@ from oracles.worlds import (
 )
 
 from drake_geom_ros.evidence.asking import PairScene
-from drake_geom_ros.evidence.bodies import HALVES, Body
 from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     NORMAL,
-    WITNESS_A,
-    WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, CONVEX
 from drake_geom_ros.geometry._proximity.pair_table import (
@@ -65,13 +63,8 @@ def answer(world, accuracy='exact'):
 
 def public_answer(row, sizes, Rs, ps):
     """Return the record that a user of the package gets for the row's two shapes."""
-    bodies = []
-    for kind, size, R, p in zip((row.type_a, row.type_b), sizes, Rs, ps, strict=True):
-        # Kernels take half sizes along the axes of boxes, capsules and cylinders.
-        name = SHAPE_NAMES[kind]
-        full = np.divide(size, HALVES.get(name, 1.0)).tolist()
-        bodies.append(Body(name, tuple(full), R, p))
-    scene = PairScene(*bodies)
+    forms = zip((row.type_a, row.type_b), sizes, strict=True)
+    scene = PairScene(*map(body, forms, Rs, ps))
     return scene.query.ComputeSignedDistancePairClosestPoints(*scene.ids)
 
 
@@ -114,10 +107,7 @@ def test_error_and_certificate(row, scale):
         error = abs(result[DISTANCE] - scale * phi)
         assert error <= max(row.worst_error, ORACLE) * scale
         assert error <= result[ERROR_BOUND] + ORACLE * scale
-        gap = result[WITNESS_A : WITNESS_A + 3] - result[WITNESS_B : WITNESS_B + 3]
-        normal = result[NORMAL : NORMAL + 3]
-        assert abs(np.linalg.norm(normal) - 1.0) <= 1e-12
-        np.testing.assert_allclose(gap, result[DISTANCE] * normal, atol=1e-13 * scale)
+        check_row(result, 1e-13 * scale)
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,12 @@
 """Where bodies are posed, and what a step is told to have moved them by, at most."""
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 from oracles.worlds import geometry_table, random_rotations
 
+from drake_geom_ros.evidence.random_bodies import box_corners
 from drake_geom_ros.geometry._proximity import posing
 from drake_geom_ros.geometry._proximity.kinds import BOX
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_DEFECT
@@ -55,7 +55,7 @@ def test_bodies_on_frames_that_moved_are_posed_and_their_ways_add_up():
         np.testing.assert_allclose(world.R_WGs, np.stack((Rs[0], Rs[1] @ R_FG)), atol=1e-15)
         np.testing.assert_allclose(world.travels, total, rtol=1e-12, atol=1e-14)
         np.testing.assert_allclose(world.paces, pace, rtol=1e-12, atol=1e-14)
-    corners = np.array(list(itertools.product((-0.3, 0.3), (-0.2, 0.2), (-0.1, 0.1))))
+    corners = box_corners((0.6, 0.4, 0.2))
     before = [p + corners @ R.T for R, p in zip(world.R_WGs, world.p_WGs, strict=True)]
     world.set_poses(np.array([1, 2]), random_rotations(rng, 2), ps)
     world.update()

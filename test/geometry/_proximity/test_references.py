@@ -16,10 +16,10 @@ import pytest
 from numba import config, njit
 from numba.core.dispatcher import Dispatcher
 from numba.core.runtime import _nrt_python, rtsys
-from oracles.pairs import random_rotation
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.random_bodies import random_directions
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import _proximity
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,
@@ -121,7 +121,7 @@ def _call_each(address, kind_A, shape_A, R_WAs, kind_B, shape_B, R_WBs, p_AB_Ws,
 
 def _shape(rng, kind):
     if kind == SOLID:
-        return solid('L', np.eye(3), np.zeros(3), 0.1).parameters.copy()
+        return kernel_form(solid('L', 0.1))[1].copy()
     if kind == CONVEX:
         vertices = 0.1 * random_directions(rng, 12)
         return np.append(12.0, vertices)

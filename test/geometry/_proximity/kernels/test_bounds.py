@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from oracles.forms import signed_distance
-from oracles.pairs import random_rotation, support
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels import bounds
 from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval, shape_radii
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
@@ -62,7 +63,7 @@ SIZES = {
 def test_support_values_are_those_of_the_shapes(kind):
     rng, size = np.random.default_rng(2), np.array(SIZES[kind])
     for n in random_rotation(rng):
-        expected = support(kind, size, np.eye(3), n)
+        expected = support_value_of((kind, size), n)
         assert bounds.support_value(kind, size, tuple(n)) == pytest.approx(expected, rel=1e-15)
 
 
@@ -89,12 +90,12 @@ def test_intervals_are_those_of_the_balls_inside_and_of_the_planes(kind):
         bounding_interval(body, Posed(SPHERE, ball, np.eye(3), 0.25), away * n, out)
         # Concentric, the x axis of A stands for the line of centres.
         upper = away - body.inner_radius - 0.25
-        lower = away - support(kind, size, R, n if away else R[:, 0]) - 0.25
+        lower = away - support_value_of((kind, size), R.T @ (n if away else R[:, 0])) - 0.25
         assert out[DISTANCE] == pytest.approx(0.5 * (lower + upper), abs=1e-15)
         assert out[ERROR_BOUND] == pytest.approx(0.5 * (upper - lower), abs=1e-14)
         plane = Posed(HALF_SPACE, np.zeros(0), random_rotation(rng), 0.0)
         nhat = plane.R_WG[:, 2]
-        height = away * (n @ nhat) - support(kind, size, R, -nhat)
+        height = away * (n @ nhat) - support_value_of((kind, size), -R.T @ nhat)
         for A, B, p, side in ((plane, body, away * n, -1.0), (body, plane, -away * n, 1.0)):
             bounding_interval(A, B, p, out)
             assert out[DISTANCE] == pytest.approx(height, abs=1e-15)

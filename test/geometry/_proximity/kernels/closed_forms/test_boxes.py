@@ -5,30 +5,29 @@ import itertools
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import signed_distance
+from oracles.forms import ALIGNED
 from oracles.pairs import (
-    Pair,
     check,
     check_kernel,
     evaluate,
     feature_pairs,
+    moved_apart,
+    pair_of,
     random_pairs,
-    random_rotation,
+    turned,
 )
 from scipy.spatial.transform import Rotation
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.boxes import box_box
 from drake_geom_ros.geometry._proximity.kinds import BOX
 
 SAMPLES = 2 if config.DISABLE_JIT else 18
 
 
-def _boxes(p_AB_W, size_A=(0.5, 0.5, 0.5), size_B=(0.5, 0.5, 0.5), R_WA=None, R_WB=None):
-    R_WA = np.eye(3) if R_WA is None else R_WA
-    R_WB = np.eye(3) if R_WB is None else R_WB
-    return Pair(
-        BOX, np.array(size_A), R_WA, BOX, np.array(size_B), R_WB, np.array(p_AB_W, dtype=float)
-    )
+def _boxes(p_AB_W, size_A=(0.5, 0.5, 0.5), size_B=(0.5, 0.5, 0.5), R_WA=ALIGNED, R_WB=ALIGNED):
+    return pair_of(BOX, size_A, R_WA, BOX, size_B, R_WB, p_AB_W)
 
 
 def _about(axis, angle):
@@ -76,7 +75,7 @@ def test_face_normal_keeps_its_digits_under_any_common_rotation(gap):
     for _ in range(3 if config.DISABLE_JIT else 20):
         R = random_rotation(rng)
         turn = _about(2, rng.uniform(0, 2 * np.pi))
-        row = check(box_box, _boxes([0.1, 0.2, 1.0 + gap], R_WB=turn).moved(R))
+        row = check(box_box, turned(_boxes([0.1, 0.2, 1.0 + gap], R_WB=turn), R))
         np.testing.assert_allclose(R.T @ row.nhat, [0, 0, -1], rtol=0, atol=1e-15)
         assert row.distance == pytest.approx(gap, abs=3e-15)
 
@@ -128,7 +127,7 @@ def test_long_edges_nearly_parallel(tilt):
         R_WB = _about(2, np.pi / 4) @ _about(0, tilt)
         p = [0.1 * 2**0.5 + rng.uniform(-2, 2) * tilt, rng.uniform(-0.1, 0.1), rng.uniform(-2, 2)]
         pair = _boxes(p, (0.1, 0.1, 3.0), (0.1, 0.1, 2.0), _about(2, np.pi / 4), R_WB)
-        check(box_box, pair.moved(R))
+        check(box_box, turned(pair, R))
 
 
 @pytest.mark.parametrize(
@@ -165,7 +164,7 @@ def test_faces_that_barely_face_each_other(overlap):
     for _ in range(2 if config.DISABLE_JIT else 10):
         turn = _about(2, rng.integers(4) * np.pi / 2)
         R = random_rotation(rng)
-        row = check(box_box, _boxes([1.0 - overlap, 0.3, 2.0], R_WB=turn).moved(R))
+        row = check(box_box, turned(_boxes([1.0 - overlap, 0.3, 2.0], R_WB=turn), R))
         miss = max(0.0, -overlap)
         expected = -np.array([miss, 0.0, 1.0]) / np.hypot(miss, 1.0)
         np.testing.assert_allclose(R.T @ row.nhat, expected, rtol=0, atol=1e-14)
@@ -188,10 +187,7 @@ def test_depth_is_the_least_translation():
     for pair in random_pairs(rng, (2, 2), 3 if config.DISABLE_JIT else 60):
         row = evaluate(box_box, pair)
         for part in (1.0, 0.5):
-            moved = Pair(
-                pair.kind_A, pair.size_A, pair.R_WA, pair.kind_B, pair.size_B, pair.R_WB,
-                pair.p_AB_W + part * row.distance * row.nhat,
-            )  # fmt: skip
+            moved = moved_apart(pair, pair.b.p + part * row.distance * row.nhat)
             after = evaluate(box_box, moved)
             expected = (1 - part) * row.distance
             assert after.distance == pytest.approx(expected, abs=4 * row.error_bound)
@@ -200,8 +196,7 @@ def test_depth_is_the_least_translation():
 def test_against_the_support_function():
     """The oracle of another making agrees."""
     for pair in random_pairs(np.random.default_rng(12), (2, 2), 2):
-        X_WA, X_WB = (pair.R_WA, np.zeros(3)), (pair.R_WB, pair.p_AB_W)
-        phi, _ = signed_distance((BOX, pair.size_A), X_WA, (BOX, pair.size_B), X_WB)
+        phi, _ = signed_distance(pair.a, pair.b)
         assert evaluate(box_box, pair).distance == pytest.approx(phi, abs=1e-9)
 
 

@@ -1,20 +1,22 @@
 """Box, capsule, cylinder and ellipsoid against a half space."""
 
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import EPS, NAMES, Pair, check, check_kernel, random_rotation
+from oracles.forms import ALIGNED
+from oracles.pairs import check, check_kernel, pair_of, turned
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     PAIR_WIDTH,
 )
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import half_spaces
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, ShapeKind
 
 SAMPLES = 2 if config.DISABLE_JIT else 12
 SIZES = {2: [0.5, 0.25, 1.0], 3: [0.25, 0.5], 4: [0.25, 0.5], 5: [0.5, 0.25, 1.0]}
@@ -23,13 +25,13 @@ HEIGHTS = {2: 1.0, 3: 0.75, 4: 0.5, 5: 1.0}
 
 
 def _kernel(kind_A):
-    return getattr(half_spaces, f'{NAMES[kind_A]}_half_space')
+    return getattr(half_spaces, f'{ShapeKind(kind_A).name.lower()}_half_space')
 
 
-def _upright(kind_A, height):
-    """A shape with its origin at a height [m] over the half space."""
+def _upright(kind_A, height, R_WA=ALIGNED):
+    """A shape, upright unless it is turned, its origin at a height [m] over the half space."""
     p_AB_W = np.array([0.0, 0.0, -height])
-    return Pair(kind_A, np.array(SIZES[kind_A]), np.eye(3), 6, np.zeros(0), np.eye(3), p_AB_W)
+    return pair_of(kind_A, SIZES[kind_A], R_WA, 6, (), np.eye(3), p_AB_W)
 
 
 @pytest.mark.parametrize('kind_A', [2, 3, 4, 5])
@@ -54,7 +56,7 @@ def test_standing_upright_under_any_common_rotation(kind_A, scale):
     rng = np.random.default_rng(kind_A)
     for _ in range(20):
         R = random_rotation(rng)
-        row = check(_kernel(kind_A), _upright(kind_A, HEIGHTS[kind_A]).moved(R).scaled(scale))
+        row = check(_kernel(kind_A), turned(_upright(kind_A, HEIGHTS[kind_A]), R).scaled(scale))
         lowest = [0, 0, -scale * HEIGHTS[kind_A]]
         np.testing.assert_allclose(R.T @ row.p_ACa, lowest, rtol=0, atol=1e-14 * scale)
 
@@ -62,7 +64,7 @@ def test_standing_upright_under_any_common_rotation(kind_A, scale):
 @pytest.mark.parametrize(('kind_A', 'radius'), [(3, 0.25), (4, 0.25)])
 def test_lying_it_meets_the_plane_at_the_middle_of_its_lowest_line(kind_A, radius):
     lying = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    row = check(_kernel(kind_A), replace(_upright(kind_A, 0.2), R_WA=lying))
+    row = check(_kernel(kind_A), _upright(kind_A, 0.2, lying))
     assert row.distance == pytest.approx(0.2 - radius, rel=1e-15)
     np.testing.assert_allclose(row.p_ACa, [0.0, 0.0, -radius], rtol=0, atol=1e-15)
 
@@ -70,7 +72,7 @@ def test_lying_it_meets_the_plane_at_the_middle_of_its_lowest_line(kind_A, radiu
 def test_box_on_an_edge_meets_the_plane_at_the_middle_of_it():
     c = np.sqrt(0.5)
     tilted = np.array([[c, 0.0, c], [0.0, 1.0, 0.0], [-c, 0.0, c]])
-    row = check(_kernel(2), replace(_upright(2, 2.0), R_WA=tilted))
+    row = check(_kernel(2), _upright(2, 2.0, tilted))
     assert row.distance == pytest.approx(2.0 - 1.5 * c, rel=1e-15)
     assert row.p_ACa[1] == 0.0
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from numba import config
 from oracles import closed_forms
-from oracles.pairs import EPS, NAMES, PARAMETERS, height
+from oracles.forms import PARAMETERS
 
+from drake_geom_ros.evidence.surfaces import height_of
+from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -22,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     HALF_SPACE,
     SPHERE,
+    ShapeKind,
 )
 
 SAMPLES = 10 if config.DISABLE_JIT else 120
@@ -44,7 +47,7 @@ def _outward_normal(kind, size, p_GN):
 def _row(kind, size, q):
     """Return the row of a ball without radius at q against the shape: a point query."""
     out = np.full(PAIR_WIDTH, np.nan)
-    kernel = getattr(spheres, f'sphere_{NAMES[kind]}')
+    kernel = getattr(spheres, f'sphere_{ShapeKind(kind).name.lower()}')
     axes = np.eye(3)
     kernel(SPHERE, np.zeros(1), axes, kind, size, axes, -q, 0.0, np.inf, out)
     return out
@@ -66,7 +69,7 @@ def _query(kind, size, q):
     np.testing.assert_allclose(
         q - p_GN, distance * grad, rtol=0, atol=16 * EPS * extent, err_msg=str(case)
     )
-    assert abs(height(kind, size, p_GN)) <= 16 * EPS * extent, case
+    assert abs(height_of((kind, size), p_GN)) <= 16 * EPS * extent, case
     normal = _outward_normal(kind, size, p_GN)
     if normal is not None:
         # p_GN comes measured from the point, and a far one costs it digits.

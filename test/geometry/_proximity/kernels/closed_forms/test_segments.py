@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import Pair, check, check_kernel, evaluate, feature_pairs, random_rotation
+from oracles.forms import ALIGNED
+from oracles.pairs import check, check_kernel, evaluate, feature_pairs, pair_of, turned
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import segments
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.segments import (
     box_capsule,
@@ -18,18 +20,12 @@ ALONG_X = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
 ALONG_Y = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 
-def _capsules(p_AB_W, R_WB=None, size_A=(0.1, 0.5), size_B=(0.1, 0.5)):
-    R_WB = np.eye(3) if R_WB is None else R_WB
-    return Pair(
-        CAPSULE, np.array(size_A), np.eye(3), CAPSULE, np.array(size_B), R_WB, np.array(p_AB_W)
-    )
+def _capsules(p_AB_W, R_WB=ALIGNED, size_A=(0.1, 0.5), size_B=(0.1, 0.5)):
+    return pair_of(CAPSULE, size_A, np.eye(3), CAPSULE, size_B, R_WB, p_AB_W)
 
 
-def _box_capsule(p_AB_W, R_WB=None, size_A=(0.5, 0.5, 0.5), size_B=(0.1, 0.5)):
-    R_WB = np.eye(3) if R_WB is None else R_WB
-    return Pair(
-        BOX, np.array(size_A), np.eye(3), CAPSULE, np.array(size_B), R_WB, np.array(p_AB_W)
-    )
+def _box_capsule(p_AB_W, R_WB=ALIGNED, size_A=(0.5, 0.5, 0.5), size_B=(0.1, 0.5)):
+    return pair_of(BOX, size_A, np.eye(3), CAPSULE, size_B, R_WB, p_AB_W)
 
 
 @pytest.mark.parametrize(
@@ -79,7 +75,7 @@ def test_the_normal_of_axes_almost_touching_is_across_both(gap):
     rng = np.random.default_rng(2)
     for _ in range(20):
         R = random_rotation(rng)
-        row = check(capsule_capsule, _capsules([0.0, gap, 0.0], ALONG_X).moved(R))
+        row = check(capsule_capsule, turned(_capsules([0.0, gap, 0.0], ALONG_X), R))
         np.testing.assert_allclose(R.T @ row.nhat, [0, -1, 0], rtol=0, atol=1e-14)
         assert row.unique
 
@@ -117,8 +113,8 @@ def test_nearly_parallel_long_capsules(angle, gap):
         c, s = np.cos(angle), np.sin(angle)
         tilt = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
         p = [rng.uniform(-angle, angle), gap, rng.uniform(-1.0, 1.0)]
-        pair = _capsules(p, tilt, size_A=(1e-3, 1.0), size_B=(1e-3, 2.0)).moved(R)
-        row = check(capsule_capsule, pair)
+        pair = _capsules(p, tilt, size_A=(1e-3, 1.0), size_B=(1e-3, 2.0))
+        row = check(capsule_capsule, turned(pair, R))
         if angle <= 1e-9:
             assert row.distance == pytest.approx(gap - 2e-3, abs=2 * angle + 1e-14)
 
@@ -152,10 +148,10 @@ def test_capsule_lying_on_a_box_meets_it_in_the_middle_of_what_they_share(gap):
         ([0.0, 0.0, 0.3], ALONG_X, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [0, 0, -1], True),
         ([0.0, 0.0, 0.0], ALONG_Y, (1.0, 1.0, 1.0), (0.1, 0.5), -1.1, [-1, 0, 0], False),
         # two faces equally near, off the middle; the nearer of two
-        ([0.3, 0.3, 0.0], None, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [-1, 0, 0], False),
-        ([0.2, 0.3, 0.0], None, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [0, -1, 0], True),
+        ([0.3, 0.3, 0.0], ALIGNED, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [-1, 0, 0], False),
+        ([0.2, 0.3, 0.0], ALIGNED, (1.0, 1.0, 1.0), (0.1, 0.5), -0.8, [0, -1, 0], True),
         # a plate with a capsule's end through it: out along the axis; lengthwise: sideways
-        ([0.0, 0.0, 0.46], None, (0.5, 0.5, 5e-5), (0.01, 0.5), -0.05005, [0, 0, -1], True),
+        ([0.0, 0.0, 0.46], ALIGNED, (0.5, 0.5, 5e-5), (0.01, 0.5), -0.05005, [0, 0, -1], True),
         ([0.0, 0.0, 0.0], ALONG_X, (0.5, 0.5, 5e-5), (0.01, 0.3), -0.01005, [0, 0, -1], False),
         # both ends outside, the middle inside a bar: over its edge, by the crossed axes
         (
@@ -182,7 +178,7 @@ def test_capsule_that_cuts_a_box(p_AB_W, R_WB, size_A, size_B, distance, nhat, u
 
 
 def test_capsule_on_a_plain_ten_kilometres_wide():
-    box = _box_capsule([30.0, -4e3, 5e3 + 0.601], None, (5e3, 5e3, 5e3))
+    box = _box_capsule([30.0, -4e3, 5e3 + 0.601], ALIGNED, (5e3, 5e3, 5e3))
     row = check(box_capsule, box)
     assert row.distance == pytest.approx(1e-3, abs=1e-11)
 
@@ -221,8 +217,8 @@ def test_a_short_gap_beside_an_edge_is_at_right_angles_to_the_segment_again(turn
     p = np.roll([1.0, 2.0 * side, 0.3], turn)
     across = np.roll([0.64, 0.6 * side, 0.0], turn) * 1e-9
     gap = across + 1e-16 * np.roll([0.6, -0.64 * side, 0.0], turn)
-    turned = segments._across(tuple(gap), tuple(p), tuple(h), tuple(d), 1e-15)
-    assert turned == pytest.approx(across, abs=1e-24)
+    found = segments._across(tuple(gap), tuple(p), tuple(h), tuple(d), 1e-15)
+    assert found == pytest.approx(across, abs=1e-24)
 
 
 @pytest.mark.parametrize('turn', range(3))

@@ -1,25 +1,25 @@
 """Sphere against everything: truth with 50 digits, laws, and the documented choices."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import NAMES, Pair, check, check_kernel, random_rotation
+from oracles.forms import ALIGNED
+from oracles.pairs import check, check_kernel, pair_of
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import spheres
+from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 
 SAMPLES = 2 if config.DISABLE_JIT else 12
 
 
 def _kernel(kind_B):
-    return getattr(spheres, f'sphere_{NAMES[kind_B]}')
+    return getattr(spheres, f'sphere_{ShapeKind(kind_B).name.lower()}')
 
 
-def _pair(radius, kind_B, size_B, p_AB_W):
-    """A sphere and a shape with its axes along World's."""
-    size_B = np.array(size_B, dtype=float)
-    return Pair(1, np.array([radius]), np.eye(3), kind_B, size_B, np.eye(3), np.array(p_AB_W))
+def _pair(radius, kind_B, size_B, p_AB_W, R_WB=ALIGNED):
+    """A sphere and a shape, with its axes along World's unless it is turned."""
+    return pair_of(1, [radius], np.eye(3), kind_B, size_B, R_WB, p_AB_W)
 
 
 @pytest.mark.parametrize('kind_B', [1, 2, 3, 4, 5, 6])
@@ -29,7 +29,7 @@ def test_truth_and_laws(kind_B):
 
 def test_concentric_spheres_take_the_x_axis_of_b():
     R_WB = random_rotation(np.random.default_rng(1))
-    pair = replace(_pair(0.1, 1, [0.2], [0.0, 0.0, 0.0]), R_WB=R_WB)
+    pair = _pair(0.1, 1, [0.2], [0.0, 0.0, 0.0], R_WB)
     row = check(_kernel(1), pair)
     assert not row.unique
     assert row.distance == pytest.approx(-0.3, rel=1e-15)

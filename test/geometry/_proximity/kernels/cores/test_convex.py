@@ -1,13 +1,16 @@
 """The iterative kernel against the support-function oracle, and the laws of a result row."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import signed_distance
-from oracles.pairs import Pair, height, random_pairs, random_rotation, width_along_normal
+from oracles.body_truth import apart
+from oracles.forms import ALIGNED, row_of
+from oracles.pairs import check_row, off_surfaces, pair_of, random_pairs, turned
 
+from drake_geom_ros.evidence.bodies import Pair
+from drake_geom_ros.evidence.laws import lacking
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.cores import convex
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -29,7 +32,6 @@ ROWS = {
     'ellipsoid_ellipsoid': (ELLIPSOID, ELLIPSOID),
 }
 COUNT = 2 if config.DISABLE_JIT else 8
-ALIGNED = np.eye(3)
 LYING = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])  # the z axis along x
 
 
@@ -38,45 +40,21 @@ def _turned(angle):
     return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
 
 
-def _pair(a, size_A, R_WA, b, size_B, R_WB, p):
-    size_A, size_B, p = (np.array(x, dtype=float) for x in (size_A, size_B, p))
-    return Pair(a, size_A, R_WA, b, size_B, R_WB, p)
-
-
 def _truth(pair):
-    phi, _ = signed_distance(
-        (pair.kind_A, pair.size_A), (pair.R_WA, np.zeros(3)),
-        (pair.kind_B, pair.size_B), (pair.R_WB, pair.p_AB_W),
-    )  # fmt: skip
-    return phi
+    return signed_distance(pair.a, pair.b)[0]
 
 
-def _evaluate(pair, tolerance=1e-9, cutoff=np.inf, hint=(0.0, 0.0, 0.0)):
-    out = np.full(calling.PAIR_WIDTH, np.nan)
-    out[calling.NORMAL : calling.NORMAL + 3] = hint
-    convex.signed_distance_of_cores(
-        pair.kind_A, pair.size_A, np.ascontiguousarray(pair.R_WA),
-        pair.kind_B, pair.size_B, np.ascontiguousarray(pair.R_WB),
-        pair.p_AB_W, tolerance, cutoff, out,
-    )  # fmt: skip
-    assert np.all(np.isfinite(out)), pair
-    return out
+def _evaluate(pair, *options, **named):
+    return row_of(pair.a, pair.b, *options, **named, kernel=convex.signed_distance_of_cores)
 
 
 def _check(pair, tolerance=1e-9):
     """Evaluate a pair and check the laws that need no truth; return the row."""
     out = _evaluate(pair, tolerance)
-    distance, nhat, bound = out[0], out[1:4], out[calling.ERROR_BOUND]
-    a, b = out[4:7], out[7:10]
-    rounding = 1e-14 * pair.extent
-    assert abs(np.linalg.norm(nhat) - 1) <= 1e-12, pair
-    assert np.allclose(a - b, distance * nhat, rtol=0, atol=rounding), pair
-    assert width_along_normal(pair, nhat) <= distance + bound + rounding, pair
-    for kind, size, R, p in (
-        (pair.kind_A, pair.size_A, pair.R_WA, a),
-        (pair.kind_B, pair.size_B, pair.R_WB, b - pair.p_AB_W),
-    ):
-        assert abs(height(kind, size, R.T @ p)) <= 8 * bound + rounding, pair
+    bound, rounding = out[calling.ERROR_BOUND], 1e-14 * pair.extent
+    check_row(out, rounding)
+    assert -lacking(pair, out[0], out[1:4]) <= bound + rounding, pair
+    assert off_surfaces(pair, out) <= 8 * bound + rounding, pair
     return out
 
 
@@ -100,30 +78,11 @@ def test_gaps_are_found_along_any_normal(name, gap):
     for pair in random_pairs(rng, ROWS[name], COUNT):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        points = [
-            _support(kind, size, R, m)
-            for kind, size, R, m in (
-                (pair.kind_A, pair.size_A, pair.R_WA, n),
-                (pair.kind_B, pair.size_B, pair.R_WB, -n),
-            )
-        ]
-        apart = replace(pair, p_AB_W=points[0] - points[1] + gap * n)
-        row = _check(apart)
-        assert abs(row[0] - gap) <= row[calling.ERROR_BOUND] + 1e-15, apart
+        pair = Pair(pair.a, apart(pair.a, pair.b, n, gap))
+        row = _check(pair)
+        assert abs(row[0] - gap) <= row[calling.ERROR_BOUND] + 1e-15, pair
         if gap > 1e-4:
             assert row[1:4] == pytest.approx(-n, abs=1e-4)
-
-
-def _support(kind, size, R, n):
-    """The point of a shape that is extreme along n."""
-    d = R.T @ n
-    if kind == BOX:
-        return R @ (size * np.sign(d))
-    if kind == CAPSULE:
-        return R @ (size[0] * d + [0, 0, size[1] * np.sign(d[2])])
-    if kind == CYLINDER:
-        return R @ np.append(size[0] * d[:2] / np.hypot(*d[:2]), size[1] * np.sign(d[2]))
-    return R @ (size**2 * d / np.linalg.norm(size * d))
 
 
 CUBE, TALL, COIN = (0.5, 0.5, 0.5), (0.25, 0.5), (0.08, 0.001)
@@ -207,9 +166,9 @@ MANY_AS_GOOD = {
 @pytest.mark.parametrize('turn', [0, 1])
 def test_special_position(name, scale, turn):
     *bodies, distance = SPECIAL[name]
-    pair = _pair(*bodies).scaled(scale)
+    pair = pair_of(*bodies).scaled(scale)
     if turn:
-        pair = pair.moved(random_rotation(np.random.default_rng(13)))
+        pair = turned(pair, random_rotation(np.random.default_rng(13)))
     row = _check(pair, 1e-9 * scale)
     rounding = 2e-15 * pair.extent
     assert abs(row[0] - scale * distance) <= row[calling.ERROR_BOUND] + rounding
@@ -219,7 +178,7 @@ def test_special_position(name, scale, turn):
 
 @pytest.mark.parametrize('name', [n for n in SPECIAL if 'touching' in n or n == 'coin on tray'])
 def test_touching_shapes_have_the_right_normal(name):
-    pair = _pair(*SPECIAL[name][:-1])
+    pair = pair_of(*SPECIAL[name][:-1])
     row = _check(pair)
     along = {'crossed, touching': 1, 'coin on tray': 2}.get(name, 0)
     assert row[1:4] == pytest.approx(-ALIGNED[along], abs=2e-5)
@@ -230,7 +189,7 @@ def test_touching_shapes_have_the_right_normal(name):
 def test_almost_rings(name, tilt):
     """The bounds widen to 1e-6 of the size, the answer stays good."""
     a, size_A, R_WA, b, size_B, _, p, _ = SPECIAL[name]
-    pair = _pair(a, size_A, R_WA, b, size_B, _turned(tilt), p)
+    pair = pair_of(a, size_A, R_WA, b, size_B, _turned(tilt), p)
     row = _check(pair)
     assert row[calling.ERROR_BOUND] <= 2e-6
     assert abs(row[0] - _truth(pair)) <= min(row[calling.ERROR_BOUND], 5e-8)
@@ -250,7 +209,7 @@ def test_common_rotations(name):
     rng = np.random.default_rng(15)
     for pair in random_pairs(rng, ROWS[name], COUNT):
         R = random_rotation(rng)
-        row, moved = _check(pair), _check(pair.moved(R))
+        row, moved = _check(pair), _check(turned(pair, R))
         assert abs(row[0] - moved[0]) <= row[calling.ERROR_BOUND] + moved[calling.ERROR_BOUND]
         if row[calling.UNIQUE] and moved[calling.UNIQUE]:
             assert (R @ row[1:4]) @ moved[1:4] >= 0.99
@@ -268,7 +227,7 @@ def test_loose_tolerances_keep_their_promise(name):
 
 
 def test_beyond_the_cutoff_the_lower_bound_is_told():
-    pair = _pair(CAPSULE, (0.1, 1), ALIGNED, C, (1, 1), ALIGNED, (7, 3, 2))
+    pair = pair_of(CAPSULE, (0.1, 1), ALIGNED, C, (1, 1), ALIGNED, (7, 3, 2))
     sharp, row = _evaluate(pair), _evaluate(pair, cutoff=2.0)
     assert row[calling.METHOD] == BOUND_ONLY
     assert 2.0 < row[0] <= sharp[0]
@@ -314,14 +273,7 @@ def test_normals_are_good_to_eight_digits(name):
     for pair in random_pairs(rng, ROWS[name], COUNT):
         n = rng.normal(size=3)
         n /= np.linalg.norm(n)
-        points = [
-            _support(kind, size, R, m)
-            for kind, size, R, m in (
-                (pair.kind_A, pair.size_A, pair.R_WA, n),
-                (pair.kind_B, pair.size_B, pair.R_WB, -n),
-            )
-        ]
-        row = _check(replace(pair, p_AB_W=points[0] - points[1] + 0.01 * n))
+        row = _check(Pair(pair.a, apart(pair.a, pair.b, n, 0.01)))
         assert row[1:4] == pytest.approx(-n, abs=1e-8)
         assert row[calling.ERROR_BOUND] <= 1e-13
 

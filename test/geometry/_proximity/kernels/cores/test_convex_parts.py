@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.cores import convex
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (

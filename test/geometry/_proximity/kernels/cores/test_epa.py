@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.forms import signed_distance
-from oracles.pairs import random_rotation
 from scipy.spatial import ConvexHull
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import epa
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of

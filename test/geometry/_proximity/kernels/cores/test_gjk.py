@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 from oracles.forms import signed_distance
-from oracles.pairs import random_rotation
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import vectors
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair

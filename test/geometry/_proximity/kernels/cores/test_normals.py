@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import PARAMETERS, random_rotation
+from oracles.forms import PARAMETERS
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID

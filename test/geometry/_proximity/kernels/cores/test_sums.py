@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from oracles.pairs import PARAMETERS, random_rotation
+from oracles.forms import PARAMETERS
 
-from drake_geom_ros.evidence.random_bodies import random_directions
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 

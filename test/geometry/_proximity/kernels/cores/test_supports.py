@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.pairs import PARAMETERS, height, random_rotation, support
+from oracles.forms import PARAMETERS
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.surfaces import height_of, support_value_of
 from drake_geom_ros.geometry._proximity.kernels.cores import supports
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
@@ -25,7 +27,9 @@ def test_core_and_its_ball_have_the_support_value_of_the_shape(kind, seed):
     size, R, n, _ = _case(kind, seed)
     point = np.array(supports.support(kind, size, R, tuple(n), RIGHT_ANGLE))
     value = point @ n + supports.core_radius(kind, size)
-    assert value == pytest.approx(support(kind, size, R, n), rel=1e-14, abs=1e-14 * size.sum())
+    assert value == pytest.approx(
+        support_value_of((kind, size), R.T @ n), rel=1e-14, abs=1e-14 * size.sum()
+    )
 
 
 @pytest.mark.parametrize('kind', KINDS)
@@ -35,7 +39,7 @@ def test_support_point_grown_by_the_ball_is_on_the_surface(kind, seed):
     size, R, n, _ = _case(kind, seed)
     point = np.array(supports.support(kind, size, R, tuple(n), RIGHT_ANGLE))
     surface = R.T @ (point + supports.core_radius(kind, size) * n)
-    assert abs(height(kind, size, surface)) <= 1e-13 * size.sum()
+    assert abs(height_of((kind, size), surface)) <= 1e-13 * size.sum()
 
 
 @pytest.mark.parametrize('kind', KINDS)

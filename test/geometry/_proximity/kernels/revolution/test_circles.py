@@ -53,11 +53,8 @@ def _search(difference, e, n):
 @pytest.mark.parametrize('kind', [BOX, CAPSULE, CYLINDER])
 def test_no_direction_of_the_circle_is_better(kind):
     for pair in random_pairs(np.random.default_rng(7), (kind, CYLINDER), COUNT):
-        p = 0.3 * pair.p_AB_W
-        difference = _difference(
-            kind, pair.size_A, pair.R_WA, CYLINDER, pair.size_B, pair.R_WB, p
-        )  # fmt: skip
-        e = pair.R_WB[:, 2]
+        difference = _difference(*pair.a.form, pair.a.R, *pair.b.form, pair.b.R, 0.3 * pair.b.p)
+        e = pair.b.R[:, 2]
         ns = _directions(e)
         complete, (n, h, _, _, floor) = _search(difference, e, ns[0])
         assert complete

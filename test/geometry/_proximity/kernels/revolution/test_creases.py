@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import signed_distance
+from oracles.case_laws import radius_of_core
 from oracles.pairs import random_pairs
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
@@ -18,10 +19,7 @@ NOISE = 1e-15
 
 
 def _least(pair, start=(1.0, 0.0, 0.0)):
-    arguments = (
-        *(pair.kind_A, pair.size_A, pair.R_WA, pair.kind_B, pair.size_B, pair.R_WB),
-        tuple(pair.p_AB_W),
-    )
+    arguments = *pair.a.form, pair.a.R, *pair.b.form, pair.b.R, tuple(pair.b.p)
     return creases.least_on_creases(sums.difference_of(arguments), start, 1e-12, NOISE)
 
 
@@ -29,11 +27,8 @@ def _least(pair, start=(1.0, 0.0, 0.0)):
 def test_overlapping_cores_are_as_deep_as_the_oracle_says(kind):
     rng, seen = np.random.default_rng(3), 0
     for pair in random_pairs(rng, (kind, CYLINDER), COUNT):
-        phi, _ = signed_distance(
-            (kind, pair.size_A), (pair.R_WA, np.zeros(3)),
-            (CYLINDER, pair.size_B), (pair.R_WB, pair.p_AB_W),
-        )  # fmt: skip
-        radius = pair.size_A[0] if kind == CAPSULE else 0.0
+        phi, _ = signed_distance(pair.a, pair.b)
+        radius = radius_of_core(pair.a)
         if phi + radius < -1e-6:
             complete, h, floor, n, _ = _least(pair)
             assert h - 1e-12 <= floor <= h

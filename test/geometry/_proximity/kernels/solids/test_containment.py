@@ -8,16 +8,16 @@ import itertools
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import random_rotation
-from oracles.solids import Body, parts_gap, row_of
+from oracles.forms import HERE, kernel_form, row_of
+from oracles.solids import parts_gap
 from oracles.voxels import KINDS, filled_cells
 
+from drake_geom_ros.evidence.bodies import Body
 from drake_geom_ros.evidence.grids import surface
-from drake_geom_ros.geometry import MeshData
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry._solid_mesh import solid_of
 
 SEEDS = 6 if config.DISABLE_JIT else 60
 
@@ -25,12 +25,13 @@ SEEDS = 6 if config.DISABLE_JIT else 60
 def of_cells(cells, lines, p=(0.0, 0.0, 0.0)):
     """A union of cells between lines, as a body and as the boxes that it is made of."""
     cells = [tuple(cell) for cell in cells]
-    kind, parameters = solid_of(MeshData(*surface(cells, lines)), (1.0, 1.0, 1.0))
+    vertices, triangles = surface(cells, lines)
     boxes = []
     for cell in cells:
         low, high = (np.array([lines[k][cell[k] + i] for k in range(3)]) for i in (0, 1))
-        boxes.append((0.5 * (high - low), 0.5 * (low + high)))
-    return Body(kind, parameters, np.eye(3), np.array(p, dtype=float), tuple(boxes))
+        boxes.append(Body('Box', tuple(high - low), p=0.5 * (low + high)))
+    at = np.array(p, dtype=float)
+    return Body('Solid', vertices, p=at, triangles=triangles, parts=tuple(boxes))
 
 
 def check(A, B, out, size=10.0):
@@ -42,7 +43,7 @@ def check(A, B, out, size=10.0):
         assert abs(distance - gap) <= bound + slack
         return False
     assert distance - bound <= gap + slack
-    moved, off = parts_gap(A.moved(-distance * out[1:4]), B)
+    moved, off = parts_gap(A.at(A.p - distance * out[1:4]), B)
     assert moved >= -off - 200 * EPS * size
     return True
 
@@ -73,7 +74,7 @@ def test_a_bump_beneath_a_slab_that_lies_flush(n, corner):
     at = tuple(k % n for k in corner)
     A = of_cells([*slab, *((x, y, 1) for x, y, _ in slab), (0, 0, 2)], lines, [0, 0, 1])
     B = of_cells([*slab, (*at, 1)], lines)
-    assert A.kind == B.kind == SOLID
+    assert kernel_form(A)[0] == kernel_form(B)[0] == SOLID
     out = row_of(A, B)
     assert out[calling.DISTANCE] == pytest.approx(-1.0, abs=1e-11)
     assert out[calling.ERROR_BOUND] <= 1e-11
@@ -93,15 +94,15 @@ def test_cells_of_grids_in_one_another(turned):
             lines = [scale * np.arange(len(filled) + 1.0)] * 3
             bodies.append(of_cells(np.argwhere(filled).tolist(), lines))
         A, B = bodies
-        if A.kind != SOLID or B.kind != SOLID:
+        if kernel_form(A)[0] != SOLID or kernel_form(B)[0] != SOLID:
             continue
         step = rng.integers(-2, 5, 3) * rng.choice([1.0, 0.5]) + rng.choice(
             [0, 0, 1e-9, 1e-3, 0.3]
         )
-        A = A.moved(step * rng.choice([1.0, -1.0]))
+        A = A.at(step * rng.choice([1.0, -1.0]))
         if turned:
             R = random_rotation(rng)
-            A, B = A.turned(R), B.turned(R)
+            A, B = (body.moved(R, HERE) for body in (A, B))
         if check(A, B, row_of(A, B)):
             overlapping += 1
         else:

@@ -4,14 +4,16 @@ import itertools
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation, support
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import distance
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 
-L = solid('L', np.eye(3), np.zeros(3)).parameters
+L = kernel_form(solid('L'))[1]
 
 # Compiled it counts no references to the arrays in it, so Python must not get what it returns.
 leaf_pair = getattr(distance.leaf_pair, 'py_func', distance.leaf_pair)
@@ -36,12 +38,12 @@ def test_the_widest_slab_between_a_box_and_a_triangle_is_their_distance_or_depth
         for n in axes:
             for m in (n, -n):
                 m = m / np.linalg.norm(m)
-                widths.append((corners @ m).min() - support(BOX, half, R, m))
+                widths.append((corners @ m).min() - support_value_of((BOX, half), R.T @ m))
         pair = leaf_pair(A, 0, B, j, p)
         width, n = distance.widest_slab(A, 0, B, j, pair, 1e-15)
         assert width == pytest.approx(max(widths), abs=1e-14)
         assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-15)
-        assert (corners @ n).min() - support(BOX, half, R, np.array(n)) == pytest.approx(width)
+        assert (corners @ n).min() - support_value_of((BOX, half), R.T @ n) == pytest.approx(width)
 
 
 def _lies_at(height, body, j):

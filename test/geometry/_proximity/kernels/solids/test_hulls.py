@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids import hulls
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, normal_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID
 
-L = solid('L', np.eye(3), np.zeros(3)).parameters
+L = kernel_form(solid('L'))[1]
 
 
 def _corners(body, j):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import OVERLAP
@@ -14,7 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SPHERE
 
-L = solid('L', np.eye(3), np.zeros(3)).parameters
+L = kernel_form(solid('L'))[1]
 
 
 @pytest.mark.parametrize(('x', 'y'), [(0.02, 0.05), (0.05, 0.02), (0.03, 0.03)])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels.solids import overlap as solid_overlap
@@ -15,8 +16,8 @@ LEFT = (-1.0, 0.0, 0.0)
 
 def ways_out(radius, p):
     """Return the pushes (k, 4), direction and length [m], of a ball at p out of the L."""
-    body, ball = solid('L', np.eye(3), np.zeros(3)), np.array([radius])
-    A, B = body_of(SPHERE, ball, np.eye(3)), solid_of(body.parameters)
+    ball = np.array([radius])
+    A, B = body_of(SPHERE, ball, np.eye(3)), solid_of(kernel_form(solid('L'))[1])
     found = nearest(A, B, p, (1.0, 0.0, 0.0), SIZE, TOLERANCE, np.inf)
     pushes = np.full((solid_overlap.MOST_PUSHES, 4), np.nan)
     count = solid_overlap.push_of(A, B, p, found, SIZE, TOLERANCE, radius, pushes)
@@ -53,7 +54,7 @@ def moved(p, t):
 def at(p, radius=0.1):
     """Return the ball and the L of a test, and what the steps of a way out take besides."""
     A = body_of(SPHERE, np.array([radius]), np.eye(3))
-    return A, solid_of(solid('L', np.eye(3), np.zeros(3)).parameters), p
+    return A, solid_of(kernel_form(solid('L'))[1]), p
 
 
 @pytest.mark.parametrize('gaps', [(0.04, 0.3), (0.3, 0.06), (0.04, 0.06), (0.06, 0.04)])

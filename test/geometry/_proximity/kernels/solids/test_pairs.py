@@ -5,9 +5,13 @@ import itertools
 import numpy as np
 import pytest
 from numba import config
-from oracles.pairs import random_rotation
-from oracles.solids import Body, parts_gap, row_of, solid
+from oracles.forms import HERE, body, row_of
+from oracles.pairs import check_row
+from oracles.solids import parts_gap, solid
 
+from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.random_bodies import box_corners, random_rotation
+from drake_geom_ros.evidence.truth.meshes import parts_of
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -17,7 +21,6 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CONVEX,
     CYLINDER,
     ELLIPSOID,
-    HALF_SPACE,
     MESH,
     SOLID,
     SPHERE,
@@ -29,7 +32,6 @@ NAMES = ('L', 'U', 'ring')
 SIZE = 8.0  # of the pairs below [m], about
 ROUNDING = 200 * EPS * SIZE
 COUNT = 6 if config.DISABLE_JIT else 60
-HERE = np.eye(3), np.zeros(3)
 
 
 def random_body(rng, kind):
@@ -39,13 +41,14 @@ def random_body(rng, kind):
         R = random_rotation(rng, None if rng.random() < 0.7 else 1e-12)
     if kind == SOLID:
         name = NAMES[rng.integers(3)]
-        return solid(name, R, np.zeros(3), float(rng.choice([0.2, 0.5, 1.0])), rng.integers(1, 3))
+        made = solid(name, float(rng.choice([0.2, 0.5, 1.0])), int(rng.integers(1, 3)))
+        return made.placed(R, HERE)
     if kind == CONVEX:
         points = MeshData(rng.normal(size=(12, 3)) * rng.uniform(0.1, 0.6))
         vertices = hull_vertices(points, np.ones(3))
-        return Body(kind, np.append(len(vertices), vertices), R, np.zeros(3))
+        return Body('Convex', vertices, R)
     count = {SPHERE: 1, BOX: 3, CAPSULE: 2, CYLINDER: 2, ELLIPSOID: 3}[kind]
-    return Body(kind, 0.8 * 10 ** rng.uniform(-1.3, 0, count), R, np.zeros(3))
+    return body((kind, 0.8 * 10 ** rng.uniform(-1.3, 0, count)), R)
 
 
 def random_pairs(kind, seed, count=COUNT):
@@ -54,17 +57,13 @@ def random_pairs(kind, seed, count=COUNT):
     for _ in range(count):
         A = random_body(rng, kind)
         R = random_rotation(rng) if rng.random() < 0.5 else np.eye(3)
-        B = solid(NAMES[rng.integers(3)], R, np.zeros(3), cuts=int(rng.choice([1, 3])))
+        B = solid(NAMES[rng.integers(3)], cuts=int(rng.choice([1, 3]))).placed(R, HERE)
         p = rng.uniform(-0.8, 3.8, 3) * [1, 1, 0.5]
-        yield A.moved(R @ (np.round(4 * p) / 4 if rng.random() < 0.3 else p)), B
+        yield A.at(R @ (np.round(4 * p) / 4 if rng.random() < 0.3 else p)), B
 
 
-def check_laws(out, rounding=ROUNDING):
-    """Check what holds of every row."""
-    assert np.isfinite(out).all()
-    n, distance = out[1:4], out[calling.DISTANCE]
-    assert abs(np.linalg.norm(n) - 1) <= 1e-12
-    assert np.abs(out[4:7] - out[7:10] - distance * n).max() <= rounding
+def turned(R, *bodies):
+    return (body.moved(R, HERE) for body in bodies)
 
 
 @pytest.mark.parametrize('kind', [SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, CONVEX, SOLID])
@@ -72,7 +71,7 @@ def test_unions_of_boxes(kind):
     apart = overlapping = 0
     for A, B in random_pairs(kind, 40 + kind):
         out = row_of(A, B)
-        check_laws(out)
+        check_row(out, ROUNDING)
         distance, bound = out[calling.DISTANCE], out[calling.ERROR_BOUND]
         gap, slack = parts_gap(A, B)
         slack += ROUNDING
@@ -85,7 +84,7 @@ def test_unions_of_boxes(kind):
             # They have to move at least as far as the deepest part asks for, and need not more
             # than what is reported, for that separates them.
             assert distance - bound <= gap + slack
-            moved, off = parts_gap(A.moved(-distance * out[1:4]), B)
+            moved, off = parts_gap(A.at(A.p - distance * out[1:4]), B)
             assert moved >= -off - ROUNDING
         assert out[calling.METHOD] == MESH
     assert apart
@@ -97,7 +96,7 @@ def test_a_common_rotation_changes_nothing(kind):
     rng = np.random.default_rng(3)
     for A, B in random_pairs(kind, 60 + kind, COUNT // 3):
         R = random_rotation(rng)
-        here, there = row_of(A, B), row_of(A.turned(R), B.turned(R))
+        here, there = row_of(A, B), row_of(*turned(R, A, B))
         # Where overlaps are not closed another way out may be found, within the bounds.
         slack = max(here[calling.ERROR_BOUND], there[calling.ERROR_BOUND]) + ROUNDING
         assert abs(here[calling.DISTANCE] - there[calling.DISTANCE]) <= 2.0 * slack
@@ -118,7 +117,7 @@ def test_beyond_a_cutoff_a_lower_bound_is_enough(kind, cutoff):
     beyond = 0
     for A, B in random_pairs(kind, 80 + kind, COUNT // 2):
         full, cut = row_of(A, B), row_of(A, B, cutoff=cutoff)
-        check_laws(cut)
+        check_row(cut, ROUNDING)
         if cut[calling.METHOD] == BOUND_ONLY:
             beyond += 1
             assert cut[calling.DISTANCE] >= cutoff - ROUNDING
@@ -134,16 +133,16 @@ def test_beyond_a_cutoff_a_lower_bound_is_enough(kind, cutoff):
 def test_a_hint_may_be_wrong(hint):
     for A, B in random_pairs(BOX, 90, 8):
         plain, hinted = row_of(A, B), row_of(A, B, hint=hint)
-        check_laws(hinted)
+        check_row(hinted, ROUNDING)
         slack = plain[calling.ERROR_BOUND] + hinted[calling.ERROR_BOUND] + ROUNDING
         assert abs(plain[0] - hinted[0]) <= 2.0 * slack
 
 
 def at(kind, parameters, *p):
-    return Body(kind, np.array(parameters, dtype=float), np.eye(3), np.array(p, dtype=float))
+    return body((kind, parameters), p=p)
 
 
-L = solid('L', *HERE)
+L = solid('L')
 SPECIAL = {
     'sphere over': (at(SPHERE, [0.1], 0.5, 0.5, 1.5), 0.4, (0, 0, 1)),
     'sphere touching': (at(SPHERE, [0.1], 0.5, 0.5, 1.1), 0.0, (0, 0, 1)),
@@ -163,10 +162,10 @@ SPECIAL = {
     'capsule on a wall': (at(CAPSULE, [0.1, 0.25], 1.05, 1.5, 0.5), -0.05, (1, 0, 0)),
     'cylinder in a wall': (at(CYLINDER, [0.1, 0.25], 1.09, 1.5, 0.5), -0.01, (1, 0, 0)),
     'ellipsoid in a wall': (at(ELLIPSOID, [0.1, 0.2, 0.3], 1.09, 1.5, 0.5), -0.01, (1, 0, 0)),
-    'L on L': (solid('L', np.eye(3), [0, 0, 1]), 0.0, (0, 0, 1)),
-    'L 1 mm in L': (solid('L', np.eye(3), [0, 0, 0.999]), -1e-3, (0, 0, 1)),
-    'L in the notch of L': (solid('L', np.eye(3), [1.2, 1.2, 0]), 0.2, None),
-    'small U inside L': (solid('U', np.eye(3), [0.3, 0.3, 0.3], 0.05), -0.35, (0, 0, -1)),
+    'L on L': (L.at([0, 0, 1]), 0.0, (0, 0, 1)),
+    'L 1 mm in L': (L.at([0, 0, 0.999]), -1e-3, (0, 0, 1)),
+    'L in the notch of L': (L.at([1.2, 1.2, 0]), 0.2, None),
+    'small U inside L': (solid('U', 0.05).at([0.3, 0.3, 0.3]), -0.35, (0, 0, -1)),
     'L where L is': (L, -1.0, None),
 }
 
@@ -180,14 +179,8 @@ OPEN = {'L where L is', 'small U inside L'}
 def test_special_position(name, scale):
     A, expected, nhat = SPECIAL[name]
     R = random_rotation(np.random.default_rng(6)) if scale != 1.0 else np.eye(3)
-    if A.kind == SOLID:
-        source = 'U' if name.startswith('small') else 'L'
-        A = solid(source, A.R, scale * A.p, scale * (0.05 if source == 'U' else 1.0))
-    else:
-        A = Body(A.kind, scale * A.parameters, A.R, scale * A.p)
-    B = solid('L', np.eye(3), np.zeros(3), scale)
-    out = row_of(A.turned(R), B.turned(R), 1e-9 * scale)
-    check_laws(out, ROUNDING * scale)
+    out = row_of(*turned(R, A.scaled(scale), L.scaled(scale)), 1e-9 * scale)
+    check_row(out, ROUNDING * scale)
     assert abs(out[0] - scale * expected) <= out[calling.ERROR_BOUND] + ROUNDING * scale
     if name not in OPEN:
         assert out[calling.ERROR_BOUND] <= 1e-11 * scale
@@ -200,8 +193,7 @@ def test_special_position(name, scale):
 def test_solids_that_lie_flush_push_each_other_up_and_down(seed):
     """Rounding chose the side of the faces, so that their edges told the normal."""
     R = random_rotation(np.random.default_rng(seed))
-    above = solid('L', np.eye(3), [0, 0, 1e4], 1e4).turned(R)
-    beneath = solid('L', np.eye(3), np.zeros(3), 1e4).turned(R)
+    above, beneath = turned(R, solid('L', 1e4).at([0, 0, 1e4]), solid('L', 1e4))
     for A, B, side in ((above, beneath, 1.0), (beneath, above, -1.0)):
         out = row_of(A, B, 1e-5)
         assert abs(out[calling.DISTANCE]) <= out[calling.ERROR_BOUND] <= 1e-9
@@ -218,7 +210,7 @@ def test_in_an_inner_corner_both_walls_push():
 
 
 def test_a_ball_in_the_hole_of_a_ring_is_free():
-    ring = solid('ring', *HERE)
+    ring = solid('ring')
     out = row_of(at(SPHERE, [0.4], 1.5, 1.5, 0.5), ring)
     assert out[0] == pytest.approx(0.1, abs=1e-14)
     assert not out[calling.UNIQUE]
@@ -234,18 +226,16 @@ def test_edges_that_touch_crosswise(kind, gap):
     across = np.column_stack(([s, s * up[1], s * up[2]], [0.0, s, s], [-s, s * up[1], s * up[2]]))
     across = across if np.linalg.det(across) > 0 else across[:, [1, 0, 2]]
     if kind == BOX:
-        A = Body(BOX, np.full(3, 0.1), across, np.zeros(3))
+        A = Body('Box', (0.2, 0.2, 0.2), across)
     else:
-        A = solid('U', across, np.zeros(3), 0.1)
-    corners = [a.p + a.R @ (a.parameters * np.sign(c)) for a in A.parts()
-               for c in np.array(list(np.ndindex(2, 2, 2))) - 0.5]  # fmt: skip
-    heights = np.array(corners) @ up
-    lowest = np.array(corners)[heights <= heights.min() + 1e-12]
-    at = lowest.mean(axis=0)
-    A = A.moved(np.array([0.5, 0.0, 1.0]) - at + gap * up)
+        A = solid('U', 0.1).placed(across, HERE)
+    corners = np.vstack([box_corners(a.size) @ a.R.T + a.p for a in parts_of(A)])
+    heights = corners @ up
+    lowest = corners[heights <= heights.min() + 1e-12]
+    A = A.at(np.array([0.5, 0.0, 1.0]) - lowest.mean(axis=0) + gap * up)
     out = row_of(A, L)
     truth, error = parts_gap(A, L)
-    check_laws(out)
+    check_row(out, ROUNDING)
     assert truth == pytest.approx(gap, abs=1e-12)
     assert abs(out[0] - truth) <= out[calling.ERROR_BOUND] + error
     assert out[calling.ERROR_BOUND] <= 1e-8
@@ -258,8 +248,7 @@ def test_a_cutoff_does_not_hide_the_nearest_wall():
         [0.45, 1.5, 0.5]
     )  # in a wall of the ring: 0.45 from without, 0.55 from the hole
     for cuts, radius in itertools.product((1, 2, 5), (0.0, 0.125)):
-        A = Body(SPHERE, np.array([radius]), np.eye(3), middle)
-        B = solid('ring', np.eye(3), np.zeros(3), cuts=cuts)
+        A, B = Body('Sphere', (radius,), p=middle), solid('ring', cuts=cuts)
         for cutoff in (0.0, 0.1, 0.47, 0.5, np.inf):
             out = row_of(A, B, cutoff=cutoff)
             assert out[calling.DISTANCE] == pytest.approx(-0.45 - radius, abs=1e-12)
@@ -268,16 +257,16 @@ def test_a_cutoff_does_not_hide_the_nearest_wall():
 def test_curved_bodies_of_kilometres_are_as_exact():
     """GJK loses digits by a thin simplex, and goes on with a fresh one."""
     s = 2.0**13
-    egg = Body(ELLIPSOID, s * np.array([0.25, 0.125, 0.375]), np.eye(3), s * np.full(3, 1.5))
-    out = row_of(egg, solid('ring', np.eye(3), np.array([0.0, 0.0, s]), s))
+    egg = Body('Ellipsoid', (0.25, 0.125, 0.375), p=np.full(3, 1.5)).scaled(s)
+    out = row_of(egg, solid('ring').at([0.0, 0.0, 1.0]).scaled(s))
     assert out[calling.DISTANCE] == pytest.approx(0.25 * s, abs=out[calling.ERROR_BOUND])
     assert out[calling.ERROR_BOUND] <= 1e-13 * s
 
 
 def test_a_ring_stands_on_what_it_has():
     """Its lowest vertices surround a hole, in the middle of which nothing touches the floor."""
-    floor = Body(HALF_SPACE, np.zeros(0), np.eye(3), np.array([0.0, 0.0, -0.25]))
-    out = row_of(floor, solid('ring', np.eye(3), np.zeros(3)))
+    floor = Body('HalfSpace', p=np.array([0.0, 0.0, -0.25]))
+    out = row_of(floor, solid('ring'))
     assert out[calling.DISTANCE] == 0.25
     x, y, z = floor.p + out[calling.WITNESS_B : calling.WITNESS_B + 3]
     assert z == 0.0

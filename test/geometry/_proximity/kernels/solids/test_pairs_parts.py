@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation
-from oracles.solids import Body, row_of, solid
+from oracles.forms import HERE, body, row_of
+from oracles.solids import solid
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -36,8 +37,8 @@ def test_the_first_direction_is_a_hint_of_any_length_else_towards_the_other():
 )
 def test_a_ball_in_a_solid_leaves_through_its_nearest_wall(p, m, depth, unique):
     R = random_rotation(np.random.default_rng(4))
-    ball = Body(SPHERE, np.array([0.03125]), np.eye(3), R @ np.array(p))
-    out = row_of(ball, solid('L', R, np.zeros(3)))
+    ball = body((SPHERE, [0.03125]), p=R @ p)
+    out = row_of(ball, solid('L').placed(R, HERE))
     assert out[DISTANCE] == pytest.approx(-(depth + 0.03125), abs=1e-12)
     assert out[ERROR_BOUND] <= 1e-9
     assert out[UNIQUE] == unique
@@ -57,12 +58,11 @@ def test_a_pair_scaled_by_a_power_of_two_has_the_same_digits(kind, p):
     """Deep, by a wall, in the notch, over it: whatever is compared with a length grows with it."""
     R, rows = random_rotation(np.random.default_rng(7)), []
     for scale in (1.0, 2.0**-22, 2.0**14):
-        A = solid('U', R, np.zeros(3), 0.25 * scale)
+        A = solid('U', 0.25)
         if kind is not None:
-            A = Body(kind, scale * np.array(SIZES[kind]), R, np.zeros(3))
-        out = row_of(
-            A.moved(scale * np.array(p)), solid('L', np.eye(3), np.zeros(3), scale), scale * 1e-9
-        )
+            A = body((kind, SIZES[kind]))
+        A, B = A.placed(R, p).scaled(scale), solid('L').scaled(scale)
+        out = row_of(A, B, scale * 1e-9)
         out[[DISTANCE, ERROR_BOUND, *range(WITNESS_A, WITNESS_B + 3)]] /= scale
         rows.append(out)
     np.testing.assert_array_equal(rows[0], rows[1])

@@ -4,20 +4,22 @@ import itertools
 
 import numpy as np
 import pytest
-from oracles.pairs import random_rotation, support
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import tree
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, CYLINDER, SOLID
 
-L = solid('L', np.eye(3), np.zeros(3), cuts=2).parameters
+L = kernel_form(solid('L', cuts=2))[1]
 
 
 @pytest.mark.parametrize(('kind', 'size'), [(BOX, [0.3, 0.2, 0.1]), (CYLINDER, [0.3, 0.5])])
 def test_the_box_of_a_core_touches_it_on_every_side(kind, size):
     box = tree.box_of_core(kind, np.array(size))
     assert box.middle == (0.0, 0.0, 0.0)
-    assert box.half == tuple(support(kind, np.array(size), np.eye(3), n) for n in np.eye(3))
+    assert box.half == tuple(support_value_of((kind, size), n) for n in np.eye(3))
 
 
 def test_the_box_of_a_hull_is_between_its_ends():
@@ -45,8 +47,8 @@ def test_the_gap_of_boxes_is_that_along_an_axis_of_either(axis, turned):
     one = tree.Box((0.1, 0.2, 0.3), (0.5, 0.4, 0.3))
     other = tree.Box((-0.3, 0.1, 0.2), (0.2, 0.6, 0.7))
     n = R[:, axis] if turned else np.eye(3)[axis]
-    reach = support(BOX, np.array(one.half), R, n)
-    reach += support(BOX, np.array(other.half), np.eye(3), n)
+    reach = support_value_of((BOX, one.half), R.T @ n)
+    reach += support_value_of((BOX, other.half), n)
     for gap in (0.5, 1e-3):
         p = np.array(other.middle) + (reach + gap) * n - R @ one.middle
         found = tree.gap_of_boxes(one, R, tuple(p), other)

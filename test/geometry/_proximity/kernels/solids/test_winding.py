@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 import trimesh
+from oracles.forms import kernel_form
 from oracles.solids import solid
 
 from drake_geom_ros.geometry import MeshData
@@ -21,7 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.winding import dipole, is
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
-RING = solid('ring', np.eye(3), np.zeros(3), cuts=4).parameters
+RING = kernel_form(solid('ring', cuts=4))[1]
 
 
 def torus():
