@@ -57,6 +57,9 @@ from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
     bounding_radius,
     core_radius,
 )
+from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
+    least_of_hull_in_barrel,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
@@ -71,6 +74,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
+    CAPSULE,
     CONVEX,
     CYLINDER,
     ELLIPSOID,
@@ -219,6 +223,22 @@ def sharpened(pair, difference, n, found, noise, tolerance):
 
 
 @allocating
+def beside_an_axis(pair, difference, noise, tolerance):
+    """Return the gap of a tiny hull just beside a long axis, as ``sharpened`` does.
+
+    The simplex of GJK is a sliver there, of a normal with few digits. Across the axis the least
+    width, which is the gap where it is below 0, has a closed form: its normal is good.
+    """
+    axis = pair.kind_A == CAPSULE or pair.kind_A == CYLINDER
+    if axis and pair.kind_B == CONVEX:
+        ring = least_of_hull_in_barrel(pair, max(tolerance, noise), noise)
+        if ring.complete:
+            return sharpened(pair, difference, ring.n, np.inf, noise, tolerance)
+    nowhere = (0.0, 0.0, 0.0)
+    return Gap(OVERLAP, np.inf, -np.inf, nowhere, nowhere, nowhere)
+
+
+@allocating
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     """Return the bounds of the signed distance of two cores."""
     noise = ROUNDING * EPS * size
@@ -277,6 +297,12 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
         a, b, miss = drawn_to(distance, n, a, b)
+    if lower > noise and upper - lower > max(tolerance, noise):
+        sharper = beside_an_axis(pair, difference, noise, SHARPER * tolerance)
+        if sharper.end == CLOSED and sharper.lower > noise:
+            _, distance, lower, n, a, b = sharper
+            a, b, miss = drawn_to(distance, n, a, b)
+            return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
     return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
 
 

@@ -167,6 +167,23 @@ def test_a_tiny_hull_at_the_axis_of_a_capsule():
             assert truth - 1e-3 * scale <= -out[DISTANCE] <= truth + promised
 
 
+def test_a_tiny_hull_just_beside_the_axis_of_a_capsule():
+    """GJK's simplex is a sliver there: bounds were up to a million times as wide as promised."""
+    rng = np.random.default_rng(11)
+    for _ in range(8 * COUNT):
+        scale = 10 ** rng.uniform(-7, -2)
+        vertices, hull = _hull(rng, scale)
+        R_WA, R_WB = _rotation(rng), _rotation(rng)
+        gap = scale * 10 ** rng.uniform(-6, 0)
+        across, along = R_WA[:, 0], rng.uniform(-0.4, 0.4) * R_WA[:, 2]
+        p = (gap - (vertices @ R_WB.T @ across).min()) * across + along
+        size = np.array([0.2, 0.9])
+        pair = Pair(CAPSULE, size, R_WA, CONVEX, hull, R_WB, tuple(map(float, p)))
+        out, promised = _answer(pair)
+        assert out[ERROR_BOUND] <= promised
+        assert -out[DISTANCE] <= 0.2 - gap + out[ERROR_BOUND]
+
+
 @pytest.mark.parametrize('kind', [CAPSULE, CYLINDER])
 def test_a_needle_along_the_axis_from_far_along_it(kind):
     """Hunted: seen along the axis two of its ends are so near that no cut is across the axis."""
