@@ -5,9 +5,9 @@
 
 ``crowd`` poses bodies of five shapes 20 times a second and asks all distances up to 0.15 m; told
 are the processor time of the page, a share of one core, how often a headless Chromium, if there is
-one, draws, and how long it takes for a screenshot (it goes to the folder of temporary files). ``beside`` runs node,
-player and viewer of the demo with such a browser, and tells their memory and their share of a
-core each minute.
+one, draws, and how long it takes for a screenshot (it goes to the folder of temporary files).
+``beside`` runs node, player and viewer of the demo with such a browser, and tells their memory and
+their share of a core each minute.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ _SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="100%" height="100%">
  vector-effect="non-scaling-stroke"/></svg>
 <g font-family="sans-serif" font-size="10" fill="#495057">
 <text x="3" y="11">{most}</text><text x="3" y="100%" dy="-3">{least}</text></g></svg>"""
-_LEAST_SPAN = 1e-6  # [m] the last digit of the texts: less is noise
+_DIGITS = 6  # of a distance in metres, those of the texts: what is less is noise
 _MARGIN = 0.12  # of the height, above and below the line: there the texts are
 
 
@@ -40,7 +40,7 @@ def plot(times: Floats, least: Floats, start: float, end: float) -> str:
 
     ``least`` (n,) [m] are the least distances at ``times`` (n,) [s], NaN where none is known.
     """
-    known = np.isfinite(least)
+    known, least = np.isfinite(least), np.round(least, _DIGITS)
     picture = ''
     if known.any():
         low, high = float(least[known].min()), float(least[known].max())
@@ -59,5 +59,5 @@ def plot(times: Floats, least: Floats, start: float, end: float) -> str:
 
 def _heights(least: Floats, low: float, high: float) -> Floats:
     """Return where distances [m] are drawn: 0 at the top of the plot, 1 at its bottom."""
-    span = max(high - low, _LEAST_SPAN)
+    span = max(high - low, np.finfo(float).tiny)
     return _MARGIN + (1.0 - 2.0 * _MARGIN) * (high - least) / span
