@@ -4,10 +4,10 @@
     ./run exec python -m bench.viewer beside [--minutes 10]
 
 ``crowd`` poses bodies of five shapes 20 times a second and asks all distances up to 0.15 m; told
-are the processor time of the page, a share of one core, and how long a headless Chromium, if there
-is one, takes for a screenshot (it goes to the folder of temporary files). ``beside`` runs node,
-player and viewer of the demo with such a browser, and tells their memory and their share of a
-core each minute.
+are the processor time of the page, a share of one core, how often a headless Chromium, if there is
+one, draws, and how long it takes for a screenshot (it goes to the folder of temporary files).
+``beside`` runs node, player and viewer of the demo with such a browser, and tells their memory and
+their share of a core each minute.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from drake_geom_ros.geometry import FramePoseVector
 
 RATE = 20.0  # [Hz]
 MAX_DISTANCE = 0.15  # [m]
+DRAWN = '__viserTestpoints.rendererInfo.render.frame'  # how often viser's page has drawn so far
 SETTLING = 10.0  # [s] until the page is drawn and shown
 _BODIES = (
     *(Body('Sphere', (0.05,)), Body('Box', (0.1, 0.08, 0.06)), Body('Capsule', (0.03, 0.1))),
@@ -85,20 +86,22 @@ def crowd(count: int, seconds: float) -> str:
     bodies = Crowd(count)
     page = Page(open_server(port=18300), bodies.scene, max_distance=MAX_DISTANCE)
     with browsing(f'http://{page.host}:{page.port}') as browser:
+        before = 0 if browser is None else browser.ask(DRAWN)
         used, start = time.process_time(), time.monotonic()
         for k in range(round(RATE * seconds)):
             bodies.pose(k / RATE)
             time.sleep(max(0.0, start + (k + 1) / RATE - time.monotonic()))
         lasted = time.monotonic() - start
         share = (time.process_time() - used) / lasted
-        picture = float('nan')
+        drawn = picture = float('nan')
         if browser is not None:
+            drawn = (browser.ask(DRAWN) - before) / lasted
             start = time.monotonic()
             browser.screenshot(Path(tempfile.gettempdir()) / f'crowd_{count}.png')
             picture = time.monotonic() - start
     pairs = len(page.moment.pairs)
     page.close()
-    shares = f'{100 * share:6.1f} % of a core {picture:6.1f} s a picture'
+    shares = f'{100 * share:6.1f} % of a core {drawn:6.1f} drawn/s {picture:6.1f} s a picture'
     return f'{count:6} bodies {pairs:6} pairs {shares}'
 
 

@@ -173,6 +173,21 @@ install_system() {
   apt-get "${wait[@]}" install -y --no-install-recommends "${apt_packages[@]}"
 }
 
+# A browser for the tests of the page, once tried: where it cannot be had they say that they are
+# skipped. Only fetching may hang; it is ended, and never the installation, which would leave
+# the system's packages broken.
+install_browser() {
+  if command -v chromium || command -v chromium-browser; then return; fi
+  [[ $(id -u) == 0 ]] && command -v apt-get || { echo 'only root can install one'; return 0; }
+  export DEBIAN_FRONTEND=noninteractive
+  local install=(apt-get install -y --no-install-recommends)
+  if timeout -k 5 90 apt-get update && timeout -k 5 90 "${install[@]}" --download-only chromium; then
+    "${install[@]}" --no-download chromium || echo 'it cannot be installed'
+  else
+    echo 'it cannot be fetched'
+  fi
+}
+
 make_venv() {
   # Everything below was made by or for the environment that is replaced.
   local base
@@ -224,7 +239,7 @@ pip_add_wheels() {
 
 install_peers() { pip_add_wheels peers drake coal mujoco pin; }
 install_cluster() { pip_add_wheels cluster distributed pyarrow; }
-install_view() { pip_add -r "$root/requirements/view.txt"; }
+install_view() { pip_add_wheels view viser lcm; }
 install_mutants() { pip_add -r "$root/requirements/mutants.txt" pytest-cov; } # lock.txt pins it
 
 # The wheels' CMake exports name folders of the machine that built them.

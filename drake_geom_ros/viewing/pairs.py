@@ -12,8 +12,8 @@ from drake_geom_ros.geometry import SignedDistanceResults
 
 Floats = NDArray[np.float64]
 _MILLIMETRE = 1000.0
-_SHORT = 17  # characters of a name that a button has room for
-_SHORT_START = 2  # of these from its start
+_SHORT = 15  # characters of a name that a button has room for
+_SHORT_START = 1  # of these from its start
 
 
 @dataclass(frozen=True, eq=False)

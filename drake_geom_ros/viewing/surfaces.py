@@ -33,13 +33,15 @@ PLANE_SIZE, _PLANE_THICKNESS = 6.0, 0.01  # [m]
 class Surface:
     """Triangles (m, 3) of vertices (n, 3) [m], counter-clockwise from outside.
 
-    ``smooth`` ones are shaded as the round surface that they stand for.
+    ``smooth`` ones are shaded as the round surface that they stand for; ``two_sided`` ones, which
+    may have holes or faces the wrong way round, are drawn from behind, too.
     """
 
     key: str
     vertices: Floats
     triangles: NDArray[np.int64]
     smooth: bool = False
+    two_sided: bool = False
 
 
 @dataclass(frozen=True)
@@ -127,4 +129,4 @@ def parts_of(shape: Shape, solid: bool = False) -> list[Part]:
     assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
     vertices, triangles = mesh_surface(shape, solid)
     key = hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest()
-    return [Part(Surface(key, vertices, triangles), (1.0, 1.0, 1.0))]
+    return [Part(Surface(key, vertices, triangles, two_sided=True), (1.0, 1.0, 1.0))]

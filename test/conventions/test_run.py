@@ -215,6 +215,19 @@ def test_a_package_without_a_wheel_is_left_out_but_not_all_of_them(folder):
     assert [shell(folder, script + names)[0] for names in ('there not', 'not')] == [0, 1]
 
 
+@pytest.mark.parametrize(
+    ('uid', 'fetched', 'said'),
+    [(0, 'false', 'it cannot be fetched'), (0, 'true', 'installed'), (1000, 'true', 'only root')],
+)
+def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fetched, said):
+    there = 'command() { [[ $2 == apt-get ]]; }\n'
+    root = f'id() {{ echo {uid}; }}\n'
+    apt = f'timeout() {{ {fetched}; }}\napt-get() {{ echo installed; }}\n'
+    code, out, errors = shell(folder, there + root + apt + 'install_browser')
+    assert code == 0, errors
+    assert said in out
+
+
 def test_what_was_deleted_is_made_again(folder):
     shell(folder, FAKE_STEPS + 'set_up')
     shutil.rmtree(folder / 'install')

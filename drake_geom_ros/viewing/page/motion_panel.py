@@ -15,6 +15,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_rotations
 from drake_geom_ros.viewing.joints import Joint, Joints
 from drake_geom_ros.viewing.local_scene import LocalScene
+from drake_geom_ros.viewing.page.plot import plot
 from drake_geom_ros.viewing.timeline import Timeline, least_distances
 
 NO_FRAME = '-'
@@ -55,35 +56,21 @@ class MotionPanel:
             self.play = gui.add_checkbox('play', False)
             step = max((timeline.end - timeline.start) / _STEPS, np.finfo(float).tiny)
             end = max(timeline.end, timeline.start + step)
-            self.time = gui.add_slider('time [s]', timeline.start, end, step, timeline.start)
             self._least = np.full(len(timeline.times), np.nan)
-            self._plot = gui.add_uplot(
-                self._plotted(),
-                (
-                    {'label': 'time [s]'},
-                    {'label': 'least distance [m]', 'stroke': 'green', 'width': 1},
-                    {'label': 'now', 'stroke': 'red', 'width': 1},
-                ),
-                scales={'x': {'time': False}},
-                aspect=1.6,
-            )
+            self._plot = gui.add_html(self._plotted())
+            # Right after the plot, which is drawn on its track.
+            self.time = gui.add_slider('time [s]', timeline.start, end, step, timeline.start)
             self.nearest = gui.add_button('go to the least distance')
         self.time.on_update(self._time_moved)
         self.play.on_update(self._play_switched)
         self.nearest.on_click(lambda _: self.go_to_least())
         threading.Thread(target=self._measure, name='least-distances', daemon=True).start()
 
-    def _plotted(self) -> tuple[Any, ...]:
-        """Return what the plot shows: times, least distances as far as known, a peak at now."""
+    def _plotted(self) -> str:
+        """Return the plot of the least distances as far as they are known."""
         assert self._timeline is not None
-        known = np.isfinite(self._least)
-        if not known.any():
-            ends = np.array([self._timeline.start, self._timeline.end])
-            return ends, np.zeros(2), np.zeros(2)
-        times, least = self._timeline.times[known], self._least[known]
-        now = np.full(len(times), least.min())
-        now[np.abs(times - self.time.value).argmin()] = least.max()
-        return times, least, now
+        line = self._timeline
+        return plot(line.times, self._least, line.start, line.end)
 
     def _measure(self) -> None:
         """Compute the least distances of the motion in a thread of its own."""
@@ -92,8 +79,8 @@ class MotionPanel:
         for row, least in enumerate(least_distances(self._timeline, self._scene.snapshot())):
             self._least[row] = least if np.isfinite(least) else np.nan
             if time.monotonic() - drawn > _PLOT_PERIOD:
-                self._plot.data, drawn = self._plotted(), time.monotonic()
-        self._plot.data = self._plotted()
+                self._plot.content, drawn = self._plotted(), time.monotonic()
+        self._plot.content = self._plotted()
 
     def go_to_least(self) -> None:
         """Go to the moment of the least distance that is known."""
@@ -124,11 +111,8 @@ class MotionPanel:
         return True
 
     def show(self) -> None:
-        """Let sliders and plot show what was moved by others."""
-        if self._timeline is None:
-            return
-        self._plot.data = self._plotted()
-        if self._joints is None:
+        """Let the sliders show what was moved by others."""
+        if self._timeline is None or self._joints is None:
             return
         self._following = threading.get_ident()
         try:

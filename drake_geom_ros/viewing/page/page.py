@@ -63,6 +63,10 @@ class Page:
         )
         server.gui.main_panel.dock_right()
         server.scene.set_up_direction('+z')
+        # viser's picture of surroundings takes a browser without a GPU seconds of work, and its
+        # shadows most of each frame; the lights alone show shapes as well.
+        server.scene.configure_environment_map(None)
+        server.scene.configure_default_lights(cast_shadow=False)
         self._status = server.gui.add_html('')
         self.answer = AnswerPanel(server.gui, self.touch, self.select, max_distance, accuracy)
         self.filters = FilterPanel(server.gui, scene, local)

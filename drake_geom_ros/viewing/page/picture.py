@@ -199,7 +199,8 @@ class _Shown:
             batched_colors=batch.colours,
             opacity=None if batch.alpha >= 1.0 else batch.alpha,
             flat_shading=not surface.smooth,
-            side='double',
+            # What is transparent is drawn once for each side.
+            side='double' if surface.two_sided else 'front',
             lod='off',
             cast_shadow=False,
             receive_shadow=False,

@@ -87,13 +87,18 @@ def test_a_joint_is_moved_by_its_slider(page, browser):
         f"+s.getAttribute('aria-valuemin') === {joint.lower} && s.offsetParent !== null)"
     )
     browser.wait_for(lambda: browser.ask(f'!!({track})'), 'the slider')
-    x, y, *_ = browser.box(track)
-    browser.mouse('mouseMoved', x, y)
-    browser.mouse('mousePressed', x, y)
-    for step in range(1, 6):
-        browser.mouse('mouseMoved', x + 8 * step, y)
-    browser.mouse('mouseReleased', x + 40, y)
-    wait_for(lambda: slider.value != before, 'the joint')
+
+    def dragged():
+        # Again until it is taken: what is above may still be changing its height.
+        x, y, *_ = browser.box(track)
+        browser.mouse('mouseMoved', x, y)
+        browser.mouse('mousePressed', x, y)
+        for step in range(1, 6):
+            browser.mouse('mouseMoved', x + 8 * step, y)
+        browser.mouse('mouseReleased', x + 40, y)
+        return slider.value != before
+
+    browser.wait_for(dragged, 'the joint')
     # Events of a drag go on coming for a while.
     wait_for(lambda: page.motion._joints.value(joint) == slider.value, 'the links')
 
@@ -111,6 +116,21 @@ def test_a_motion_is_played(page, browser):
     wait_for(lambda: page.motion.time.value > 0.2, 'time to pass')
     browser.click(x, y)
     wait_for(lambda: not page.motion.play.value, 'pause')
+
+
+def test_a_click_in_the_plot_moves_the_time(page, browser):
+    track = "document.querySelector('div:has(> .least-distances) + div .mantine-Slider-track')"
+    start, end = page.motion._timeline.start, page.motion._timeline.end
+    for part in (0.25, 0.75):
+
+        def clicked(part=part):
+            _, y, left, width = browser.box(track)
+            browser.click(left + part * width, y + 20.0)  # anywhere in its height
+            time = page.motion.time.value
+            return abs(time - start - part * (end - start)) < 0.01 * (end - start)
+
+        browser.wait_for(clicked, 'the moment that was clicked on')
+    assert browser.ask(f'{track}.getBoundingClientRect().height') > 100.0
 
 
 def test_a_browser_that_closes_in_the_middle_of_a_drag_harms_nobody(page, browser):
