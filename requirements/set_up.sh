@@ -182,7 +182,7 @@ install_browser() {
   export DEBIAN_FRONTEND=noninteractive
   local install=(apt-get install -y --no-install-recommends)
   if timeout -k 5 90 apt-get update && timeout -k 5 90 "${install[@]}" --download-only chromium; then
-    "${install[@]}" --no-download chromium || echo 'it cannot be installed'
+    timeout -k 5 300 "${install[@]}" --no-download chromium || echo 'it cannot be installed'
   else
     echo 'it cannot be fetched'
   fi
