@@ -13,7 +13,7 @@ import urllib.request
 
 from drake_geom_ros.common.children import ends_with_parent
 
-PATIENCE = 60.0  # [s] a software renderer on a busy machine
+PATIENCE = 100.0  # [s] a software renderer on a busy machine
 RESTING = 0.3  # [s] in which what rests stays where it is
 PROGRAM = next(filter(None, map(shutil.which, ('chromium', 'chromium-browser'))), None)
 

@@ -189,7 +189,7 @@ def test_ten_thousand_geometries_are_shown_with_progress(monkeypatch):
         )
         page.answer._names.value = True
         wait_for(lambda: 'names of the first 300 only' in page._status.content, 'the remark')
-        assert len(page.picture._names) == 300
+        wait_for(lambda: len(page.picture._names) == 300, 'so many names')
         assert page.motion is None  # there is nothing to be moved
         page.filters.choose_pair(('geometry 1', 'geometry 9999'))
         assert 'anchored' in page.filters.said.content
