@@ -222,7 +222,7 @@ def test_a_package_without_a_wheel_is_left_out_but_not_all_of_them(folder):
 def test_a_browser_is_installed_where_it_can_be_and_never_fails(folder, uid, fetched, said):
     there = 'command() { [[ $2 == apt-get ]]; }\n'
     root = f'id() {{ echo {uid}; }}\n'
-    apt = f'timeout() {{ {fetched}; }}\napt-get() {{ echo installed; }}\n'
+    apt = f'timeout() {{ {fetched} && "${{@:4}}"; }}\napt-get() {{ echo installed; }}\n'
     code, out, errors = shell(folder, there + root + apt + 'install_browser')
     assert code == 0, errors
     assert said in out
