@@ -24,6 +24,7 @@ _MOST_PAIRS = 2000  # lines that are drawn, the nearest
 MOST_NAMES = 300  # labels: a browser lays each of them out
 _DEPTHS = 5  # labels of the deepest contacts
 _THIN, _THICK = 2.0, 6.0  # [pixels]
+_MANY = 100  # copies of a surface: of more, those far away are drawn by fewer triangles
 _SMALL = 0.8  # of viser's own size of labels
 _POINT_SIZE = 0.012  # [m]
 _AXIS_LENGTH, _AXIS_RADIUS = 0.08, 0.002  # [m]
@@ -201,7 +202,7 @@ class _Shown:
             flat_shading=not surface.smooth,
             # What is transparent is drawn once for each side.
             side='double' if surface.two_sided else 'front',
-            lod='off',
+            lod='auto' if count > _MANY else 'off',
             cast_shadow=False,
             receive_shadow=False,
         )
