@@ -75,7 +75,7 @@ def light_run(y, slopes, view, xs, ys, zs, light):
         up = np.float32(xs[i] * up_x + ys[i] * up_y + zs[i] * up_z)
         facing = towards / math.sqrt(np.float32(x * x + y * y + 1.0))
         lit = AMBIENT + FROM_CAMERA * facing + FROM_ABOVE * (up if up > NONE else NONE)
-        light[i] = lit * light[i]
+        light[i] = (lit if lit > NONE else NONE) * light[i]
 
 
 @inlined

@@ -223,19 +223,24 @@ def sharpened(pair, difference, n, found, noise, tolerance):
 
 
 @allocating
-def beside_an_axis(pair, difference, noise, tolerance):
-    """Return the gap of a tiny hull just beside a long axis, as ``sharpened`` does.
+def beside_an_axis(pair, difference, found, noise, tolerance):
+    """Return closer bounds of a tiny hull just beside a long axis; else those ``found``.
 
     The simplex of GJK is a sliver there, of a normal with few digits. Across the axis the least
     width, which is the gap where it is below 0, has a closed form: its normal is good.
     """
+    if found.lower <= noise or found.upper - found.lower <= max(tolerance, noise):
+        return found
     axis = pair.kind_A == CAPSULE or pair.kind_A == CYLINDER
-    if axis and pair.kind_B == CONVEX:
-        ring = least_of_hull_in_barrel(pair, max(tolerance, noise), noise)
-        if ring.complete:
-            return sharpened(pair, difference, ring.n, np.inf, noise, tolerance)
-    nowhere = (0.0, 0.0, 0.0)
-    return Gap(OVERLAP, np.inf, -np.inf, nowhere, nowhere, nowhere)
+    if not axis or pair.kind_B != CONVEX:
+        return found
+    enough = SHARPER * tolerance
+    ring = least_of_hull_in_barrel(pair, max(enough, noise), noise)
+    end, distance, lower, n, a, b = sharpened(pair, difference, ring.n, np.inf, noise, enough)
+    if not ring.complete or end != CLOSED or lower <= noise:
+        return found
+    a, b, miss = drawn_to(distance, n, a, b)
+    return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
 
 
 @allocating
@@ -297,13 +302,8 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
         a, b, miss = drawn_to(distance, n, a, b)
-    if lower > noise and upper - lower > max(tolerance, noise):
-        sharper = beside_an_axis(pair, difference, noise, SHARPER * tolerance)
-        if sharper.end == CLOSED and sharper.lower > noise:
-            _, distance, lower, n, a, b = sharper
-            a, b, miss = drawn_to(distance, n, a, b)
-            return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
-    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+    found = Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+    return beside_an_axis(pair, difference, found, noise, tolerance)
 
 
 @compiled
