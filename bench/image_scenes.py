@@ -144,6 +144,19 @@ def mesh(library: Library, count: int) -> list[tuple[Any, Any]]:
     corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
     first = np.column_stack((corner, corner + n + 1, corner + n + 2))
     second = np.column_stack((corner, corner + n + 2, corner + 1))
-    data = library.geometry.MeshData(points, np.concatenate((first, second)))
-    shape = library.geometry.Mesh.FromMeshData(data)
+    shape = mesh_shape(library, points, np.concatenate((first, second)))
     return [(shape, pose(library, [0.0, 0.0, 0.3]))]
+
+
+def mesh_shape(library: Library, points: Any, triangles: Any) -> Any:
+    """Return a Mesh of points (n, 3) [m] and triangles (m, 3); pydrake takes them as an .obj."""
+    geometry = library.geometry
+    if hasattr(geometry, 'MeshData'):
+        return geometry.Mesh.FromMeshData(geometry.MeshData(points, triangles))
+    lines = [f'v {x:.9g} {y:.9g} {z:.9g}' for x, y, z in points.tolist()]
+    # It wants normals; one will do for what is timed.
+    lines += ['vn 0 0 1', *(f'f {a}//1 {b}//1 {c}//1' for a, b, c in (triangles + 1).tolist())]
+    file = importlib.import_module('pydrake.common').MemoryFile(
+        '\n'.join(lines).encode(), '.obj', 'mesh.obj'
+    )
+    return geometry.Mesh(geometry.InMemoryMesh(mesh_file=file), np.ones(3))
