@@ -2,8 +2,9 @@
 
 The demo's two arms are posed at 100 Hz, in turns with and without subscribers of the images (or
 the viewer's process), which changes nothing else: without subscribers nothing is rendered. Told
-are the delay from pose to result, the cycle in the node's own words, poses without an answer, and
-how many images came a second, of those that were due.
+are the delay from pose to result, the cycle in the node's own words, poses without an answer, how
+many images came a second, of those that were due, and how old they were: since the pose they show
+was sent. While nothing moves no image is due, for it would show what the last one showed.
 
     ./run exec python -m bench.ros.beside [cameras | viewer] [--seconds 20] [--size 640 480]
         [--images color] [--rate 30]
@@ -16,7 +17,7 @@ import json
 import os
 import time
 from collections.abc import Callable
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,7 +30,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from bench.ros.processes import Processes
-from bench.ros.routes import LAST_ANSWERS, Reports, Route, stream
+from bench.ros.routes import WARM_UP, Reports, Route, stream
 from bench.ros.scenes import Played, two_arms
 
 NODE = 'drake_geom_ros.ros.scene_graph_node'
@@ -48,13 +49,21 @@ PLACES = (
 TOPICS = {'color': 'color/image_raw', 'depth': 'depth/image_rect_raw', 'label': 'labels/image_raw'}
 
 
+class Came(NamedTuple):
+    """An image that came."""
+
+    time: float  # [s] of the steady clock
+    topic: int
+    number: int  # of the message with the pose that it shows
+
+
 class Turn(NamedTuple):
     """What a turn of the stream told: seconds, counts, and processor time of the node [s]."""
 
     delays: list[float]
     cycles: list[float]
     lost: int
-    images: float  # a second
+    ages: list[float]  # of images, each counted once
     used: float
 
 
@@ -93,24 +102,38 @@ class Measurement:
         while not self._route.publisher.get_subscription_count():
             self._executor.spin_once(timeout_sec=0.1)
 
-    def turn(self, seconds: float, close: Callable[[], list[float]]) -> Turn:
-        """Stream; ``close()`` ends what is beside and returns when images came."""
+    def turn(self, seconds: float, close: Callable[[], list[Came]]) -> Turn:
+        """Stream; ``close()`` ends what is beside and returns the images that came."""
         route, reports = self._route, self._reports
         delays, lost = route.result()
         cycles, before = len(reports.cycles), used(self._pid)
-        start = time.monotonic()
+        first = max(route.sent, default=0) + WARM_UP
         stream(self._executor, route, self._played, POSE_RATE, seconds)
-        end, spent = time.monotonic() - LAST_ANSWERS, used(self._pid) - before
-        # Before and after the stream nothing moves, and hardly an image is due.
-        images = sum(start <= came <= end for came in close()) / (end - start)
+        spent = used(self._pid) - before
+        # One that is sent again, for who comes late, is no other image.
+        came: dict[tuple[int, int], float] = {}
+        for image in close():
+            if image.number > first:
+                came.setdefault((image.topic, image.number), image.time)
+        # The steady clock is that of time.perf_counter on Linux.
+        ages = [when - route.sent[number] for (_, number), when in came.items()]
         all_delays, all_lost = route.result()
         return Turn(
-            all_delays[len(delays) :], reports.cycles[cycles:], all_lost - lost, images, spent
+            all_delays[len(delays) :], reports.cycles[cycles:], all_lost - lost, ages, spent
         )
 
 
-def start(processes: Processes, options: argparse.Namespace) -> Callable[[], list[float]]:
-    """Start what is beside; return what ends it, and says when images came [s]."""
+def moving(played: Played, rate: float, seconds: float) -> float:
+    """Return in which share of the periods of a camera something moves."""
+    times = (WARM_UP + np.arange(round(POSE_RATE * seconds))) / POSE_RATE
+    all_poses = [played.poses(time) for time in times]
+    moves = np.array([not np.array_equal(*two) for two in pairwise(all_poses)])
+    periods = (times[1:] * rate).astype(int)
+    return len(set(periods[moves])) / len(set(periods))
+
+
+def start(processes: Processes, options: argparse.Namespace) -> Callable[[], list[Came]]:
+    """Start what is beside; return what ends it, and tells the images that came."""
     if options.what == 'viewer':
         process = processes.start(VIEWER, port=18099)
     else:
@@ -119,25 +142,25 @@ def start(processes: Processes, options: argparse.Namespace) -> Callable[[], lis
         process = processes.start(LISTENER, *names)
     time.sleep(SETTLING)
 
-    def close() -> list[float]:
+    def close() -> list[Came]:
         process.terminate()
         lines = process.stdout.read().splitlines()
         processes.forget(process)
-        times: list[float] = [] if options.what == 'viewer' else json.loads(lines[-1])
-        return times
+        return [] if options.what == 'viewer' else [Came(*each) for each in json.loads(lines[-1])]
 
     return close
 
 
-def row(name: str, turns: list[Turn], due: float) -> str:
-    """Return a line of the table."""
+def row(name: str, turns: list[Turn], due: float, seconds: float) -> str:
+    """Return a line of the table, of turns that took so long together."""
     cells = []
-    for values in ([d for t in turns for d in t.delays], [c for t in turns for c in t.cycles]):
+    ages = [age for turn in turns for age in turn.ages]
+    delays = [delay for turn in turns for delay in turn.delays]
+    for values in (delays, [cycle for turn in turns for cycle in turn.cycles], ages or [0.0]):
         cells += [f'{1e3 * q:9.2f}' for q in np.percentile(values, (50, 99))]
-    images = np.mean([turn.images for turn in turns])
     return (
-        f'{name:>9}{"".join(cells)}{sum(t.lost for t in turns):6}{images:9.1f}{due:7.1f}'
-        f'{sum(t.used for t in turns):8.1f}'
+        f'{name:>9}{"".join(cells)}{sum(t.lost for t in turns):6}{len(ages) / seconds:9.1f}'
+        f'{due:7.1f}{sum(t.used for t in turns):8.1f}'
     )
 
 
@@ -166,11 +189,15 @@ def main() -> None:
                 close = start(processes, options) if name == 'with' else list
                 its.append(measurement.turn(options.seconds / TURNS, close))
         rclpy.shutdown()
-    due = len(PLACES) * len(options.images) * options.rate
-    titles = 'delay p50      p99 cycle p50      p99  lost images/s  due/s    used'
+    share = moving(played, options.rate, options.seconds / TURNS)
+    due = share * len(PLACES) * len(options.images) * options.rate
+    titles = (
+        'delay p50      p99 cycle p50      p99   age p50      p99  lost images/s  due/s    used'
+    )
     print(f'{"":10}{titles}   (times in ms; used: processor time of the node [s])')
     for name, its in turns.items():
-        print(row(name, its, due if (name, options.what) == ('with', 'cameras') else 0.0))
+        seen = (name, options.what) == ('with', 'cameras')
+        print(row(name, its, due if seen else 0.0, options.seconds))
 
 
 if __name__ == '__main__':

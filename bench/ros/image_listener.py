@@ -1,6 +1,8 @@
-"""A subscriber of images that only notes when they came; on SIGTERM it prints one line of JSON.
+"""A subscriber of images that only notes which came when; on SIGTERM it prints one line of JSON.
 
-The times are those of the steady clock [s], which processes of a machine share.
+That is a list of time, topic and stamp of each image: the time is that of the steady clock [s],
+which processes of a machine share, the topic its number among the arguments, and of the stamp it
+is the whole seconds.
 
     python -m bench.ros.image_listener TOPIC ...
 """
@@ -10,7 +12,9 @@ from __future__ import annotations
 import json
 import sys
 import time
+from functools import partial
 
+import numpy as np
 import rclpy
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -25,12 +29,15 @@ class ImageListener(Node):
 
     def __init__(self, topics: list[str]) -> None:
         super().__init__('image_listener')
-        self.times: list[float] = []
-        for topic in topics:
-            self.create_subscription(Image, topic, self._take, QoSProfile(depth=10), raw=True)
+        self.came: list[tuple[float, int, int]] = []
+        for number, topic in enumerate(topics):
+            take = partial(self._take, number)
+            self.create_subscription(Image, topic, take, QoSProfile(depth=10), raw=True)
 
-    def _take(self, image: bytes) -> None:
-        self.times.append(time.monotonic())
+    def _take(self, topic: int, image: bytes) -> None:
+        # An Image begins with its stamp; four bytes before it tell how numbers are written.
+        (seconds,) = np.frombuffer(image, '<i4', 1, 4)
+        self.came.append((time.monotonic(), topic, int(seconds)))
 
 
 def main() -> None:
@@ -40,7 +47,7 @@ def main() -> None:
         node = ImageListener(sys.argv[1:])
         spin_until_stopped(node, signals)
         rclpy.try_shutdown()
-    print(json.dumps(node.times), flush=True)
+    print(json.dumps(node.came), flush=True)
 
 
 if __name__ == '__main__':

@@ -27,24 +27,24 @@ class Route:
         topic = f'/{server}/signed_distances'
         node.create_subscription(SignedDistancePairs, topic, self._receive, QoSProfile(depth=10))
         self.latest = SignedDistancePairs()
-        self._sent: dict[int, float] = {}
+        self.sent: dict[int, float] = {}  # by number
         self.delays: dict[int, float] = {}
 
     def _receive(self, message: SignedDistancePairs) -> None:
         number = message.header.stamp.sec
-        if number in self._sent and number not in self.delays:
-            self.delays[number] = time.perf_counter() - self._sent[number]
+        if number in self.sent and number not in self.delays:
+            self.delays[number] = time.perf_counter() - self.sent[number]
             self.latest = message
 
     def send(self, message: FramePoses, number: int) -> None:
         """Send a message; its answer is known by the number in its stamp."""
         message.header.stamp.sec = number
-        self._sent[number] = time.perf_counter()
+        self.sent[number] = time.perf_counter()
         self.publisher.publish(message)
 
     def result(self) -> tuple[list[float], int]:
         """Return the delays [s] after warming up, and how many answers were lost."""
-        counted = [n for n in self._sent if n > WARM_UP]
+        counted = [n for n in self.sent if n > WARM_UP]
         delays = [self.delays[n] for n in counted if n in self.delays]
         return delays, len(counted) - len(delays)
 
