@@ -1,11 +1,9 @@
 """Sends the answers of services without the interpreter's lock, and counts what has no answer.
 
-rclpy keeps the lock while it turns an answer into a message, while the middleware serialises that
-and while it hands it over: for an answer of 67 MB nothing else of the process runs for 33 to
+With the lock, as rclpy sends it, an answer of 67 MB lets nothing else of the process run for 33 to
 93 ms, and where the middleware never returns, as from a mutex in shared memory that a killed
-client held, nothing ever runs again. Here the answer is turned into a message as rclpy does it
-(which lets other threads in between two fields, after at most 9 ms for 67 MB), and handed to rcl
-by ctypes, which gives the lock back meanwhile.
+client held, nothing ever runs again. So it is turned into a message as rclpy does it (which lets
+other threads in between two fields, after at most 9 ms for 67 MB), and sent as ``unlocked`` does.
 """
 
 from __future__ import annotations
@@ -18,6 +16,8 @@ from typing import Any, NamedTuple
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.service import Service
+
+from drake_geom_ros.ros.outputs.unlocked import CMessage, of_rcl
 
 _OK, _TIMEOUT = 0, 2  # RCL_RET_OK, RCL_RET_TIMEOUT
 # A client may be found after its first request came; rcl waits for it 0.1 s at a time.
@@ -50,7 +50,7 @@ class Answers:
         self._lock = threading.Lock()
         self._numbers: OrderedDict[bytes, int] = OrderedDict()  # the last one of each client
         self._answered = self._unanswered = self._before_first = 0
-        self._rcl = _rcl()
+        self._rcl = of_rcl('rcl_send_response')
 
     def send_for(self, service: Service[Any, Any]) -> None:
         """Send what a service answers from now on."""
@@ -69,7 +69,7 @@ class Answers:
             self._note(None, sent=True)
             return
         with service.handle:
-            message = _Message(answer)
+            message = CMessage(answer)
             for _ in range(_ATTEMPTS):
                 address = service.handle.pointer
                 result = self._rcl(address, ctypes.byref(request_id), message.address)
@@ -99,34 +99,6 @@ class Answers:
                 self._numbers.popitem(last=False)
 
 
-class _Message:
-    """An answer as the C message that rcl takes; freed with this object."""
-
-    def __init__(self, answer: Any) -> None:
-        support = type(type(answer))
-        self._destroy = _function(support, '_DESTROY_ROS_MESSAGE', None, ctypes.c_void_p)
-        self.address = _function(support, '_CREATE_ROS_MESSAGE', ctypes.c_void_p)()
-        # Works on Python's objects: it keeps the lock, and raises what it raises.
-        convert = _function(
-            *(support, '_CONVERT_FROM_PY', ctypes.c_bool, ctypes.py_object, ctypes.c_void_p),
-            of_python=True,
-        )
-        convert(answer, self.address)
-
-    def __del__(self) -> None:
-        self._destroy(self.address)
-
-
-def _function(
-    support: Any, name: str, result: Any, *arguments: Any, of_python: bool = False
-) -> Any:
-    """Return a function of a message's type support, which rosidl keeps in a capsule."""
-    pointer = ctypes.pythonapi.PyCapsule_GetPointer
-    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
-    kind = ctypes.PYFUNCTYPE if of_python else ctypes.CFUNCTYPE
-    return kind(result, *arguments)(pointer(getattr(support, name), None))
-
-
 def _request_id(header: Any) -> _RequestId | None:
     """Return what rclpy's header wraps; None where it is not found."""
     wrapped = getattr(header, 'request_id', header)
@@ -137,14 +109,3 @@ def _request_id(header: Any) -> _RequestId | None:
         return None
     found = _RequestId.from_address(address)
     return found if found.sequence_number == wrapped.sequence_number else None
-
-
-def _rcl() -> Any:
-    """Return rcl_send_response, None where the library is not found."""
-    try:
-        send = ctypes.CDLL('librcl.so').rcl_send_response
-    except (OSError, AttributeError):
-        return None
-    send.restype = ctypes.c_int
-    send.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p]
-    return send

@@ -20,6 +20,7 @@ from drake_geom_ros.ros.conversions.cameras import (
 )
 from drake_geom_ros.ros.outputs.camera_transforms import CameraTransforms
 from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside
+from drake_geom_ros.ros.outputs.unlocked import publish
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.scene_files import CameraDescription, camera_of
@@ -136,7 +137,7 @@ class CameraPublisher:
         for kind in kinds:
             image, info = each.messages[kind]
             each.publishers[f'{kind} info'].publish(info)
-            each.publishers[kind].publish(image)
+            publish(each.publishers[kind], image)
 
     def _take(self, each: _Open, kinds: list[str], view: SceneView) -> None:
         """Take images of a camera, and keep them as messages."""

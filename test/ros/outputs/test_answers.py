@@ -8,6 +8,7 @@ from rclpy.qos import QoSProfile
 
 from drake_geom_ros.ros.outputs import answers
 from drake_geom_ros.ros.outputs.answers import Answers, CallCounts
+from drake_geom_ros.ros.outputs.unlocked import CMessage
 
 
 @pytest.fixture
@@ -35,7 +36,7 @@ def test_an_answer_is_sent_and_counted(lone_client, service):
     assert found.counts() == CallCounts(answered=2, unanswered=0, before_first=0)
 
 
-@pytest.mark.parametrize('missing', ['_rcl', '_request_id'])
+@pytest.mark.parametrize('missing', ['of_rcl', '_request_id'])
 def test_where_rcl_cannot_be_called_rclpy_sends(lone_client, service, monkeypatch, missing):
     monkeypatch.setattr(answers, missing, lambda *anything: None)
     found = Answers()
@@ -66,4 +67,4 @@ def test_numbers_that_are_missing_are_counted(lone_client, service):
 
 def test_an_answer_that_cannot_be_a_message_is_raised(lone_client, service):
     with pytest.raises((AssertionError, TypeError)):
-        answers._Message(srv.ExplainFilter.Response(message=3))
+        CMessage(srv.ExplainFilter.Response(message=3))
