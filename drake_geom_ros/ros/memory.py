@@ -1,13 +1,17 @@
-"""Gives memory back to the system once large answers are gone.
+"""Gives memory back to the system once large answers are gone, and garbage without long pauses.
 
 glibc serves large blocks from its heaps as soon as one of them was freed (the threshold above
 which a block is mapped by itself grows to 32 MB), and a heap shrinks only from its end. A fixed
 threshold keeps large blocks out of the heaps, so that freeing them is giving them back.
+
+Python looks for garbage now and then among all objects that there are, and nothing else runs
+meanwhile: with a compiler loaded and a scene of 1000 bodies that takes 60 to 130 ms.
 """
 
 from __future__ import annotations
 
 import ctypes
+import gc
 
 _M_MMAP_THRESHOLD = -3  # malloc.h
 # Above what cycles of a robot's scene allocate, and images of 640 x 480, which would pay for
@@ -22,3 +26,10 @@ def give_back_large_blocks() -> bool:
     except (AttributeError, OSError):  # another C library
         return False
     return bool(mallopt(_M_MMAP_THRESHOLD, _LARGE))
+
+
+def settle() -> None:
+    """Leave what is there now out of what is searched for garbage, until this is called again."""
+    gc.unfreeze()
+    gc.collect()
+    gc.freeze()

@@ -23,7 +23,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
 from drake_geom_ros.ros.guard import Guard
-from drake_geom_ros.ros.memory import give_back_large_blocks
+from drake_geom_ros.ros.memory import give_back_large_blocks, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import (
@@ -85,6 +85,7 @@ class SceneGraphNode(LifecycleNode):
         # rclpy would drop it without a word.
         with self.watchdog.paused():
             is_configured = self._guard.succeeds(configured)
+            settle()
         if is_configured:
             self._tell_unknown_parameters(QOS_OVERRIDES)
             return TransitionCallbackReturn.SUCCESS

@@ -1,9 +1,14 @@
-"""Large blocks are given back when they are freed, also where one was freed before."""
+"""Large blocks are given back when they are freed, and garbage is searched for among few objects."""
 
+import gc
 import subprocess
 import sys
+import weakref
 
+import pytest
 from conventions.source_tree import ROOT
+
+from drake_geom_ros.ros.memory import settle
 
 # Small blocks behind the large ones keep heaps from shrinking, as a node's other threads do.
 SCRIPT = """
@@ -39,3 +44,34 @@ def kept(wanted):
 def test_freed_blocks_go_back_to_the_system():
     assert kept(False) > 100e6
     assert kept(True) < 20e6
+
+
+class Ring:
+    """Holds itself, so that only a search for garbage frees it."""
+
+    def __init__(self):
+        self.ring = self
+
+
+@pytest.fixture
+def searched():
+    """Search all objects again afterwards, as other tests expect."""
+    yield
+    gc.unfreeze()
+
+
+def test_what_is_there_is_not_searched_again(searched):
+    settle()
+    assert gc.get_freeze_count() > 1000 * len(gc.get_objects())
+
+
+def test_garbage_of_afterwards_and_of_an_earlier_life_is_freed(searched):
+    before = Ring()
+    settle()
+    after = Ring()
+    gone = [weakref.ref(ring) for ring in (before, after)]
+    del before, after
+    gc.collect()
+    assert [ring() is None for ring in gone] == [False, True]
+    settle()
+    assert [ring() is None for ring in gone] == [True, True]
