@@ -1,4 +1,4 @@
-"""Large blocks are given back when they are freed, and garbage is searched for among few objects."""
+"""Large blocks are given back when they are freed; garbage is searched for among few objects."""
 
 import gc
 import subprocess

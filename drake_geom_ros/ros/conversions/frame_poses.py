@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,20 @@ _POSE_WIDTH = 7
 _TWIST_WIDTH = 6
 
 
+class ReadPoses(NamedTuple):
+    """What a FramePoses says."""
+
+    poses: FramePoseVector
+    frames: frozenset[int]  # by the values of their ids; the same object for the same list
+
+
+class _Listed(NamedTuple):
+    """The frames that a message lists."""
+
+    ids: NDArray[np.int64]  # (n,) in its order
+    frames: frozenset[int]
+
+
 class FramePosesReader:
     """Reads FramePoses and FrameTwists messages of one version of a scene.
 
@@ -23,32 +37,32 @@ class FramePosesReader:
 
     def __init__(self, names: NameTable) -> None:
         self._names = names
-        self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], NDArray[np.int64]] = {}
+        self._known: dict[tuple[str, tuple[str, ...], tuple[int, ...]], _Listed] = {}
 
-    def read(self, message: Any) -> FramePoseVector:
+    def read(self, message: Any) -> ReadPoses:
         """Return the poses of a message; raises RuntimeError, and nothing is half read."""
-        frames = self._frames(message)
+        ids, frames = self._frames(message)
         poses = np.asarray(message.poses, dtype=np.float64)
         if poses.size != _POSE_WIDTH * len(frames):
             raise ArgumentError(
                 f'poses holds {poses.size} numbers for {counted(len(frames), "frame")}; it must '
                 f'hold {_POSE_WIDTH} for each frame: x y z qx qy qz qw'
             )
-        return FramePoseVector.FromArrays(frames, poses.reshape(-1, _POSE_WIDTH))
+        return ReadPoses(FramePoseVector.FromArrays(ids, poses.reshape(-1, _POSE_WIDTH)), frames)
 
     def read_twists(self, message: Any) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the ids (n,) of frames and V_WF (n, 6) of a FrameTwists; raises RuntimeError."""
-        frames = self._frames(message)
+        ids = self._frames(message).ids
         twists = np.asarray(message.twists, dtype=np.float64)
-        if twists.size != _TWIST_WIDTH * len(frames) or not np.isfinite(twists).all():
+        if twists.size != _TWIST_WIDTH * len(ids) or not np.isfinite(twists).all():
             raise ArgumentError(
-                f'twists holds {twists.size} numbers for {counted(len(frames), "frame")}; it must '
+                f'twists holds {twists.size} numbers for {counted(len(ids), "frame")}; it must '
                 f'hold {_TWIST_WIDTH} finite ones a frame: wx wy wz vx vy vz'
             )
-        return frames, twists.reshape(-1, _TWIST_WIDTH)
+        return ids, twists.reshape(-1, _TWIST_WIDTH)
 
-    def _frames(self, message: Any) -> NDArray[np.int64]:
-        """Return the ids (n,) of the frames that a message names, in its order."""
+    def _frames(self, message: Any) -> _Listed:
+        """Return the frames that a message names."""
         world_frame, frame_id = self._names.frame_names[self._names.world], message.header.frame_id
         if frame_id not in ('', world_frame):
             raise ArgumentError(
@@ -59,15 +73,15 @@ class FramePosesReader:
             raise ArgumentError('frame_names and frame_ids are both given; exactly one must be')
         # Names and ids apart: a frame may be named as the id of another.
         key = (message.source, tuple(message.frame_names), tuple(message.frame_ids))
-        frames = self._known.get(key)
-        if frames is None:
+        listed = self._known.get(key)
+        if listed is None:
             ids = [frame.get_value() for frame in self._look_up(message)]
-            frames = np.array(ids, dtype=np.int64)
+            listed = _Listed(np.array(ids, dtype=np.int64), frozenset(ids))
             # One list for each sender; a sender whose lists never repeat must not fill the memory.
             if len(self._known) >= 64:
                 self._known.clear()
-            self._known[key] = frames
-        return frames
+            self._known[key] = listed
+        return listed
 
     def _look_up(self, message: Any) -> list[FrameId]:
         names, source = self._names, message.source

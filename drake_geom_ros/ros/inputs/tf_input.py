@@ -170,7 +170,10 @@ class TfInput:
             ]
             ids = np.array([frame.get_value() for frame in to_pose], dtype=np.int64)
             rows = poses_from_matrices([R for R, _ in X_PFs], [p for _, p in X_PFs])
-            posed = {frame.get_value(): found[frame].since for frame in to_pose}
+            since: dict[Since, list[int]] = {}
+            for frame in to_pose:
+                since.setdefault(found[frame].since, []).append(frame.get_value())
+            posed = {frozenset(frames): moment for moment, frames in since.items()}
             scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF)
         return len(to_pose)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,9 +16,10 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
+from drake_geom_ros.ros.scene.clocks import ALWAYS
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.scene.pose_ages import Posed
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
@@ -117,20 +117,19 @@ class EditableScene(HeldScene):
 
     def take_poses(self, message: Any, waited: float = 0.0) -> int:
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
-        poses = self.read_poses(message)
+        poses, frames = self.read_poses(message)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
-        posed = dict.fromkeys(poses.id_values().tolist(), since)
+        posed = {frames: since} if frames else {}
         self.pose(poses, posed, message.header.stamp, MESSAGES)
         return len(poses)
 
-    def pose(
-        self, poses: FramePoseVector, posed: Mapping[int, Since], stamp: Any, feeder: str
-    ) -> None:
-        """Pose frames; ``posed`` says since when these hold, by the value of the frame's id."""
+    def pose(self, poses: FramePoseVector, posed: Posed, stamp: Any, feeder: str) -> None:
+        """Pose frames; ``posed`` says since when these hold."""
         self._context.UpdateFramePoses(poses)
         if posed:
             self._ages.note(posed, stamp)
-            self.feeders.note(feeder, posed.keys())
+            for frames in posed:
+                self.feeders.note(feeder, frames)
             if self._twists is not None:
                 self._twists.note_poses(poses, _stamps(posed, stamp, feeder))
 
@@ -177,15 +176,17 @@ class EditableScene(HeldScene):
         return expired
 
 
-def _stamps(posed: Mapping[int, Since], stamp: Any, feeder: str) -> dict[int, int]:
-    """Return the stamps [ns] of poses; those that hold for good bear none.
+def _stamps(posed: Posed, stamp: Any, feeder: str) -> dict[int, int]:
+    """Return the stamps [ns] of poses by frame; those that hold for good bear none.
 
-    All of a message bear the same one; transforms have one each, which ``posed`` knows.
+    All of a message bear the same one; transforms have their own, which ``posed`` knows.
     """
-    moving = {value: since for value, since in posed.items() if since != ALWAYS}
-    if feeder == MESSAGES:
-        return dict.fromkeys(moving, stamp_of(stamp))
-    return {value: int(since.held * 1e9) for value, since in moving.items()}
+    stamps: dict[int, int] = {}
+    for frames, since in posed.items():
+        if since != ALWAYS:
+            own = stamp_of(stamp) if feeder == MESSAGES else int(since.held * 1e9)
+            stamps.update(dict.fromkeys(frames, own))
+    return stamps
 
 
 def _filters(numbers: list[int]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Set
+from collections.abc import Callable
 
 TF, MESSAGES = 'TF', '~/frame_poses'
 _BY_TURNS = 1.0  # [s] a frame that changes hands again that soon is not handed over
@@ -17,12 +17,19 @@ class Feeders:
         """``now()`` [s] is of steady time."""
         self._now = now
         self._frames: dict[str, set[int]] = {TF: set(), MESSAGES: set()}
+        # What was noted last, where nothing of it was handed over since: a stream repeats it.
+        self._last: dict[str, frozenset[int]] = {}
         self._handed: dict[int, float] = {}  # when [s] a frame was handed over
         self._contested: dict[int, float] = {}  # when [s] that happened by turns
 
-    def note(self, feeder: str, frames: Set[int]) -> None:
+    def note(self, feeder: str, frames: frozenset[int]) -> None:
         """Note who poses frames now."""
+        if frames is self._last.get(feeder):
+            return
         fresh = frames - self._frames[feeder]
+        if fresh:
+            self._last.clear()
+        self._last[feeder] = frames
         if not fresh:
             return
         now = self._now()

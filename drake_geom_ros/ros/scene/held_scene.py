@@ -13,7 +13,6 @@ from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.geometry import (
     ArgumentError,
     FrameId,
-    FramePoseVector,
     GeometryId,
     QueryObject,
     SceneGraph,
@@ -22,7 +21,7 @@ from drake_geom_ros.geometry import (
     SourceId,
     closing_speeds,
 )
-from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader
+from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ReadPoses
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
@@ -121,7 +120,7 @@ class HeldScene:
         geometry = self.names.geometry(name)
         return self.inspector.GetOwningSourceId(geometry), geometry
 
-    def read_poses(self, message: Any) -> FramePoseVector:
+    def read_poses(self, message: Any) -> ReadPoses:
         """Return the poses of a FramePoses; raises RuntimeError for what cannot be taken."""
         self._refresh()
         return self._reader.read(message)

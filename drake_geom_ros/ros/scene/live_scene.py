@@ -83,7 +83,7 @@ class LiveScene:
         ``take_poses`` would refuse.
         """
         with self.reading() as scene:
-            poses = None if message is None else scene.read_poses(message)
+            poses = None if message is None else scene.read_poses(message).poses
             view = scene.view(moving=poses is not None and not len(poses))
         if poses is not None and len(poses):
             view.context.UpdateFramePoses(poses)

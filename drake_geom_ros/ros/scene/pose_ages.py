@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import counted
@@ -33,13 +34,29 @@ class UnknownAges(NamedTuple):
         )
 
 
+# Since when frames have their poses: those of a message have them since the same moment.
+Posed = Mapping[frozenset[int], Since]
+
+
+@dataclass
+class _Together:
+    """What the frames have in common that were posed together."""
+
+    since: Since
+    stamp: Any  # None: of no message
+    left: int  # how many of them were not posed otherwise meanwhile
+
+
 class PoseAges:
-    """Times of frame poses by the value of the frame's id; ages [s] by two clocks."""
+    """Times of frame poses by the value of the frame's id; ages [s] by two clocks.
+
+    A sender names the same frames in each message: then one time changes, not one for each.
+    """
 
     def __init__(self, clocks: Clocks) -> None:
         self._clocks = clocks
-        self._posed: dict[int, Since] = {}
-        self._stamps: dict[int, Any] = {}
+        self._posed: dict[int, _Together] = {}
+        self._together: dict[frozenset[int], _Together] = {}  # of which some are left
         self.newest_stamp: Any = None  # builtin_interfaces/Time; None before the first pose
         self._latest = ALWAYS
         self._declared: dict[int, bool] = {}  # static or expected to move, as the scene says
@@ -50,35 +67,52 @@ class PoseAges:
         self._declared.update(declared)
         self._static = {value for value, static in self._declared.items() if static}
         rest = (value for value in with_poses if declared.get(value) is not False)
-        self._posed.update(dict.fromkeys(rest, ALWAYS))
+        self._pose(frozenset(rest), ALWAYS, None)
 
     def static(self) -> dict[int, bool]:
         """Return which frames are static (true) or expected to move (false), as far as known."""
-        moved = (value for value, since in self._posed.items() if since != ALWAYS)
+        moved = (value for value, together in self._posed.items() if together.since != ALWAYS)
         return {**self._declared, **dict.fromkeys(moved, False)}
 
-    def note(self, posed: Mapping[int, Since], stamp: Any) -> None:
+    def note(self, posed: Posed, stamp: Any) -> None:
         """Note since when frames have their poses.
 
         ``stamp`` is when these held by the sender's clock. A message that comes late must not make
         the others' poses older, and none is newest that is not there any more, or that is of the
         time before the clock jumped.
         """
-        self._posed.update(posed)
-        if self._static:
-            self._posed.update(dict.fromkeys(self._static & posed.keys(), ALWAYS))
-        self._latest = max((s for s in set(posed.values()) if s != ALWAYS), default=ALWAYS)
-        self._stamps.update(dict.fromkeys(posed, stamp))
+        for frames, since in posed.items():
+            if static := frames & self._static:
+                self._pose(static, ALWAYS, stamp)
+                self._pose(frames - static, since, stamp)
+            else:
+                self._pose(frames, since, stamp)
+        self._latest = max((s for s in posed.values() if s != ALWAYS), default=ALWAYS)
         if self.newest_stamp is None or time_of(stamp) >= time_of(self.newest_stamp):
             self.newest_stamp = stamp
         else:
             epoch = max(since.epoch for since in posed.values())
-            alive = (s for frame, s in self._stamps.items() if self._posed[frame].epoch >= epoch)
+            stamped = (t for t in self._together.values() if t.stamp is not None)
+            alive = (together.stamp for together in stamped if together.since.epoch >= epoch)
             self.newest_stamp = max(alive, key=time_of)
+
+    def _pose(self, frames: frozenset[int], since: Since, stamp: Any) -> None:
+        """Note since when frames have the poses of one message."""
+        together = self._together.get(frames)
+        if together is not None and together.left == len(frames):
+            together.since, together.stamp = since, stamp
+            return
+        together = _Together(since, stamp, len(frames))
+        for frame in frames:
+            if (before := self._posed.get(frame)) is not None:
+                before.left -= 1
+            self._posed[frame] = together
+        self._together[frames] = together
+        self._together = {f: each for f, each in self._together.items() if each.left}
 
     def by_name(self, names: NameTable) -> dict[str, float]:
         """Return the age [s] of the pose of every frame by name; inf for one that is unknown."""
-        ages = {value: self._clocks.age(since) for value, since in self._posed.items()}
+        ages = {value: self._clocks.age(t.since) for value, t in self._posed.items()}
         return {
             name: ages.get(frame.get_value(), math.inf)
             for frame, name in names.frame_names.items()
@@ -88,9 +122,9 @@ class PoseAges:
     def unknown(self, names: NameTable) -> list[str]:
         """Return the names of the frames that were posed, but not since the clock jumped."""
         epoch = self._clocks.epoch
-        before = {value for value, since in self._posed.items() if since.epoch < epoch}
-        if not before:
+        if all(together.since.epoch >= epoch for together in self._together.values()):
             return []
+        before = {value for value, t in self._posed.items() if t.since.epoch < epoch}
         return [name for frame, name in names.frame_names.items() if frame.get_value() in before]
 
     def lag(self) -> float:
@@ -104,8 +138,7 @@ class PoseAges:
             return 0.0
         if len(self._posed) < frames:
             return math.inf
-        # The frames of a message have their poses since the same moment.
-        return max(map(self._clocks.age, set(self._posed.values())))
+        return max(self._clocks.age(together.since) for together in self._together.values())
 
 
 def time_of(stamp: Any) -> tuple[int, int]:

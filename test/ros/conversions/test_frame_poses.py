@@ -30,10 +30,12 @@ def test_frame_poses_by_name_and_by_id(scene, names):
         plain_poses(ids=[left.get_value()], rows=[row], source='left'),
     ):
         for _ in range(2):  # The second time the names are known.
-            poses = reader.read(message)
+            poses, frames = reader.read(message)
             assert isinstance(poses, FramePoseVector)
             assert poses.value(poses.ids()[0]).translation().tolist() == [1, 2, 3]
-    assert len(reader.read(plain_poses())) == 0
+            assert frames == {poses.ids()[0].get_value()}
+            assert reader.read(message).frames is frames
+    assert len(reader.read(plain_poses()).poses) == 0
 
 
 @pytest.mark.parametrize(
@@ -71,8 +73,8 @@ def test_a_name_is_not_the_id_that_it_spells():
     row = [0, 0, 0, 0, 0, 0, 1]
     by_name, by_id = plain_poses([str(number)], rows=[row]), plain_poses(ids=[number], rows=[row])
     for _ in range(2):
-        assert reader.read(by_name).ids() == [second]
-        assert reader.read(by_id).ids() == [first]
+        assert reader.read(by_name).poses.ids() == [second]
+        assert reader.read(by_id).poses.ids() == [first]
 
 
 def test_memory_of_names_is_bounded(names):

@@ -64,7 +64,9 @@ def test_what_hangs_on_a_frame_that_waits_waits_with_it(scene, tf):
     assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 1
     assert {base, hand} <= set(scene.query.waiting_frames())
     # The base gets its pose elsewhere; with whatever TF brings next the hand follows.
-    scene.pose(FramePoseVector({base: at(1)}), {base.get_value(): ALWAYS}, NO_STAMP, MESSAGES)
+    scene.pose(
+        FramePoseVector({base: at(1)}), {frozenset([base.get_value()]): ALWAYS}, NO_STAMP, MESSAGES
+    )
     assert take(tf, scene, message(transform('world', 'tool', at(2))), static=False) == 2
     assert position(scene, 'hand') == [4, 0, 0]
     assert scene.query.X_PF(hand).translation().tolist() == [3, 0, 0]
@@ -238,7 +240,9 @@ def test_what_was_let_go_stays_until_tf_speaks_of_it_again(scene, tf, clock):
     move(1)
     assert position(scene, 'tool') == [2, 0, 0]
     tool = scene.names.frame('tool')
-    scene.pose(FramePoseVector({tool: at(9)}), {tool.get_value(): ALWAYS}, NO_STAMP, MESSAGES)
+    scene.pose(
+        FramePoseVector({tool: at(9)}), {frozenset([tool.get_value()]): ALWAYS}, NO_STAMP, MESSAGES
+    )
     move(3)
     assert position(scene, 'tool') == [9, 0, 0]
     scene.add(read_scene('frames:\n- {name: late}'))

@@ -4,6 +4,8 @@ import math
 from types import SimpleNamespace as Plain
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from drake_geom_ros.geometry import FrameId
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks
@@ -30,8 +32,8 @@ def note(ages, clocks):
     def note(stamp, *frames):
         sec, nanosec = int(stamp), round(stamp % 1 * 1e9)
         since = clocks.arrival().since(stamp)
-        posed = {frame.get_value(): since for frame in frames}
-        ages.note(posed, Plain(sec=sec, nanosec=nanosec))
+        posed = frozenset(frame.get_value() for frame in frames)
+        ages.note({posed: since}, Plain(sec=sec, nanosec=nanosec))
         return ages.newest_stamp.sec + 1e-9 * ages.newest_stamp.nanosec
 
     return note
@@ -56,7 +58,7 @@ def test_a_frame_that_was_never_posed_is_infinitely_old(ages, note):
 
 def test_what_holds_for_ever_is_new(ages, note):
     note(100.0, B)
-    ages.note({A.get_value(): ALWAYS}, Plain(sec=1, nanosec=0))
+    ages.note({frozenset([A.get_value()]): ALWAYS}, Plain(sec=1, nanosec=0))
     assert ages.by_name(NAMES) == {'s::a': 0.0, 's::b': 0.0}
     assert ages.oldest(NAMES) == 0.0
 
@@ -116,3 +118,71 @@ def test_what_is_declared_static_does_not_grow_old_whoever_poses_it(ages, clocks
     clocks.begin_anew()
     assert ages.oldest(NAMES) == 0.0
     assert ages.static() == {A.get_value(): True, B.get_value(): True}
+
+
+class AgesOfEach:
+    """Plainly, for each frame by itself, what ``PoseAges`` is to tell."""
+
+    def __init__(self, clocks, static):
+        self.clocks, self.static = clocks, static
+        self.since, self.stamps, self.newest = {}, {}, None
+
+    def note(self, frames, since, stamp):
+        for frame in frames:
+            self.since[frame] = ALWAYS if frame in self.static else since
+            self.stamps[frame] = stamp
+        if self.newest is None or stamp >= self.newest:
+            self.newest = stamp
+        else:
+            self.newest = max(
+                self.stamps[f] for f, s in self.since.items() if s.epoch >= since.epoch
+            )
+
+    def ages(self):
+        return {frame: self.clocks.age(since) for frame, since in self.since.items()}
+
+
+FRAMES = [FrameId.get_new_id() for _ in range(4)]
+VALUES = [frame.get_value() for frame in FRAMES]
+NAMES_OF_EACH = Plain(
+    world=WORLD, frame_names={WORLD: 'w', **{f: str(f.get_value()) for f in FRAMES}}
+)
+
+
+@given(
+    static=st.frozensets(st.sampled_from(VALUES)),
+    messages=st.lists(
+        st.tuples(
+            st.frozensets(st.sampled_from(VALUES), min_size=1),
+            st.integers(1, 6),  # stamp
+            st.integers(0, 2),  # seconds until it comes
+            st.booleans(),  # the clock jumps before
+        ),
+        min_size=1,
+        max_size=12,
+    ),
+)
+def test_what_is_told_does_not_hang_on_who_was_posed_together(static, messages):
+    now = [10.0]
+    clocks = Clocks(lambda: now[0], lambda: now[0])
+    ages, plain = PoseAges(clocks), AgesOfEach(clocks, static)
+    ages.begin([], dict.fromkeys(static, True))
+    for frames, stamp, seconds, jumps in messages:
+        now[0] += seconds
+        if jumps:
+            clocks.begin_anew()
+        since = clocks.arrival().since(stamp)
+        ages.note({frames: since}, Plain(sec=stamp, nanosec=0))
+        plain.note(frames, since, stamp)
+        told = plain.ages()
+        assert ages.newest_stamp.sec == plain.newest
+        assert ages.by_name(NAMES_OF_EACH) == {
+            str(value): told.get(value, math.inf) for value in VALUES
+        }
+        everybody = max(told.values()) if len(told) == len(VALUES) else math.inf
+        assert ages.oldest(NAMES_OF_EACH) == everybody
+        assert ages.unknown(NAMES_OF_EACH) == [
+            str(value) for value in VALUES if told.get(value) == math.inf
+        ]
+        moved = {value for value, since in plain.since.items() if since != ALWAYS}
+        assert ages.static() == {**dict.fromkeys(static, True), **dict.fromkeys(moved, False)}
