@@ -9,12 +9,12 @@ from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.bodies import COUNTS, Body, Floats, Pair
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body, Floats, Pair
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.surfaces import height
 from drake_geom_ros.evidence.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
 
-KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex', 'HalfSpace')
+KINDS = (*BOUNDED, 'Convex', 'HalfSpace')
 OFTEN = ('Sphere', *2 * KINDS[1:-1])  # as the first body, and half of the others
 LATTICE = (0.25, 0.5, 1.0, 2.0)
 # (m, 3) cosine and sine of angles with exact sides.

@@ -10,12 +10,12 @@ import itertools
 import numpy as np
 from oracles import body_truth as truth
 
-from drake_geom_ros.evidence.bodies import COUNTS, Body
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.tolerances import EPS
 
-SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
+SOLIDS = (*BOUNDED, 'Convex')
 PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
 UNIQUE = 1e-3  # of the extent: gaps from here on have a normal worth storing
 
