@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracles.shape_scene import ShapeScene
+from oracles.shape_scenes import ShapeScene
 from oracles.solids import surface_of
 
 from drake_geom_ros.evidence.random_bodies import box_corners

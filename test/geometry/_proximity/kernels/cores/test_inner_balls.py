@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from oracles.core_pairs import core_pair, core_widths
-from oracles.shape_scene import ShapeScene
+from oracles.shape_scenes import ShapeScene
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
