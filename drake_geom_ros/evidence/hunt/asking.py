@@ -108,7 +108,9 @@ def _tell_suspects(judged: Judged) -> None:
     suspicion = judged.suspects()
     for k in np.argsort(-suspicion)[:EXACT]:
         if suspicion[k] > 1.0:
-            judged.ratios['certificate'][k] = max(judged.ratios['certificate'][k], _error(judged, k))
+            judged.ratios['certificate'][k] = max(
+                judged.ratios['certificate'][k], _error(judged, k)
+            )
 
 
 def _error(judged: Judged, k: int) -> float:

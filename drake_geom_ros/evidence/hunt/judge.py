@@ -1,8 +1,8 @@
 """The laws that answers must keep, as defect over what is allowed: above 1 a law is broken.
 
-No truth is asked here: an independent plane proves a certificate false from below, and answers must
+No truth is asked: an independent plane proves a certificate false from below, and answers must
 agree with each other. Where no plane attains the distance either the search was too coarse or
-the certificate is false from above: ``suspects`` says where, and the truth is asked there.
+the certificate is false from above: ``suspects`` says where, and ``asking`` asks the truth there.
 """
 
 from __future__ import annotations
