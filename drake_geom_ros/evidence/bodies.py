@@ -116,6 +116,11 @@ class Body:
         return float(s.max()) if s.size else 0.0
 
     @property
+    def skew(self) -> float:
+        """How far [-] R R^T is from the identity."""
+        return float(np.abs(self.R @ self.R.T - np.eye(3)).max())
+
+    @property
     def pose(self) -> RigidTransform:
         """X_WG, with the rotation matrix as it stands."""
         return RigidTransform(RotationMatrix(self.R), self.p)

@@ -16,10 +16,10 @@ _F = TypeVar('_F', bound='FacetMesh')
 
 
 class _Measures(NamedTuple):
-    """Of faces: area times normal (k, 3) [m^2] and centroid (k, 3) [m]."""
+    """Area times normal (k, 3) [m^2] and centroid (k, 3) [m] of faces."""
 
-    vectors: Floats
-    middles: Floats
+    area_vectors: Floats
+    centroids: Floats
 
 
 class FacetMesh:
@@ -64,7 +64,7 @@ class FacetMesh:
 
     def total_area(self) -> float:
         """Return the area [m^2] of all faces."""
-        return float(np.linalg.norm(self._measures(self._faces).vectors, axis=1).sum())
+        return float(np.linalg.norm(self._measures(self._faces).area_vectors, axis=1).sum())
 
     def centroid(self) -> Floats:
         """Return the centroid (3,) [m] of the surface, in M; 0 for one without area."""
@@ -97,16 +97,16 @@ class FacetMesh:
 
     def _area(self, k: int) -> float:
         """Return the area [m^2] of a face."""
-        return float(np.linalg.norm(self._measures([self._face(k)]).vectors))
+        return float(np.linalg.norm(self._measures([self._face(k)]).area_vectors))
 
     def _normal(self, k: int) -> Floats:
         """Return the unit normal (3,) of a face, in M; 0 for one without area."""
-        vector: Floats = self._measures([self._face(k)]).vectors[0]
+        vector: Floats = self._measures([self._face(k)]).area_vectors[0]
         return vector / (float(np.linalg.norm(vector)) or 1.0)
 
     def _middle(self, k: int) -> Floats:
         """Return the centroid (3,) [m] of a face, in M."""
-        middle: Floats = self._measures([self._face(k)]).middles[0]
+        middle: Floats = self._measures([self._face(k)]).centroids[0]
         return middle
 
     def _measures(self, faces: Sequence[Indices] | Indices) -> _Measures:

@@ -38,7 +38,7 @@ def mutated_pose(rng: np.random.Generator, pair: Pair, last: Last) -> Pair:
 
 def _rotated(one: Body) -> Body:
     """Return a body whose rotation is one that is accepted."""
-    if starts.skew(one) < ACCEPTED_SKEW:
+    if one.skew < ACCEPTED_SKEW:
         return one
     return one.placed(RotationMatrix.ProjectToRotationMatrix(one.R).matrix(), one.p)
 

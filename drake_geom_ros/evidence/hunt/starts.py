@@ -44,14 +44,9 @@ def random_pair(rng: np.random.Generator) -> Pair:
     return far(rng, pair) if rng.random() < 0.2 else pair
 
 
-def skew(one: Body) -> float:
-    """Return how far [-] R R^T of a body is from the identity."""
-    return float(np.abs(one.R @ one.R.T - np.eye(3)).max())
-
-
 def valid(pair: Pair) -> bool:
     """Return whether the bodies can be made, and judged: a hull may be too thin."""
-    if max(skew(pair.a), skew(pair.b)) > ACCEPTED_SKEW:
+    if max(pair.a.skew, pair.b.skew) > ACCEPTED_SKEW:
         return False
     try:
         BodyScene((pair.a, pair.b))
