@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from oracles.solids import surface_of
 
-from drake_geom_ros.evidence import grids
+from drake_geom_ros.evidence.grids import surface
 from drake_geom_ros.geometry import (
     Box,
     GeometryInstance,
@@ -20,7 +20,9 @@ from drake_geom_ros.geometry._solid_mesh import solid_of
 from drake_geom_ros.math import RigidTransform
 
 ONES = (1.0, 1.0, 1.0)
-CORNERS, CUBE = (np.array(x) for x in grids.surface(grids.CUBE))
+CORNERS = np.array(list(np.ndindex(2, 2, 2)), dtype=float)
+QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+CUBE = np.array([t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))])
 L = surface_of('L')
 
 
@@ -32,7 +34,7 @@ def two(vertices, triangles, *, turned=False):
 
 def two_grids():
     """Cubes of 2 m, cut into squares of 1 m, the second a metre on along x, y and z."""
-    vertices, triangles = (np.array(x) for x in grids.surface(np.ndindex(2, 2, 2)))
+    vertices, triangles = (np.array(x) for x in surface(np.ndindex(2, 2, 2), [np.arange(3.0)] * 3))
     second = len(vertices) + triangles
     return MeshData(np.vstack((vertices, vertices + 1.0)), np.vstack((triangles, second)))
 
