@@ -25,6 +25,11 @@ def body(form, R=ALIGNED, p=HERE):
     return Body.of_halves(kind, size).placed(R, p)
 
 
+def hull_of(vertices):
+    """Return the parameters of a hull by its vertices (n, 3)."""
+    return Body('Convex', vertices).form[1]
+
+
 def kernel_form(body):
     """Return the type number and the parameters that kernels take; a convex Solid is its hull."""
     if body.kind == 'Solid':

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from oracles.core_pairs import core_pair
+from oracles.forms import hull_of
 
 from drake_geom_ros.geometry._proximity.kernels.cores import depths, normals, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import (
@@ -190,7 +191,7 @@ def test_points_of_hulls_count_where_the_hulls_are_as_deep(monkeypatch, there, t
 def test_a_ring_that_contradicts_a_proven_depth_is_not_believed(monkeypatch):
     """A search may be wrong; EPA's polytope is in the difference, whatever that search says."""
     points = 1e-4 * np.random.default_rng(2).normal(size=(12, 3))
-    hull = np.append(float(len(points)), points.ravel())
+    hull = hull_of(points)
     pair = core_pair(CYLINDER, [0.3, 0.9], np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.1))
     asked, difference = [], sums.difference_of(pair)
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.core_pairs import core_pair
-from oracles.forms import signed_distance
+from oracles.forms import ALIGNED, hull_of, signed_distance
 from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
@@ -18,7 +18,6 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import SLIVER
 
-ALIGNED = np.eye(3)
 X = (1.0, 0.0, 0.0)
 
 
@@ -52,7 +51,7 @@ def test_cubes_end_exactly_overlapping_or_touching(p, depth, unique):
 def test_hulls_end_exactly():
     rng = np.random.default_rng(3)
     for _ in range(6):
-        hulls = [np.concatenate(([k], rng.normal(size=3 * k))) for k in (10, 16)]
+        hulls = [hull_of(rng.normal(size=(k, 3))) for k in (10, 16)]
         R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
         phi, _ = signed_distance(
             (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
@@ -151,7 +150,7 @@ def test_first_points_are_far_from_one_another_in_every_direction(seed):
     """The farther of two sides is at least half the width of A - B away."""
     rng = np.random.default_rng(seed)
     corners = [rng.normal(size=(4, 3)) * [1.0, 1.0, 10.0**-k] for k in (0, 3)]
-    shapes = [np.concatenate(([4.0], each.ravel())) for each in corners]
+    shapes = [hull_of(each) for each in corners]
     pair = core_pair(CONVEX, shapes[0], ALIGNED, CONVEX, shapes[1], ALIGNED, np.zeros(3))
     difference = (corners[0][:, None] - corners[1][None]).reshape(-1, 3)
     n = rng.normal(size=3)
@@ -173,7 +172,7 @@ def test_first_points_are_far_from_one_another_in_every_direction(seed):
 def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
     rng = np.random.default_rng(seed)
     corners = [rng.normal(size=(k, 3)) for k in (8, 14)]
-    shapes = [np.concatenate(([len(each)], each.ravel())) for each in corners]
+    shapes = [hull_of(each) for each in corners]
     R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
     upper, _, n, a, b, aside, _ = _grow(CONVEX, shapes[0], CONVEX, shapes[1], R, p, tolerance=0.0)
     assert aside <= 1e-12

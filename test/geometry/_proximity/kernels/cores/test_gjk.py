@@ -1,15 +1,13 @@
 import numpy as np
 import pytest
 from oracles.core_pairs import core_pair
-from oracles.forms import signed_distance
+from oracles.forms import ALIGNED, hull_of, signed_distance
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import vectors
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
-
-ALIGNED = np.eye(3)
 
 
 def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):
@@ -20,7 +18,7 @@ def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff
 
 
 def _hull(rng, count):
-    return np.concatenate(([count], rng.normal(size=3 * count)))
+    return hull_of(rng.normal(size=(count, 3)))
 
 
 def test_aligned_cubes_are_three_apart():

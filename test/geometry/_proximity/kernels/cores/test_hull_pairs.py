@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.core_pairs import answer_of, circle, core_pair, widths
+from oracles.forms import hull_of
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -31,7 +32,7 @@ KINDS = [BOX, CAPSULE, CYLINDER, ELLIPSOID]
 def _hull(rng, scale):
     stretch = scale * 10 ** rng.uniform(-1.5, 0, 3)
     points = random_directions(rng, rng.integers(4, 13)) * stretch
-    return points, np.concatenate(([len(points)], points.ravel()))
+    return points, hull_of(points)
 
 
 def _rotation(rng):
@@ -65,7 +66,7 @@ def test_a_speck_beside_a_capsule_is_apart_whatever_the_hint():
     """Their difference is a segment to rounding, and its faces are slivers without a side."""
     rng = np.random.default_rng(3)
     vertices = 1e-15 * rng.normal(size=(8, 3))
-    hull = np.concatenate(([8], vertices.ravel()))
+    hull = hull_of(vertices)
     size, R = np.array([2500.0, 1600.0]), _rotation(rng)
     p = R @ [0.0, 3000.0, 1500.0]
     pair = core_pair(CAPSULE, size, R, CONVEX, hull, _rotation(rng), p)
@@ -178,7 +179,7 @@ def test_a_needle_along_the_axis_from_far_along_it(kind):
         R_WA = _rotation(rng)
         turn = Rotation.from_rotvec(10 ** rng.uniform(-12, -8) * rng.normal(size=3)).as_matrix()
         p = R_WA @ [*(1e-3 * thin * rng.normal(size=2)), rng.uniform(-3, 3)]
-        hull = np.concatenate(([4], vertices.ravel()))
+        hull = hull_of(vertices)
         R_WB = np.ascontiguousarray(R_WA @ turn)
         pair = core_pair(kind, [0.003, 11.0], R_WA, CONVEX, hull, R_WB, p)
         out, _ = answer_of(pair)

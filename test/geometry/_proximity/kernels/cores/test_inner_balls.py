@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from oracles.core_pairs import core_pair, core_widths
+from oracles.forms import hull_of
 from oracles.shape_scenes import ShapeScene
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
@@ -115,7 +116,7 @@ def test_of_a_hull_the_deepest_vertex_is_told():
     rng = np.random.default_rng(2)
     for _ in range(20):
         vertices, R, R_hull = rng.normal(size=(5, 3)), random_rotation(rng), random_rotation(rng)
-        hull, p, shape = np.append(5.0, vertices.ravel()), rng.normal(size=3), np.ones(3)
+        hull, p, shape = hull_of(vertices), rng.normal(size=3), np.ones(3)
         seen = (p + vertices @ R_hull.T) @ R
         depths = [inner_balls.depth_of_point(BOX, shape, tuple(q), 0.0)[0] for q in seen]
         found = inner_balls.deepest_vertex(BOX, shape, R, hull, R_hull, tuple(p))

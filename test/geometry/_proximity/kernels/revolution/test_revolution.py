@@ -1,13 +1,12 @@
 import numpy as np
 import pytest
 from oracles.core_pairs import core_pair, radius_of
-from oracles.forms import signed_distance
+from oracles.forms import ALIGNED, signed_distance
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.revolution import revolution
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
-ALIGNED = np.eye(3)
 BODIES = [
     (CAPSULE, [0.05, 0.4]),
     (CYLINDER, [0.25, 0.4]),

@@ -16,6 +16,7 @@ from oracles.core_pairs import (
     turned,
     widths,
 )
+from oracles.forms import hull_of
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -219,7 +220,7 @@ def test_the_least_of_two_ends_of_a_needle_is_across_the_axis():
 
 def test_a_search_about_a_barrel_that_comes_to_no_end_says_so():
     """No cut is ever as low as this noise asks for."""
-    hull = np.append(3.0, 0.01 * np.eye(3))
+    hull = hull_of(0.01 * np.eye(3))
     pair = core_pair(CYLINDER, [0.3, 0.3], np.eye(3), CONVEX, hull, np.eye(3), (0.0,) * 3)
     found = rings.least_of_hull_in_barrel(pair, 1e-15, -1.0)
     assert not found.complete
