@@ -152,11 +152,16 @@ class Body:
     def scaled(self, s: float) -> Body:
         """Return the body with all lengths multiplied."""
         if self.kind in FROM_VERTICES:
-            size: Any = tuple(map(tuple, (s * np.asarray(self.size)).tolist()))
+            size: Any = as_tuples(s * np.asarray(self.size))
         else:
             size = tuple(s * x for x in self.size)
         parts = tuple(part.scaled(s) for part in self.parts)
         return replace(self, size=size, p=s * self.p, parts=parts)
+
+
+def as_tuples(points: NDArray[Any]) -> tuple[tuple[Any, ...], ...]:
+    """Return an array (n, 3) as a size that can be compared, hashed and written."""
+    return tuple(map(tuple, points.tolist()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, FROM_VERTICES, Body, Floats
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, FROM_VERTICES, Body, Floats, as_tuples
 
 
 def random_directions(rng: np.random.Generator, count: int) -> Floats:
@@ -55,7 +55,7 @@ def awkward_body(rng: np.random.Generator, scale: float, lattice: bool) -> Body:
     points = box_corners() if lattice else rng.uniform(-1.0, 1.0, (12, 3))
     kind = (*BOUNDED, 'Convex')[int(rng.integers(len(BOUNDED) + 1))]
     if kind == 'Convex':
-        return Body(kind, tuple(map(tuple, (points * halves).tolist())))
+        return Body(kind, as_tuples(points * halves))
     return Body.of_halves(kind, halves)
 
 

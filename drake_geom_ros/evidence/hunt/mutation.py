@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair, as_tuples
 from drake_geom_ros.evidence.hunt import starts
 from drake_geom_ros.evidence.tolerances import (
     ACCEPTED_SKEW,
@@ -73,7 +73,7 @@ def _changed_size(rng: np.random.Generator, one: Body, other: Body) -> tuple:
         case _:
             size[..., rng.integers(size.shape[-1])] *= 10.0 ** rng.uniform(-2.0, 2.0)
     if one.kind == 'Convex':
-        return tuple(map(tuple, size.tolist()))
+        return as_tuples(size)
     return tuple(np.clip(size, *HUNTED_LENGTHS).tolist())
 
 

@@ -9,7 +9,7 @@ from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body, Floats, Pair
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.surfaces import height
 from drake_geom_ros.evidence.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
@@ -88,7 +88,7 @@ def shape_sizes(rng: np.random.Generator, kind: str, lengths: Floats) -> tuple:
             corners = box_corners()
     else:
         corners = random_directions(rng, int(rng.integers(4, 11)))
-    return tuple(map(tuple, (corners * lengths).tolist()))
+    return as_tuples(corners * lengths)
 
 
 def rotation(rng: np.random.Generator) -> Floats:
