@@ -13,11 +13,12 @@ import time
 import numpy as np
 
 from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.bodies import BOUNDED
 from drake_geom_ros.evidence.random_bodies import random_body, random_rotations
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math.batched import poses_from_matrices
 
-KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
+KINDS = (*BOUNDED, 'Convex')
 REACH = 0.5  # [m]
 STEP = 1e-3  # [m] between queries
 

@@ -27,7 +27,6 @@ from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
 
 DISTANCES = (0.05, 0.002, 0.0, -0.001, -0.01, -0.05)
-PARAMETERS = dict(enumerate(COUNTS.values(), 1))
 HULL_VERTICES = 64
 ROUNDS = 7
 STEP = 0.001  # [m]
@@ -56,7 +55,7 @@ def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, gap,
 def random_shapes(rng, kind, count):
     """Return kernel parameters (count, n) of bodies with half sizes of 5 to 10 cm."""
     if kind != CONVEX:
-        return rng.uniform(0.05, 0.1, (count, PARAMETERS[kind]))
+        return rng.uniform(0.05, 0.1, (count, COUNTS[SHAPE_NAMES[kind]]))
     directions = random_directions(rng, count * HULL_VERTICES).reshape(count, HULL_VERTICES, 3)
     vertices = (directions * rng.uniform(0.05, 0.1, (count, 1, 3))).reshape(count, -1)
     return np.hstack([np.full((count, 1), float(HULL_VERTICES)), vertices])

@@ -1,6 +1,10 @@
-"""What all tests share: tests that run at once are kept apart in ROS."""
+"""What all tests share: nodes and clients; tests that run at once are kept apart in ROS."""
 
 import os
+
+import pytest
+
+# ROS is imported by the fixtures that need it: most tests run without.
 
 
 def pytest_configure(config):
@@ -10,3 +14,24 @@ def pytest_configure(config):
         # 1 to 101, as ``run`` hands them out.
         domain = 1 + (int(os.environ['ROS_DOMAIN_ID']) - 1 + 37 * number) % 101
         os.environ['ROS_DOMAIN_ID'] = str(domain)
+
+
+@pytest.fixture(scope='module')
+def node(tmp_path_factory, request):
+    """Return a node with an empty scene, in a process of its own, for one test file."""
+    from ros.harness import start_node
+
+    log = tmp_path_factory.mktemp('node') / 'log'
+    process = start_node(log, max_distance=0.5)
+    yield process
+    process.end()
+
+
+@pytest.fixture
+def lone_client():
+    """Return a client for a test that starts nodes of its own."""
+    from ros.harness import Client
+
+    client = Client()
+    yield client
+    client.close()

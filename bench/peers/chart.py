@@ -10,6 +10,7 @@ from matplotlib.ticker import LogLocator
 
 from bench.peers.report import LIBRARIES, Measurement, number
 from bench.peers.scenes import QUERIES
+from drake_geom_ros.evidence.pages import legend_below
 
 matplotlib.use('Agg')
 
@@ -68,19 +69,12 @@ def draw(measurements: list[Measurement], path: Path) -> None:
         panel.set_visible(False)
     for panel, query in zip(axes.flat, queries, strict=False):
         _panel(panel, query, [m for m in told if m.query == query])
-    handles = {
-        label: handle
-        for panel in axes.flat
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
-    }
     figure.suptitle(
         'How many times as fast as pydrake: to the right of 1 is faster\n'
         f'(poses and query, means of one run, all bodies move; pace: {told[0].pace})',
         fontsize=12,
     )
-    figure.legend(
-        handles.values(), handles.keys(), loc='outside lower center', ncol=6, frameon=False
-    )
+    legend_below(figure, 6)
     figure.savefig(path, dpi=DPI, bbox_inches='tight', pad_inches=0.15)
     pyplot.close(figure)
 
@@ -100,7 +94,7 @@ def draw_summary(measurements: list[Measurement], path: Path) -> None:
         axes.plot(*zip(*points, strict=True), mark, **style)
     _ratios(axes, scenes)
     axes.set_title('How many times as fast as pydrake: to the right of 1 is faster', fontsize=12)
-    figure.legend(loc='outside lower center', ncol=len(SUMMARY) + 1, frameon=False)
+    legend_below(figure, len(SUMMARY) + 1)
     figure.savefig(path, dpi=DPI, bbox_inches='tight', pad_inches=0.15)
     pyplot.close(figure)
 

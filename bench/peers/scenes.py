@@ -10,13 +10,14 @@ import numpy as np
 
 from bench.peers.motion import Motion, Walk, swinging
 from drake_geom_ros.evidence import arms
-from drake_geom_ros.evidence.bodies import Body, Floats
+from drake_geom_ros.evidence.bodies import BOUNDED, Body, Floats
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
 
 # Space for each body [m^3] at which bodies of these sizes have about one contact each.
 ROOM = {'spheres': 0.032, 'mixed': 0.030, 'hulls': 0.020, 'anchored': 0.02}
 NEAR = 0.1  # [m] max_distance of the query of that name
-KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid')
+# Half sizes of what is not round all over, in parts of those of a ball: all are about as large.
+SLIMMER = {'Box': (0.8, 0.8, 0.8), 'Capsule': (0.7, 1.0, 1.0), 'Cylinder': (0.8, 1.0, 1.0)}
 QUERIES = ('penetration', 'candidates', 'near', 'all', 'points', 'has_collisions')
 TENTH, SPREAD = '/tenth', '/apart'
 
@@ -40,15 +41,7 @@ class Scene:
 
 def shape(kind: str, rng: np.random.Generator) -> Body:
     """Return a shape of a kind, about 0.2 m wide."""
-    a, b, c = rng.uniform(0.07, 0.13, 3)
-    sizes = {
-        'Sphere': (a,),
-        'Box': (1.6 * a, 1.6 * b, 1.6 * c),
-        'Capsule': (0.7 * a, 2 * b),
-        'Cylinder': (0.8 * a, 2 * b),
-        'Ellipsoid': (a, b, c),
-    }
-    return Body(kind, sizes[kind])
+    return Body.of_halves(kind, rng.uniform(0.07, 0.13, 3) * SLIMMER.get(kind, 1.0))
 
 
 def hull(rng: np.random.Generator) -> Body:
@@ -99,7 +92,7 @@ def mixed(count: int) -> Scene:
 
 def all_kinds(count: int, rng: np.random.Generator) -> list[Body]:
     """Return shapes of all kinds in turn."""
-    return [shape(KINDS[k % len(KINDS)], rng) for k in range(count)]
+    return [shape(BOUNDED[k % len(BOUNDED)], rng) for k in range(count)]
 
 
 def hulls(count: int) -> Scene:

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from types import TracebackType
 
-from drake_geom_ros.common.children import ends_with_parent
+from drake_geom_ros.common.children import end, ends_with_parent
 
 ROOT = Path(__file__).resolve().parents[2]
 _GRACE = 20.0  # [s] to end after being asked to
@@ -55,13 +55,7 @@ class Processes:
         trace: TracebackType | None,
     ) -> None:
         for process in reversed(self._started):
-            if process.poll() is None:
-                process.terminate()
-                try:
-                    process.wait(_GRACE)
-                except subprocess.TimeoutExpired:
-                    process.kill()
-                    process.wait()
+            end(process, _GRACE)
             process.stdout.close()
 
 

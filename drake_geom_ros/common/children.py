@@ -1,12 +1,14 @@
-"""Child processes that do not outlive the process that started them."""
+"""Child processes: ended by their pids, and none outlives the process that started it."""
 
 from __future__ import annotations
 
 import ctypes
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Callable
+from typing import Any
 
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
@@ -31,3 +33,14 @@ def ends_with_parent() -> Callable[[], None] | None:
             os.kill(os.getpid(), signal.SIGTERM)
 
     return bind
+
+
+def end(process: subprocess.Popen[Any], grace: float, asked: int = signal.SIGTERM) -> int:
+    """Ask a process to end by a signal, kill it after ``grace`` [s]; return its exit code."""
+    if process.poll() is None:
+        process.send_signal(asked)
+        try:
+            process.wait(grace)
+        except subprocess.TimeoutExpired:
+            process.kill()
+    return process.wait()

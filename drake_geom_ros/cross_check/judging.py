@@ -29,20 +29,15 @@ from drake_geom_ros.evidence import laws
 from drake_geom_ros.evidence.bodies import Floats, Pair
 from drake_geom_ros.evidence.peers import PairAnswer
 from drake_geom_ros.evidence.surfaces import height, width
-from drake_geom_ros.evidence.tolerances import JUDGED_PART, JUDGED_ROUNDING, NO_DIRECTION
+from drake_geom_ros.evidence.tolerances import NO_DIRECTION
 from drake_geom_ros.replay import Opinion
 
 _BEYOND = 1e300  # [m]; FCL leaves a distance that it never computed at the largest number
 
 
-def tolerance_of(pair: Pair) -> float:
-    """Return what FCL's answer may be off by [m], as the hard cases are judged."""
-    return JUDGED_PART * pair.smaller + JUDGED_ROUNDING * (pair.extent + pair.away)
-
-
 def judged(pair: Pair, ours: Question, theirs: PairAnswer | None, library: str) -> Verdict:
     """Return the verdict on our answer, given FCL's; None: it reports no contact."""
-    tolerance = tolerance_of(pair)
+    tolerance = laws.allowed_to_others(pair)
     low, high = ours.distance - ours.error_bound, ours.distance + ours.error_bound
     opinion = _opinion(theirs, tolerance, library)
     if theirs is None:

@@ -17,26 +17,22 @@ from numpy.typing import NDArray
 
 from drake_geom_ros import geometry
 from drake_geom_ros.evidence.peers import SolidMesh
+from drake_geom_ros.evidence.peers.answers import ACCESSORS, HALVES
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]
 Form = tuple[int, Floats]  # type number as in the Shape message; half sizes, or vertices
 Pose = tuple[Any, Any]  # R (3, 3), p (3,) [m]
 
+COUNTS = {kind: len(names) for kind, names in ACCESSORS.items()}  # of numbers, by kind
+PRIMITIVES = tuple(COUNTS)
+BOUNDED = tuple(kind for kind in PRIMITIVES if kind != 'HalfSpace')
 FROM_VERTICES = ('Convex', 'Mesh', 'Solid')
 NUMBERS = {
     'Point': 1,
-    'Sphere': 1,
-    'Box': 2,
-    'Capsule': 3,
-    'Cylinder': 4,
-    'Ellipsoid': 5,
-    'HalfSpace': 6,
+    **{kind: number for number, kind in enumerate(PRIMITIVES, 1)},
     **dict.fromkeys(FROM_VERTICES, 7),
 }
-# How many numbers a shape is made from, and which of them its form holds halves of.
-COUNTS = {'Sphere': 1, 'Box': 3, 'Capsule': 2, 'Cylinder': 2, 'Ellipsoid': 3, 'HalfSpace': 0}
-HALVES = {'Box': (0.5, 0.5, 0.5), 'Capsule': (1.0, 0.5), 'Cylinder': (1.0, 0.5)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +51,12 @@ class Body:
     p: Floats = field(default_factory=lambda: np.zeros(3))
     triangles: Sequence[Any] | NDArray[np.int64] = ()
     parts: tuple[Body, ...] = ()
+
+    @classmethod
+    def of_halves(cls, kind: str, halves: Any) -> Body:
+        """Return a primitive, or a Point, by its form: by as many of the half sizes as it has."""
+        sizes = np.asarray(halves, dtype=float)[: COUNTS.get(kind, 0)] / HALVES.get(kind, 1.0)
+        return cls(kind, tuple(sizes.tolist()))
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle what the body was made from, not the shape that was made of it."""
@@ -114,6 +116,11 @@ class Body:
         return float(s.max()) if s.size else 0.0
 
     @property
+    def skew(self) -> float:
+        """How far [-] R R^T is from the identity."""
+        return float(np.abs(self.R @ self.R.T - np.eye(3)).max())
+
+    @property
     def pose(self) -> RigidTransform:
         """X_WG, with the rotation matrix as it stands."""
         return RigidTransform(RotationMatrix(self.R), self.p)
@@ -145,11 +152,16 @@ class Body:
     def scaled(self, s: float) -> Body:
         """Return the body with all lengths multiplied."""
         if self.kind in FROM_VERTICES:
-            size: Any = tuple(map(tuple, (s * np.asarray(self.size)).tolist()))
+            size: Any = as_tuples(s * np.asarray(self.size))
         else:
             size = tuple(s * x for x in self.size)
         parts = tuple(part.scaled(s) for part in self.parts)
         return replace(self, size=size, p=s * self.p, parts=parts)
+
+
+def as_tuples(points: NDArray[Any]) -> tuple[tuple[Any, ...], ...]:
+    """Return an array (n, 3) as a size that can be compared, hashed and written."""
+    return tuple(map(tuple, points.tolist()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 Each law stands here once, as how far an answer is off it, for one answer or for arrays of them.
 What may be is for those who judge: ours answers THE promise (``breaks_promise``) and its own
-certificate, a peer what ``hard_cases.judge`` allows.
+certificate, others what is ``allowed_to_others``.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.surfaces import height, width
+from drake_geom_ros.evidence.tolerances import JUDGED_PART, JUDGED_ROUNDING
 from drake_geom_ros.geometry import ACCURACY_GAPS
 
 WIDE = 'wider than promised'
@@ -45,6 +46,15 @@ def lacking(pair: Pair, distance: float, nhat_BA_W: Floats) -> float:
 def turned(nhat_BA_W: Floats, expected: Floats) -> float:
     """Return how far [-] a normal is from the nearest of those expected (k, 3)."""
     return float(np.linalg.norm(expected - nhat_BA_W, axis=1).min())
+
+
+def allowed_to_others(pair: Pair) -> float:
+    """Return what the distance of another library may be off by [m].
+
+    That is a thousandth of the smaller body's radius, ten times what the tolerances of peers leave
+    at 1 m, and rounding.
+    """
+    return JUDGED_PART * pair.smaller + JUDGED_ROUNDING * (pair.extent + pair.away)
 
 
 def is_wide_to_a_point(bound: float, body: Body) -> bool:

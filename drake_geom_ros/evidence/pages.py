@@ -1,4 +1,4 @@
-"""What every page of figures has: tables in Markdown, and where and with what they were taken.
+"""What every page of figures has: tables, legends, and where and with what they were taken.
 
 Nothing names the machine or its owner.
 """
@@ -9,6 +9,7 @@ import os
 import platform
 from collections.abc import Iterable, Sequence
 from importlib import metadata
+from typing import Any
 
 from drake_geom_ros.evidence import peers
 
@@ -21,6 +22,18 @@ def table(
     marks = ['---'] * (len(headings) - right) + ['---:'] * right
     lines = (headings, marks, *rows)
     return ''.join(f'| {" | ".join(map(str, line))} |\n' for line in lines)
+
+
+def legend_below(figure: Any, columns: int) -> None:
+    """Give a picture of one or several panels one legend below them, with each label once."""
+    handles = {
+        label: handle
+        for axes in figure.axes
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(
+        handles.values(), handles.keys(), loc='outside lower center', ncol=columns, frameon=False
+    )
 
 
 def three(value: float) -> str:

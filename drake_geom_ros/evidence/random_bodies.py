@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies import COUNTS, FROM_VERTICES, HALVES, Body, Floats
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, FROM_VERTICES, Body, Floats, as_tuples
 
 
 def random_directions(rng: np.random.Generator, count: int) -> Floats:
@@ -43,8 +43,7 @@ def random_body(rng: np.random.Generator, kind: str, corners: int = 0) -> Body:
     if kind in FROM_VERTICES:
         # All on an ellipsoid: each is a vertex of the hull.
         return Body(kind, random_directions(rng, corners) * rng.uniform(0.08, 0.2, 3))
-    sizes = rng.uniform(0.05, 0.2, COUNTS.get(kind, 0)) / np.array(HALVES.get(kind, 1.0))
-    return Body(kind, tuple(np.atleast_1d(sizes)[: COUNTS.get(kind, 0)].tolist()))
+    return Body.of_halves(kind, rng.uniform(0.05, 0.2, COUNTS.get(kind, 0)))
 
 
 def awkward_body(rng: np.random.Generator, scale: float, lattice: bool) -> Body:
@@ -52,19 +51,12 @@ def awkward_body(rng: np.random.Generator, scale: float, lattice: bool) -> Body:
 
     A hull is a cube there, elsewhere that of a dozen points.
     """
-    a, b, c = rng.integers(1, 3, 3) / 2.0 if lattice else 10.0 ** rng.uniform(-2, 0, 3)
-    a, b, c = scale * a, scale * b, scale * c
+    halves = scale * (rng.integers(1, 3, 3) / 2.0 if lattice else 10.0 ** rng.uniform(-2, 0, 3))
     points = box_corners() if lattice else rng.uniform(-1.0, 1.0, (12, 3))
-    sizes = {
-        'Sphere': (a,),
-        'Box': (2 * a, 2 * b, 2 * c),
-        'Capsule': (a, 2 * b),
-        'Cylinder': (a, 2 * b),
-        'Ellipsoid': (a, b, c),
-        'Convex': tuple(map(tuple, (points * [a, b, c]).tolist())),
-    }
-    kind = list(sizes)[int(rng.integers(len(sizes)))]
-    return Body(kind, sizes[kind])
+    kind = (*BOUNDED, 'Convex')[int(rng.integers(len(BOUNDED) + 1))]
+    if kind == 'Convex':
+        return Body(kind, as_tuples(points * halves))
+    return Body.of_halves(kind, halves)
 
 
 def awkward_poses(rng: np.random.Generator, scale: float, lattice: bool, count: int) -> Floats:

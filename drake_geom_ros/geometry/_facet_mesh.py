@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,13 @@ from drake_geom_ros.geometry.errors import ArgumentError
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _F = TypeVar('_F', bound='FacetMesh')
+
+
+class _Measures(NamedTuple):
+    """Area times normal (k, 3) [m^2] and centroid (k, 3) [m] of faces."""
+
+    area_vectors: Floats
+    centroids: Floats
 
 
 class FacetMesh:
@@ -57,7 +64,7 @@ class FacetMesh:
 
     def total_area(self) -> float:
         """Return the area [m^2] of all faces."""
-        return float(np.linalg.norm(self._measures(self._faces)[0], axis=1).sum())
+        return float(np.linalg.norm(self._measures(self._faces).area_vectors, axis=1).sum())
 
     def centroid(self) -> Floats:
         """Return the centroid (3,) [m] of the surface, in M; 0 for one without area."""
@@ -90,20 +97,20 @@ class FacetMesh:
 
     def _area(self, k: int) -> float:
         """Return the area [m^2] of a face."""
-        return float(np.linalg.norm(self._measures([self._face(k)])[0]))
+        return float(np.linalg.norm(self._measures([self._face(k)]).area_vectors))
 
     def _normal(self, k: int) -> Floats:
         """Return the unit normal (3,) of a face, in M; 0 for one without area."""
-        vector: Floats = self._measures([self._face(k)])[0][0]
+        vector: Floats = self._measures([self._face(k)]).area_vectors[0]
         return vector / (float(np.linalg.norm(vector)) or 1.0)
 
     def _middle(self, k: int) -> Floats:
         """Return the centroid (3,) [m] of a face, in M."""
-        middle: Floats = self._measures([self._face(k)])[1][0]
+        middle: Floats = self._measures([self._face(k)]).centroids[0]
         return middle
 
-    def _measures(self, faces: Sequence[Indices] | Indices) -> tuple[Floats, Floats]:
-        """Return area times normal (k, 3) [m^2] and centroid (k, 3) [m] of faces.
+    def _measures(self, faces: Sequence[Indices] | Indices) -> _Measures:
+        """Return the measures of faces.
 
         Of the triangles of each face's fan about its first corner, each by its signed area; of a
         face without area, the mean of its corners.
@@ -120,7 +127,7 @@ class FacetMesh:
         weights = np.bincount(owners, signed, len(faces))
         middles = np.zeros((len(faces), 3))
         np.add.at(middles, owners, signed[:, None] * (a + b + c) / 3.0)
-        return vectors, middles / weights[:, None]
+        return _Measures(vectors, middles / weights[:, None])
 
 
 def _fans(faces: Sequence[Indices] | Indices) -> tuple[Indices, Indices]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,27 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
+class _Built(NamedTuple):
+    """The versions of the model that a world was built from."""
+
+    frames: int
+    proximity: int
+
+
+class _FramesOf(NamedTuple):
+    """The id values of sources' frames, as far as asked for, of a version of the frames."""
+
+    version: int
+    sources: dict[SourceId, Indices]
+
+
+class _WaitingPairs(NamedTuple):
+    """How many pairs wait for a pose, and when that was so."""
+
+    moment: object
+    pairs: int
+
+
 class SceneGraphContext:
     """What a SceneGraph answers from: its own model, filters and poses.
 
@@ -43,10 +64,10 @@ class SceneGraphContext:
         self._accuracy = accuracy
         self._engine = Engine()
         self._built = self._versions()
-        self._frames_of: tuple[int, dict[SourceId, Indices]] = (-1, {})
+        self._frames_of = _FramesOf(-1, {})
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
-        self._waiting_pairs: tuple[object, int] = None, 0
+        self._waiting_pairs = _WaitingPairs(None, 0)
         # By renderer: what it shows, and of which version; see RenderEngineExact.
         self._packed_scenes: dict[str, Any] = {}
         if model.first_X_PFs:
@@ -61,10 +82,10 @@ class SceneGraphContext:
         other._partial = self._partial
         other._engine = Engine()
         other._built = other._versions()
-        other._frames_of = (-1, {})
+        other._frames_of = _FramesOf(-1, {})
         other._world = self._up_to_date_world().copy()
         other._snapshot = None
-        other._waiting_pairs = None, 0
+        other._waiting_pairs = _WaitingPairs(None, 0)
         other._packed_scenes = dict(self._packed_scenes)
         return other
 
@@ -146,9 +167,9 @@ class SceneGraphContext:
 
     def _source_frames(self, source_id: SourceId) -> Indices:
         """Return the ids of a source's frames, ascending; looked up once a version."""
-        if self._frames_of[0] != self._model.versions.frames:
-            self._frames_of = (self._model.versions.frames, {})
-        known = self._frames_of[1]
+        if self._frames_of.version != self._model.versions.frames:
+            self._frames_of = _FramesOf(self._model.versions.frames, {})
+        known = self._frames_of.sources
         if source_id not in known:
             values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
             known[source_id] = np.array(sorted(values), dtype=np.int64)
@@ -215,17 +236,17 @@ class SceneGraphContext:
         world = self._up_to_date_world()
         moment = self._built, world.placings, self._filters.version
         # Asked each cycle, and 20 ms of work where 1000 bodies wait.
-        if self._waiting_pairs[0] != moment:
-            self._waiting_pairs = moment, count_waiting_pairs(world, self._filters)
-        return self._waiting_pairs[1]
+        if self._waiting_pairs.moment != moment:
+            self._waiting_pairs = _WaitingPairs(moment, count_waiting_pairs(world, self._filters))
+        return self._waiting_pairs.pairs
 
-    def _versions(self) -> tuple[int, int]:
-        return self._model.versions.frames, self._model.versions.proximity
+    def _versions(self) -> _Built:
+        return _Built(self._model.versions.frames, self._model.versions.proximity)
 
     def _up_to_date_world(self) -> World:
         """Return the world, rebuilt, poses kept, if frames or shapes changed."""
         versions, built = self._model.versions, self._built
-        if built[0] != versions.frames or built[1] != versions.proximity:
+        if built.frames != versions.frames or built.proximity != versions.proximity:
             self._world = self._world.rebuilt(*_tables(self._model))
             self._built = self._versions()
         return self._world

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,14 @@ from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+class _Arrays(NamedTuple):
+    """Id values (n,) of frames, with their orientations (n, 3, 3) and positions (n, 3) [m]."""
+
+    ids: Indices
+    R_PFs: Floats
+    p_PFs: Floats
 
 
 class FramePoseVector:
@@ -36,7 +45,7 @@ class FramePoseVector:
 
     def __init__(self, poses: Mapping[FrameId, RigidTransform] | None = None) -> None:
         self._values: dict[FrameId, RigidTransform] | None = {}
-        self._arrays: tuple[Indices, Floats, Floats] | None = None
+        self._arrays: _Arrays | None = None
         for frame_id, X_PF in (poses or {}).items():
             self.set_value(frame_id, X_PF)
 
@@ -53,7 +62,7 @@ class FramePoseVector:
         """
         ids = _id_values(frame_ids)
         vector = cls.__new__(cls)
-        vector._values, vector._arrays = None, (ids, *_matrices(ids, poses))
+        vector._values, vector._arrays = None, _Arrays(ids, *_matrices(ids, poses))
         return vector
 
     def set_value(self, id: FrameId, value: RigidTransform) -> None:
@@ -104,17 +113,17 @@ class FramePoseVector:
     @property
     def _ids(self) -> Indices:
         """Values of the frames' ids (n,)."""
-        return self._as_arrays()[0]
+        return self._as_arrays().ids
 
     @property
     def _R_PFs(self) -> Floats:
         """Orientations (n, 3, 3)."""
-        return self._as_arrays()[1]
+        return self._as_arrays().R_PFs
 
     @property
     def _p_PFs(self) -> Floats:
         """Positions (n, 3) [m]."""
-        return self._as_arrays()[2]
+        return self._as_arrays().p_PFs
 
     def _by_id(self) -> dict[FrameId, RigidTransform]:
         """Return the poses as a dictionary, made of the arrays when there is none."""
@@ -126,11 +135,11 @@ class FramePoseVector:
             }
         return self._values
 
-    def _as_arrays(self) -> tuple[Indices, Floats, Floats]:
+    def _as_arrays(self) -> _Arrays:
         """Return the poses as arrays, made of the dictionary when there are none."""
         if self._arrays is None:
             X_PFs = list(self._by_id().values())
-            self._arrays = (
+            self._arrays = _Arrays(
                 _id_values(list(self._by_id())),
                 np.array([X.rotation().matrix() for X in X_PFs]).reshape(-1, 3, 3),
                 np.array([X.translation() for X in X_PFs]).reshape(-1, 3),

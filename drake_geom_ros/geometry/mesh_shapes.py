@@ -69,9 +69,21 @@ class _FromMesh(Shape):
         name = 'filename' if isinstance(mesh, str) else 'mesh_data'
         return f'{type(self).__name__}({name}={mesh!r}, scale3={list(scales)})'
 
+    @property
+    def _mesh(self) -> MeshGiven:
+        """What the shape was made of."""
+        mesh: MeshGiven = self._measures[0]
+        return mesh
+
+    @property
+    def _scales(self) -> tuple[float, ...]:
+        """The scale [-] along x, y and z."""
+        scales: tuple[float, ...] = self._measures[1]
+        return scales
+
     def source(self) -> MeshSource:
         """Return where the mesh comes from; numbers are an .obj file in memory."""
-        mesh = self._measures[0]
+        mesh = self._mesh
         if isinstance(mesh, MeshData):
             text = obj_text(mesh.vertices, mesh.triangles)
             mesh = InMemoryMesh(mesh_file=MemoryFile(text, '.obj', ''))
@@ -79,12 +91,12 @@ class _FromMesh(Shape):
 
     def mesh_data(self) -> MeshData | None:
         """Return the numbers, unscaled, of a mesh that is in memory; None where it is a file."""
-        mesh = self._measures[0]
+        mesh = self._mesh
         return None if isinstance(mesh, str) else numbers_of(mesh)
 
     def filename(self) -> str:
         """Return the absolute path of the file; raises RuntimeError where there is none."""
-        mesh = self._measures[0]
+        mesh = self._mesh
         if not isinstance(mesh, str):
             raise GeometryError(f'{type(self).__name__}: not made of a file; see mesh_data()')
         return mesh
@@ -95,16 +107,16 @@ class _FromMesh(Shape):
 
     def scale(self) -> float:
         """Return the scale [-]; raises RuntimeError when it differs between the axes."""
-        if len(set(self._measures[1])) > 1:
+        if len(set(self._scales)) > 1:
             raise GeometryError(
-                f'{type(self).__name__}: scale() of {list(self._measures[1])}, which is not '
+                f'{type(self).__name__}: scale() of {list(self._scales)}, which is not '
                 'uniform; see scale3()'
             )
-        return float(self._measures[1][0])
+        return float(self._scales[0])
 
     def scale3(self) -> Floats:
         """Return the scale (3,) [-] along x, y and z."""
-        return np.array(self._measures[1])
+        return np.array(self._scales)
 
     def hull_surface(self) -> tuple[Floats, NDArray[np.int64]]:
         """Return vertices (n, 3) [m] and triangles (m, 3) of the convex hull, as queries see it.
@@ -112,7 +124,7 @@ class _FromMesh(Shape):
         Triangles are indices of vertices, counter-clockwise from outside. Raises MeshFileError
         for a file that is not a mesh with a volume.
         """
-        return hull_surface(self._measures[0], self.scale3())
+        return hull_surface(self._mesh, self.scale3())
 
     def GetConvexHull(self) -> PolygonSurfaceMesh:
         """Return the convex hull, scaled, as polygons: triangles in one plane are united.
@@ -120,7 +132,7 @@ class _FromMesh(Shape):
         Raises MeshFileError for a file that is not a mesh with a volume.
         """
         check_extension(self.extension(), self.source().description())
-        vertices, polygons = hull_polygons(self._measures[0], self.scale3())
+        vertices, polygons = hull_polygons(self._mesh, self.scale3())
         return PolygonSurfaceMesh.FromPolygons(polygons, vertices)
 
     def _kernel_parameters(self) -> Floats:
@@ -180,7 +192,7 @@ class Mesh(_FromMesh):
         Triangles are indices of vertices, turned as in the file. Raises MeshFileError for a file
         that is not a mesh.
         """
-        return surface(self._measures[0], self.scale3())
+        return surface(self._mesh, self.scale3())
 
 
 def _mesh_of(kind: str, given: object) -> MeshGiven:

@@ -6,6 +6,7 @@ import functools
 import hashlib
 import os
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -156,7 +157,8 @@ def hull_vertices(mesh: MeshGiven, scale3: Floats) -> Floats:
     ``mesh`` is as a shape holds it. Raises MeshFileError for a file that is missing, holds no mesh
     or numbers that are not finite, or where the hull has no volume.
     """
-    return hull_surface(mesh, scale3)[0]
+    source = mesh_source(mesh)
+    return _scaled(hull_of(source).vertices, scale3, source)
 
 
 def hull_surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
@@ -198,16 +200,23 @@ def _content(source: MeshFile | InMemoryMesh) -> tuple[bytes, str, str]:
     return file.contents(), file.extension().lstrip('.'), file.filename_hint()
 
 
+class Triangles(NamedTuple):
+    """Vertices (n, 3) [m], and triangles (m, 3) of them."""
+
+    vertices: Floats
+    triangles: Indices
+
+
 @functools.lru_cache(maxsize=8)
-def triangles_of(source: MeshKey) -> tuple[Floats, Indices]:
+def triangles_of(source: MeshKey) -> Triangles:
     """Return vertices and triangles of a source, unscaled; not to be written to."""
     if isinstance(source, MeshData):
-        return source.vertices, source.triangles
+        return Triangles(source.vertices, source.triangles)
     vertices, triangles = parse_mesh(*_content(source))
     if len(vertices) == 0 or not np.isfinite(vertices).all():
         raise MeshFileError(f'{name_of(source)}: {len(vertices)} vertices, and all must be finite')
     vertices.flags.writeable = triangles.flags.writeable = False
-    return vertices, triangles
+    return Triangles(vertices, triangles)
 
 
 @functools.lru_cache(maxsize=32)
@@ -217,7 +226,7 @@ def _colours_of(source: MeshKey) -> NDArray[np.float32] | None:
         return None
     content, kind, name = _content(source)
     colours = parse_colours(content, kind, name)
-    if colours is None or len(colours) != len(triangles_of(source)[1]):
+    if colours is None or len(colours) != len(triangles_of(source).triangles):
         return None
     colours.flags.writeable = False
     return colours
@@ -232,9 +241,9 @@ def facet_colours(mesh: MeshGiven) -> NDArray[np.float32] | None:
 
 
 @functools.lru_cache(maxsize=256)
-def hull_of(source: MeshKey) -> tuple[Floats, Indices]:
+def hull_of(source: MeshKey) -> Triangles:
     """Return vertices and triangles of the convex hull of a source, unscaled."""
-    return convex_hull(triangles_of(source)[0], name_of(source))
+    return Triangles(*convex_hull(triangles_of(source).vertices, name_of(source)))
 
 
 @functools.lru_cache(maxsize=32)
@@ -248,4 +257,4 @@ def hull_polygons(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, list[list[in
     source = mesh_source(mesh)
     mirrored = np.prod(np.sign(scale3)) < 0.0
     polygons = [polygon[:: -1 if mirrored else 1] for polygon in _polygons_of(source)]
-    return _scaled(hull_of(source)[0], scale3, source), polygons
+    return _scaled(hull_of(source).vertices, scale3, source), polygons

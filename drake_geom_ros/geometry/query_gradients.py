@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,12 +20,20 @@ Indices = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 
+class Derivatives(NamedTuple):
+    """Gradients (k, 12) of the distances of a batch, and which of them are unique (k,)."""
+
+    batch: PairBatch
+    gradients: Floats
+    unique: Booleans
+
+
 class PairGradients:
     """The part of a sequence of pairs that is about derivatives, computed when first asked for."""
 
     _batch: PairBatch
     _moment: Moment | None
-    _derived: tuple[PairBatch, tuple[Floats, Booleans]] | None = None
+    _derived: Derivatives | None = None
 
     @property
     def gradients(self) -> Floats:
@@ -41,7 +50,7 @@ class PairGradients:
         nothing proves that no other way out is as short. Rounding decides for what is so by less
         than about 1e-6 rad.
         """
-        return self._derivatives()[1]
+        return self._derivatives().unique
 
     @property
     def frame_id_A(self) -> Indices:
@@ -76,12 +85,12 @@ class PairGradients:
         at[known[at] != frames] = len(known)
         return self._jacobian(stacked[at[:, 0]], stacked[at[:, 1]])
 
-    def _derivatives(self) -> tuple[Floats, Booleans]:
-        """Return gradients of the distances and which are unique; one compiled call."""
-        if self._derived is None or self._derived[0] is not self._batch:
+    def _derivatives(self) -> Derivatives:
+        """Return the derivatives of the distances; one compiled call."""
+        if self._derived is None or self._derived.batch is not self._batch:
             found = gradients_of_pairs(self._scene, self._batch.ids, self._batch.rows)
-            self._derived = self._batch, found
-        return self._derived[1]
+            self._derived = Derivatives(self._batch, *found)
+        return self._derived
 
     @property
     def _scene(self) -> Posed:

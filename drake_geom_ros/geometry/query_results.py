@@ -184,7 +184,7 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
     @property
     def gradients(self) -> Floats:
         """Derivatives (k, 12) of the depths: minus those of the signed distances."""
-        return -self._derivatives()[0]
+        return -self._derivatives().gradients
 
     def depth_jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
         """Return the derivatives (k, n) of the depths, as ``distance_jacobian`` of distances."""
@@ -232,7 +232,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
         of the witness points and the normal in the row. It is as exact as the normal, which
         depends on the accuracy level.
         """
-        return self._derivatives()[0]
+        return self._derivatives().gradients
 
     def distance_jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
         """Return the derivatives (k, n) of the distances by n coordinates, from frame Jacobians.

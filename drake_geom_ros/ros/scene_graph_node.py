@@ -25,7 +25,6 @@ from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, s
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
-from drake_geom_ros.ros.own_services import answer_always
 from drake_geom_ros.ros.parameters import (
     QOS_OVERRIDES,
     NodeParameters,
@@ -36,6 +35,7 @@ from drake_geom_ros.ros.parameters import (
 )
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.services.parameters import answer_always
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.watchdog import Watchdog

@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from drake_geom_ros.cross_check.judging import judged, tolerance_of
+from drake_geom_ros.cross_check.judging import judged
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, Question
 from drake_geom_ros.evidence.bodies import Body, Pair
+from drake_geom_ros.evidence.laws import allowed_to_others
 from drake_geom_ros.evidence.peers import PairAnswer
 from drake_geom_ros.evidence.random_bodies import box_corners
 
@@ -90,7 +91,7 @@ def test_what_is_no_number_is_no_opinion(distance):
 
 def test_the_tolerance_is_that_of_the_hard_cases():
     pair, _ = balls(0.05)
-    assert tolerance_of(pair) == pytest.approx(1e-3 * 0.1)
+    assert allowed_to_others(pair) == pytest.approx(1e-3 * 0.1)
 
 
 class TestSolids:

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from oracles.shape_scene import ShapeScene
+from oracles.shape_scenes import ShapeScene
 from oracles.small_scene import instance
 
 from drake_geom_ros.geometry import (

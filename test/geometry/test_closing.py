@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.moving_pairs import PAIRS, MovingPair, random_pair
+from oracles.shape_scenes import PAIRS, MovingPair, random_pair
 
 from drake_geom_ros.geometry import ArgumentError, Box, Sphere, closing_speeds
 from drake_geom_ros.math import RigidTransform

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.moving_pairs import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
+from oracles.shape_scenes import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
 
 from drake_geom_ros.geometry import (
     ArgumentError,

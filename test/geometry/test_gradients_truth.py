@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from oracles import closed_forms
-from oracles.moving_pairs import MovingPair
 from oracles.pairs import random_pairs
+from oracles.shape_scenes import MovingPair
 
 from drake_geom_ros.math import RigidTransform
 

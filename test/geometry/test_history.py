@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numba import config
-from oracles.shape_scene import ShapeScene
+from oracles.shape_scenes import ShapeScene
 
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,

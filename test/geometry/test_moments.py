@@ -4,7 +4,7 @@ import threading
 
 import numpy as np
 import pytest
-from oracles.moving_pairs import random_pair
+from oracles.shape_scenes import random_pair
 
 from drake_geom_ros.geometry import GeometryError, SignedDistanceResults
 from drake_geom_ros.math import RigidTransform

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.moving_pairs import SHAPES, MovingPair, moved
+from oracles.shape_scenes import SHAPES, MovingPair, moved
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import ArgumentError

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.shape_scene import ShapeScene
+from oracles.shape_scenes import ShapeScene
 
 from drake_geom_ros.geometry import (
     Box,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.moving_pairs import BLOCK, QUARTERS, MovingPair
+from oracles.shape_scenes import BLOCK, QUARTERS, MovingPair
 from oracles.solids import CELLS, surface_of
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from oracles.shape_scene import ShapeScene
+from oracles.shape_scenes import ShapeScene
 from oracles.solids import surface_of
 
-from drake_geom_ros.evidence.random_bodies import box_corners
+from drake_geom_ros.evidence import grids
 from drake_geom_ros.geometry import (
     Box,
     Convex,
@@ -28,9 +28,7 @@ from drake_geom_ros.scene_files import load_scene, save_scene
 
 ROOT = Path(__file__).parents[2]
 L, RING = Mesh.FromMeshData(surface_of('L')), Mesh.FromMeshData(surface_of('ring'))
-CORNERS = box_corners()
-QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-CUBE = [t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))]
+CORNERS, CUBE = (np.array(x) for x in grids.surface(grids.CUBE, [np.array([-0.5, 0.5])] * 3))
 Scene = partial(ShapeScene, solid=True)
 
 
@@ -50,8 +48,8 @@ def test_a_sphere_within_a_cube_mesh_is_as_deep_as_it_is():
     assert pair.distance == pytest.approx(-0.6, abs=1e-13)
     # The same of a cube with a cavity in a corner far from the ball: no hull tells.
     hollow = np.vstack((CORNERS, 0.05 * CORNERS + 0.4))
-    cavity = [[c + 8, b + 8, a + 8] for a, b, c in CUBE]
-    cube = Mesh.FromMeshData(MeshData(hollow, CUBE + cavity))
+    cavity = CUBE[:, ::-1] + 8
+    cube = Mesh.FromMeshData(MeshData(hollow, np.vstack((CUBE, cavity))))
     pair = Scene(cube, Sphere(0.1)).pair([0, 0, 0], [0, 0, 0])
     assert pair.distance == pytest.approx(-0.6, abs=1e-13)
     assert pair.error_bound <= 1e-12

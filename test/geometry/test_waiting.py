@@ -119,6 +119,18 @@ def test_a_port_and_a_question_s_own_poses_count():
     assert query.waiting_frames() == []
 
 
+def test_a_copy_is_posed_by_the_port_and_waits_for_itself():
+    scene = Chain(partial=True)
+    scene.pose(scene.a)
+    other = scene.context.Clone()
+    query = scene.graph.get_query_output_port().Eval(other)
+    assert query.num_waiting_pairs() == scene.query.num_waiting_pairs() > 0
+    poses = dict.fromkeys((scene.a, scene.b, scene.c), RigidTransform())
+    scene.graph.get_source_pose_port(scene.source).FixValue(other, FramePoseVector(poses))
+    assert query.num_waiting_pairs() == 0
+    assert scene.query.num_waiting_pairs() > 0
+
+
 def test_a_partial_context_answers_for_the_rest():
     scene = Chain(partial=True)
     scene.pose(scene.b, scene.c)  # b hangs on a, so nobody knows where it is

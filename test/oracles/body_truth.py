@@ -8,7 +8,7 @@ import numpy as np
 from mpmath import mp, mpf
 from oracles import closed_forms
 
-from drake_geom_ros.evidence.bodies import Body, Floats
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.tolerances import EPS, SEARCH
 from drake_geom_ros.evidence.truth import convex
 from drake_geom_ros.evidence.truth.meshes import ball_distance
@@ -48,14 +48,13 @@ def signed_distance(a: Body, b: Body) -> tuple[float | None, float]:
 
     Of a Solid it is known for a Sphere as B, unless its way out is not straight (None).
     """
-    tilt = sum(body.radius * np.abs(body.R.T @ body.R - np.eye(3)).max() for body in (a, b))
+    tilt = sum(body.radius * body.skew for body in (a, b))
     if a.kind == 'Solid':
         return of_ball(a, b), tilt + EPS * (a.radius + np.abs(a.p).max())
     if is_closed(a, b):
         distance = _closed(a, b)
         return distance, tilt + EPS * abs(distance)
-    extent = a.radius + b.radius + np.linalg.norm(b.p - a.p)
-    return convex.signed_distance(a, b)[0], tilt + SEARCH * float(extent)
+    return convex.signed_distance(a, b)[0], tilt + SEARCH * Pair(a, b).extent
 
 
 def of_ball(solid: Body, ball: Body) -> float | None:
@@ -71,7 +70,7 @@ def _closed(a: Body, b: Body) -> float:
     with mp.workdps(closed_forms.DIGITS):
         (kind_a, size_a), (kind_b, size_b) = a.form, b.form
         # The forms tell what is 0 for bodies of about 1 m, so that tiny ones are brought to that.
-        extent = a.radius + b.radius + np.linalg.norm(b.p - a.p)
+        extent = Pair(a, b).extent
         s = mpf(2) ** -round(np.log2(extent)) if extent else mpf(1)
         p = [s * x for x in offset_between(a.p, b.p)]
         sizes = [[s * mpf(float(x)) for x in size] for size in (size_a, size_b)]

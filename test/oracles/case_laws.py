@@ -21,7 +21,7 @@ WITNESSES, NORMALS = 1e-10, 1e-8
 
 def rounding(pair: Pair) -> float:
     """Return what positions may be off by [m]: digits, and rotations that are not quite some."""
-    skew = max(float(np.abs(one.R.T @ one.R - np.eye(3)).max()) for one in (pair.a, pair.b))
+    skew = max(pair.a.skew, pair.b.skew)
     return POSITIONS * (pair.extent + pair.away) + skew * pair.extent
 
 

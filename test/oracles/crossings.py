@@ -7,21 +7,11 @@ plane if they have an area in common. Those that only touch, wherever and howeve
 from fractions import Fraction
 from itertools import combinations
 
+from drake_geom_ros.evidence.truth.digits import combine, cross, dot
+
 
 def sub(a, b):
-    return tuple(x - y for x, y in zip(a, b, strict=True))
-
-
-def cross(a, b):
-    return (
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )
-
-
-def dot(a, b):
-    return sum(x * y for x, y in zip(a, b, strict=True))
+    return combine(a, -1, b)
 
 
 def _heights(triangle, a, n):

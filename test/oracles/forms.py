@@ -5,14 +5,14 @@ The numbers are half sizes; of a hull, and of a solid, they are what it is packe
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies import COUNTS, HALVES, NUMBERS, Body
+from drake_geom_ros.evidence.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
 from drake_geom_ros.evidence.truth import convex
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
 from drake_geom_ros.geometry._solid_mesh import solid_of
 
-KINDS = {NUMBERS[kind]: kind for kind in (*COUNTS, 'Convex')}
+KINDS = {NUMBERS[kind]: kind for kind in (*PRIMITIVES, 'Convex')}
 PARAMETERS = {NUMBERS[kind]: count for kind, count in COUNTS.items()}
 ALIGNED, HERE = np.eye(3), np.zeros(3)
 
@@ -21,10 +21,13 @@ def body(form, R=ALIGNED, p=HERE):
     """Return the body of a form, (type number, parameters), at a pose."""
     kind, size = KINDS[form[0]], np.asarray(form[1], dtype=float)
     if kind == 'Convex':
-        size = size[1:].reshape(-1, 3)
-    else:
-        size = tuple((size[: COUNTS[kind]] / np.array(HALVES.get(kind, 1.0))).tolist())
-    return Body(kind, size, R, np.array(p, dtype=float))
+        return Body(kind, size[1:].reshape(-1, 3), R, np.array(p, dtype=float))
+    return Body.of_halves(kind, size).placed(R, p)
+
+
+def hull_of(vertices):
+    """Return the parameters of a hull by its vertices (n, 3)."""
+    return Body('Convex', vertices).form[1]
 
 
 def kernel_form(body):

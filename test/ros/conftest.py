@@ -1,19 +1,8 @@
-"""Nodes and clients for the integration tests."""
+"""What tests of a node share."""
 
 import pytest
 
 # ROS is imported by the fixtures that need it: the tests of conversions run without.
-
-
-@pytest.fixture(scope='module')
-def node(tmp_path_factory, request):
-    """Return a node with an empty scene, in a process of its own, for one test file."""
-    from ros.harness import start_node
-
-    log = tmp_path_factory.mktemp('node') / 'log'
-    process = start_node(log, max_distance=0.5)
-    yield process
-    process.end()
 
 
 @pytest.fixture
@@ -53,13 +42,3 @@ def client(node, module_client):
     yield module_client
     module_client.forget_topics()
     assert node.popen.poll() is None, f'the node died:\n{node.output()}'
-
-
-@pytest.fixture
-def lone_client():
-    """Return a client for a test that starts nodes of its own."""
-    from ros.harness import Client
-
-    client = Client()
-    yield client
-    client.close()

@@ -13,6 +13,8 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from drake_geom_ros.common.children import end
+
 ROOT = Path(__file__).resolve().parents[2]
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSOR = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -72,15 +74,9 @@ class Process:
 
     def end(self, signal_number=signal.SIGINT) -> int:
         """Ask the process to end, wait, and return its exit code."""
-        if self.popen.poll() is None:
-            self.popen.send_signal(signal_number)
-            try:
-                self.popen.wait(20.0)
-            except subprocess.TimeoutExpired:
-                self.popen.kill()
-                self.popen.wait()
+        code = end(self.popen, 20.0, signal_number)
         self._output.close()
-        return self.popen.returncode
+        return code
 
 
 def start_node(

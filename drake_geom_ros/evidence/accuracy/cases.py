@@ -25,12 +25,11 @@ from drake_geom_ros.evidence.asking import (
     Certified,
     certified,
 )
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies import PRIMITIVES, Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_body
 from drake_geom_ros.geometry import ArgumentError
 
-PRIMITIVES = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'HalfSpace')
 RESOLUTIONS = (8, 64, 500)  # vertices of a hull
 QUICK_RESOLUTIONS = (64,)
 

@@ -13,6 +13,7 @@ from matplotlib import pyplot
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured
 from drake_geom_ros.evidence.accuracy.tables import LEVELS_PICTURE, QUERY_TITLES, by_family
 from drake_geom_ros.evidence.asking import LEVELS, QUERIES
+from drake_geom_ros.evidence.pages import legend_below
 
 matplotlib.use('Agg')
 
@@ -67,11 +68,6 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
             panel.tick_params(labelbottom=True)
         if number % columns == 0:
             panel.set_ylabel('error [m]')
-    handles = {
-        label: handle
-        for panel in axes.flat
-        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
-    }
     figure.suptitle(
         f'{QUERY_TITLES[query]}: lower is more accurate, further left is faster\n'
         'marks: worst error; thin lines: down to the median error, left to the computation alone',
@@ -79,9 +75,7 @@ def _figure(query: str, panels: dict[str, list[Measured]], path: Path) -> None:
     )
     lowest = min(drawn(0.0, r) for rs in panels.values() for r in rs)
     axes[0, 0].set_ylim(bottom=ROOM_BELOW * lowest)
-    figure.legend(
-        handles.values(), handles.keys(), loc='outside lower center', ncol=2, frameon=False
-    )
+    legend_below(figure, 2)
     figure.savefig(path, dpi=110)
     pyplot.close(figure)
 
@@ -208,11 +202,7 @@ def draw_levels(records: Sequence[Measured], folder: Path) -> list[str]:
     times.xaxis.set_major_formatter('{x:g}')
     errors.set_xlabel('worst error [m]')
     figure.suptitle('Signed distance at each accuracy level: time on the left, error on the right')
-    handles, labels = times.get_legend_handles_labels()
-    first = dict(zip(labels, handles, strict=True))
-    figure.legend(
-        first.values(), first.keys(), loc='outside lower center', ncol=len(LEVELS), frameon=False
-    )
+    legend_below(figure, len(LEVELS))
     figure.savefig(folder / LEVELS_PICTURE, dpi=110, bbox_inches='tight', pad_inches=0.15)
     pyplot.close(figure)
     return [LEVELS_PICTURE]

@@ -1,10 +1,16 @@
-"""What was measured, in numbers: one record for a case, a query, a library and its setting."""
+"""What was measured, in numbers: one record for a case, a query, a library and its setting.
+
+``measurements.csv`` has all of them, for programs.
+"""
 
 from __future__ import annotations
 
+import csv
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +21,11 @@ from drake_geom_ros.evidence.laws import WIDE
 from drake_geom_ros.evidence.tolerances import EPS, ROUNDING, TRUTH_ROUNDING
 
 OURS = 'drake_geom_ros'
+COLUMNS = (
+    'case', 'family', 'query', 'library', 'setting', 'answers', 'failures', 'error_median',
+    'error_p99', 'error_worst', 'worst_configuration', 'error_bound_worst', 'ratio_median',
+    'ratio_worst', 'seconds_per_pair', 'seconds_computing',
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -114,3 +125,29 @@ class Measured:
             if is_wide:
                 found.append(f'{where}: error_bound {bound:.3g} m, {WIDE}')
         return found
+
+
+def write_csv(records: Sequence[Measured], path: Path) -> None:
+    """Write one row a record, lengths in metres and times in seconds, all digits."""
+    with path.open('w', encoding='utf-8', newline='') as file:
+        writer = csv.writer(file, lineterminator='\n')
+        writer.writerow(COLUMNS)
+        for r in records:
+            failures = ' '.join(f'{name}:{n}' for name, n in sorted(r.failures.items()))
+            ratios = r.ratios()
+            numbers = (
+                *(r.error(q) for q in (0.5, 0.99, 1.0)),
+                r.worst_configuration(),
+                r.worst_bound(),
+                float(np.median(ratios)) if ratios else math.nan,
+                max(ratios, default=math.nan),
+                math.nan if r.whole is None else r.whole,
+                math.nan if r.inside is None else r.inside,
+            )
+            cells = ['' if isinstance(x, float) and math.isnan(x) else x for x in numbers]
+            writer.writerow(
+                [
+                    *(r.case, r.family, r.query, r.setting.library, r.setting.label),
+                    *(len(r.answers), failures, *cells),
+                ]
+            )

@@ -21,9 +21,9 @@ from drake_geom_ros.evidence.accuracy.cases import (
 from drake_geom_ros.evidence.accuracy.diagrams import draw_levels
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
-from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
+from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting, write_csv
 from drake_geom_ros.evidence.accuracy.scenes import SCENES
-from drake_geom_ros.evidence.accuracy.tables import Circumstances, microseconds, readme, write_csv
+from drake_geom_ros.evidence.accuracy.tables import Circumstances, microseconds, readme
 from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.pages import description, versions
 

@@ -20,7 +20,7 @@ from drake_geom_ros.evidence.asking import (
     asked_for,
     rows,
 )
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies import BOUNDED, Body
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import random_body, random_rotation
 from drake_geom_ros.evidence.truth import convex
@@ -28,7 +28,6 @@ from drake_geom_ros.evidence.truth import convex
 NEAR = 0.1  # [m] up to which distances are asked for
 BATCH = 10  # pairs
 ROOM = 0.06  # [m^3] for each body of a heap: each has a few others within NEAR
-KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid')
 
 
 class Scene:
@@ -88,7 +87,7 @@ def heap(count: int) -> Scene:
     """Return bodies of all kinds in turn, at random in a cube."""
     rng = np.random.default_rng(count)
     half = 0.5 * (ROOM * count) ** (1 / 3)
-    shapes = [random_body(rng, KINDS[k % len(KINDS)]) for k in range(count)]
+    shapes = [random_body(rng, BOUNDED[k % len(BOUNDED)]) for k in range(count)]
     bodies = [each.placed(random_rotation(rng), rng.uniform(-half, half, 3)) for each in shapes]
     return Scene(f'{count} mixed bodies', bodies)
 

@@ -1,12 +1,10 @@
-"""README.md and measurements.csv: the figures, for people and for programs."""
+"""README.md: the figures for people."""
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -14,11 +12,6 @@ from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.evidence.asking import LEVELS, QUERIES
 from drake_geom_ros.evidence.pages import table, three
 
-COLUMNS = (
-    'case', 'family', 'query', 'library', 'setting', 'answers', 'failures', 'error_median',
-    'error_p99', 'error_worst', 'worst_configuration', 'error_bound_worst', 'ratio_median',
-    'ratio_worst', 'seconds_per_pair', 'seconds_computing',
-)  # fmt: skip
 LEVELS_PICTURE = 'levels.png'
 QUERY_TITLES = {
     'signed_distance': 'Signed distance',
@@ -38,32 +31,6 @@ class Circumstances:
     compiling: float
     left_out: Sequence[str]
     overheads: dict[tuple[Setting, str], float]
-
-
-def write_csv(records: Sequence[Measured], path: Path) -> None:
-    """Write one row a record, lengths in metres and times in seconds, all digits."""
-    with path.open('w', encoding='utf-8', newline='') as file:
-        writer = csv.writer(file, lineterminator='\n')
-        writer.writerow(COLUMNS)
-        for r in records:
-            failures = ' '.join(f'{name}:{n}' for name, n in sorted(r.failures.items()))
-            ratios = r.ratios()
-            numbers = (
-                *(r.error(q) for q in (0.5, 0.99, 1.0)),
-                r.worst_configuration(),
-                r.worst_bound(),
-                float(np.median(ratios)) if ratios else math.nan,
-                max(ratios, default=math.nan),
-                math.nan if r.whole is None else r.whole,
-                math.nan if r.inside is None else r.inside,
-            )
-            cells = ['' if isinstance(x, float) and math.isnan(x) else x for x in numbers]
-            writer.writerow(
-                [
-                    *(r.case, r.family, r.query, r.setting.library, r.setting.label),
-                    *(len(r.answers), failures, *cells),
-                ]
-            )
 
 
 def merged(records: Sequence[Measured]) -> Measured:

@@ -1,8 +1,8 @@
 """Whether an answer is right, for us and for peers by the same measure.
 
-An answer may be off by a thousandth of the smaller body's radius and by rounding: ten times what
-the peers' own tolerances leave at 1 m. Where the distance is that near to 0 a contact may be
-reported or not. Normal and witness points, where a peer gives any, are held to the same.
+An answer may be off by what the law allows to others. Where the distance is that near to 0 a
+contact may be reported or not. Normal and witness points, where a peer gives any, are held to the
+same.
 """
 
 from __future__ import annotations
@@ -17,12 +17,7 @@ from drake_geom_ros.evidence.bodies import Floats
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.lost_process import ANSWER, EXCEPTION, Outcome
 from drake_geom_ros.evidence.peers import PENETRATION, PairAnswer, Unsupported
-from drake_geom_ros.evidence.tolerances import (
-    JUDGED_PART,
-    JUDGED_ROUNDING,
-    JUDGED_TURN,
-    JUDGED_UNIT,
-)
+from drake_geom_ros.evidence.tolerances import JUDGED_TURN, JUDGED_UNIT
 
 VERDICTS = ('pass', 'wrong', 'NaN', 'exception', 'crash', 'hang', 'unsupported')
 
@@ -35,12 +30,6 @@ class Verdict(NamedTuple):
     excess: float = 0.0
 
 
-def allowed(case: Case) -> float:
-    """Return what an answer may be off by [m]."""
-    rounding = JUDGED_ROUNDING * (case.extent + case.away)
-    return JUDGED_PART * case.smaller + rounding + case.tolerance
-
-
 def judged(case: Case, query: str, outcome: Outcome) -> Verdict:
     """Return the verdict on how a question about a case ended."""
     if outcome.end == EXCEPTION:
@@ -48,7 +37,7 @@ def judged(case: Case, query: str, outcome: Outcome) -> Verdict:
         return Verdict(kind, str(outcome.value).strip().split('\n')[0][:80])
     if outcome.end != ANSWER:
         return Verdict(outcome.end, str(outcome.value))
-    off = allowed(case)
+    off = laws.allowed_to_others(case) + case.tolerance
     if outcome.value is None:
         depth = max(-case.distance, 0.0)
         if depth <= off:

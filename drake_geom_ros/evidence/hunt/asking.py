@@ -7,12 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from drake_geom_ros.evidence.bodies import Floats, Pair
-from drake_geom_ros.evidence.hunt import exact, judge
+from drake_geom_ros.evidence.hunt import judge
 from drake_geom_ros.evidence.hunt.chains import ChainedScene
 from drake_geom_ros.evidence.hunt.judge import Judged, Ratios
 from drake_geom_ros.evidence.hunt.scene import PairsScene
 from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.evidence.tolerances import ROUNDING
+from drake_geom_ros.evidence.tolerances import ROUNDING, SEARCH
+from drake_geom_ros.evidence.truth import convex
 
 GIVEN, CHAIN = 'given', 'chain'
 POWERS = (-30, 14)  # of two, of other scales
@@ -107,5 +108,18 @@ def _tell_suspects(judged: Judged) -> None:
     suspicion = judged.suspects()
     for k in np.argsort(-suspicion)[:EXACT]:
         if suspicion[k] > 1.0:
-            ratio = exact.error(judged, int(k))
-            judged.ratios['certificate'][k] = max(judged.ratios['certificate'][k], ratio)
+            judged.ratios['certificate'][k] = max(
+                judged.ratios['certificate'][k], _error(judged, k)
+            )
+
+
+def _error(judged: Judged, k: int) -> float:
+    """Return by how much of what is allowed a distance exceeds the truth."""
+    pair, row = judged.pairs[k], judged.replies.levels['exact']
+    allowed = row.error_bound[k] + ROUNDING * judged.extent[k]
+    # A sharper plane beside the best one may be enough.
+    near = (row.distance[k] - convex.of_any_size(pair, -judged.nhats[k])) / allowed
+    if near <= 1.0:
+        return float(near)
+    allowed += SEARCH * judged.extent[k]
+    return float((row.distance[k] - convex.of_any_size(pair)) / allowed)

@@ -2,7 +2,7 @@
 
 No truth is asked: an independent plane proves a certificate false from below, and answers must
 agree with each other. Where no plane attains the distance either the search was too coarse or
-the certificate is false from above: ``suspects`` says where, ``exact`` tells.
+the certificate is false from above: ``suspects`` says where, and ``asking`` asks the truth there.
 """
 
 from __future__ import annotations

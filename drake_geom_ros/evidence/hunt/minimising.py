@@ -9,7 +9,7 @@ import numpy as np
 
 from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.hunt.asking import Scenes, merged
-from drake_geom_ros.evidence.hunt.starts import skew, valid
+from drake_geom_ros.evidence.hunt.starts import valid
 from drake_geom_ros.evidence.tolerances import ROUNDED_SKEW
 
 DIGITS = (1, 2, 3, 6, 9)
@@ -57,7 +57,7 @@ def _simpler_bodies(one: Body) -> Iterator[Body]:
     if not np.array_equal(one.R, np.eye(3)):
         yield one.placed(np.eye(3), one.p)
         simpler = one.placed(np.round(one.R, 2), one.p)
-        if skew(simpler) < ROUNDED_SKEW and (simpler.R != one.R).any():
+        if simpler.skew < ROUNDED_SKEW and (simpler.R != one.R).any():
             yield simpler
     if one.kind == 'Convex' and len(one.size) > 4:
         for k in range(len(one.size)):

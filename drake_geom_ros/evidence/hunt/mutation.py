@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair, as_tuples
 from drake_geom_ros.evidence.hunt import starts
 from drake_geom_ros.evidence.tolerances import (
     ACCEPTED_SKEW,
@@ -38,7 +38,7 @@ def mutated_pose(rng: np.random.Generator, pair: Pair, last: Last) -> Pair:
 
 def _rotated(one: Body) -> Body:
     """Return a body whose rotation is one that is accepted."""
-    if starts.skew(one) < ACCEPTED_SKEW:
+    if one.skew < ACCEPTED_SKEW:
         return one
     return one.placed(RotationMatrix.ProjectToRotationMatrix(one.R).matrix(), one.p)
 
@@ -73,7 +73,7 @@ def _changed_size(rng: np.random.Generator, one: Body, other: Body) -> tuple:
         case _:
             size[..., rng.integers(size.shape[-1])] *= 10.0 ** rng.uniform(-2.0, 2.0)
     if one.kind == 'Convex':
-        return tuple(map(tuple, size.tolist()))
+        return as_tuples(size)
     return tuple(np.clip(size, *HUNTED_LENGTHS).tolist())
 
 

@@ -5,7 +5,7 @@ h being the support functions: bodies that are apart are at least so far apart, 
 overlap none is deeper than ``-f(n)``. Directions that minima are known to lie at come first (axes,
 their cross products, the centre line, rings about the axes, the answers' normals), then caps
 that shrink about the best of them. It is written for many pairs in little time; what it
-does not reach is for ``exact`` to tell. Nothing of the engine takes part.
+does not reach is for ``truth.convex`` to tell. Nothing of the engine takes part.
 """
 
 from __future__ import annotations

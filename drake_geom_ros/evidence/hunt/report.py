@@ -6,13 +6,12 @@ import itertools
 
 from drake_geom_ros.evidence.bodies import Pair
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.hunt import exact
 from drake_geom_ros.evidence.hunt.judge import LAWS
 from drake_geom_ros.evidence.hunt.minimising import minimised
 from drake_geom_ros.evidence.hunt.search import CHAIN, WAYS, Hunt
-from drake_geom_ros.evidence.hunt.starts import skew
 from drake_geom_ros.evidence.pages import table
 from drake_geom_ros.evidence.tolerances import SEARCH
+from drake_geom_ros.evidence.truth.convex import of_any_size
 
 SHOWN = 2  # pairs of shapes, the worst of each law and way, that are minimised
 # What each law demands.
@@ -66,10 +65,10 @@ def entries(hunt: Hunt, seed: int) -> tuple[list[Case], list[str]]:
 def entry(pair: Pair, law: str, ratio: float, name: str, seed: int) -> Case:
     """Return a pair as a pair of the catalogue, with its true distance."""
     tolerance = SEARCH * pair.extent
-    tolerance += max(skew(one) * one.radius for one in (pair.a, pair.b))
+    tolerance += max(one.skew * one.radius for one in (pair.a, pair.b))
     about = f'{law}: {ratio:.3g} times what is allowed'
     told = {'id': name, 'source': f'bench.hunt, seed {seed}', 'about': about}
-    return Case(pair.a, pair.b, exact.distance(pair), tolerance, **told)
+    return Case(pair.a, pair.b, of_any_size(pair), tolerance, **told)
 
 
 def summary(hunt: Hunt) -> str:

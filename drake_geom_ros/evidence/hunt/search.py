@@ -11,7 +11,6 @@ from drake_geom_ros.evidence.hunt import starts
 from drake_geom_ros.evidence.hunt.asking import CHAIN, GIVEN, Scenes, merged
 from drake_geom_ros.evidence.hunt.judge import LAWS, Judged
 from drake_geom_ros.evidence.hunt.mutation import Last, mutated_pose, mutated_size
-from drake_geom_ros.evidence.hunt.starts import skew
 from drake_geom_ros.evidence.tolerances import ROUNDED_SKEW
 
 SLOTS = 48  # pairs that evolve beside each other
@@ -110,4 +109,4 @@ class Hunt:
 
 
 def _way(pair: Pair) -> str:
-    return SKEWED if max(skew(pair.a), skew(pair.b)) > ROUNDED_SKEW else PLAIN
+    return SKEWED if max(pair.a.skew, pair.b.skew) > ROUNDED_SKEW else PLAIN

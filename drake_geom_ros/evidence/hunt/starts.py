@@ -9,12 +9,12 @@ from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.bodies import COUNTS, Body, Floats, Pair
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.surfaces import height
 from drake_geom_ros.evidence.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
 
-KINDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex', 'HalfSpace')
+KINDS = (*BOUNDED, 'Convex', 'HalfSpace')
 OFTEN = ('Sphere', *2 * KINDS[1:-1])  # as the first body, and half of the others
 LATTICE = (0.25, 0.5, 1.0, 2.0)
 # (m, 3) cosine and sine of angles with exact sides.
@@ -44,14 +44,9 @@ def random_pair(rng: np.random.Generator) -> Pair:
     return far(rng, pair) if rng.random() < 0.2 else pair
 
 
-def skew(one: Body) -> float:
-    """Return how far [-] R R^T of a body is from the identity."""
-    return float(np.abs(one.R @ one.R.T - np.eye(3)).max())
-
-
 def valid(pair: Pair) -> bool:
     """Return whether the bodies can be made, and judged: a hull may be too thin."""
-    if max(skew(pair.a), skew(pair.b)) > ACCEPTED_SKEW:
+    if max(pair.a.skew, pair.b.skew) > ACCEPTED_SKEW:
         return False
     try:
         BodyScene((pair.a, pair.b))
@@ -93,7 +88,7 @@ def shape_sizes(rng: np.random.Generator, kind: str, lengths: Floats) -> tuple:
             corners = box_corners()
     else:
         corners = random_directions(rng, int(rng.integers(4, 11)))
-    return tuple(map(tuple, (corners * lengths).tolist()))
+    return as_tuples(corners * lengths)
 
 
 def rotation(rng: np.random.Generator) -> Floats:

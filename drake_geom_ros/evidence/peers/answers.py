@@ -72,7 +72,9 @@ class SolidMesh(Mesh):
     __slots__ = ()
 
 
-ACCESSORS = {
+# By type number: what the constructor of a primitive takes, and the parts of it that are held by
+# those who measure from the centre.
+ACCESSORS: dict[str, tuple[str, ...]] = {
     'Sphere': ('radius',),
     'Box': ('width', 'depth', 'height'),
     'Capsule': ('radius', 'length'),
@@ -80,6 +82,7 @@ ACCESSORS = {
     'Ellipsoid': ('a', 'b', 'c'),
     'HalfSpace': (),
 }
+HALVES = {'Box': (0.5, 0.5, 0.5), 'Capsule': (1.0, 0.5), 'Cylinder': (1.0, 0.5)}
 
 
 def kind_of(shape: Shape) -> str:

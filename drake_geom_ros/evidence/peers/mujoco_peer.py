@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from drake_geom_ros.evidence.peers.answers import (
+    HALVES,
     SIGNED_DISTANCE,
     Ask,
     Floats,
@@ -35,9 +36,7 @@ def add_geom(spec: Any, body: Any, shape: Shape, name: str) -> Any:
         geom.size = [1.0, 1.0, 1.0]  # of what is drawn: a plane has no end
     else:
         geom.type = getattr(mujoco.mjtGeom, f'mjGEOM_{kind.upper()}')
-        sizes = np.array(measures(shape))
-        # MuJoCo wants halves of sizes and lengths, and whole radii.
-        sizes[{'Box': 0, 'Capsule': 1, 'Cylinder': 1}.get(kind, len(sizes)) :] *= 0.5
+        sizes = np.array(measures(shape)) * HALVES.get(kind, 1.0)
         geom.size[: len(sizes)] = sizes
     return geom
 

@@ -19,11 +19,13 @@ digits
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from mpmath import mp
 from scipy.spatial import ConvexHull, QhullError
 
-from drake_geom_ros.evidence.bodies import Body, Floats
+from drake_geom_ros.evidence.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.random_bodies import even_directions
 from drake_geom_ros.evidence.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
 from drake_geom_ros.evidence.truth.digits import dot, vector
@@ -57,6 +59,16 @@ def signed_distance(a: Body, b: Body, near: Floats | None = None) -> tuple[float
         starts = search(pair) if near is None else [(near, KNOWN)]
         phi, n = max((polished(pair, *start) for start in starts), key=lambda each: each[0])
         return float(phi), n
+
+
+def of_any_size(pair: Pair, near: Floats | None = None) -> float:
+    """Return the signed distance [m] of a pair that may be tiny or huge, as ``signed_distance``.
+
+    Lengths are brought to about 1 m by a power of two, which changes no digit: they are squared.
+    """
+    s = 2.0 ** -round(math.log2(pair.extent)) if pair.extent else 1.0
+    scaled = pair.scaled(s)
+    return signed_distance(scaled.a, scaled.b, near)[0] / s
 
 
 def _half_space(a: Body, b: Body) -> tuple[float, Floats]:

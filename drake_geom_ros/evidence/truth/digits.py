@@ -1,4 +1,4 @@
-"""Vectors of numbers with many digits."""
+"""Vectors of numbers with many digits, or of fractions."""
 
 from mpmath import mp, mpf
 
@@ -10,7 +10,7 @@ def vector(values):
 
 def dot(a, b):
     """Return a . b."""
-    return sum((x * y for x, y in zip(a, b, strict=True)), mpf(0))
+    return sum(x * y for x, y in zip(a, b, strict=True))
 
 
 def norm(a):

@@ -10,7 +10,6 @@ signed distance of two is the maximum over unit n of f(n) = -h_A(n) - h_B(-n).
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.bodies import Floats, Form
+from drake_geom_ros.evidence.random_bodies import box_corners
 from drake_geom_ros.evidence.tolerances import TIE
 from drake_geom_ros.evidence.truth.digits import columns, combine, dot, norm, vector
 from drake_geom_ros.geometry import ShapeKind
@@ -95,7 +95,7 @@ def posed(shape: Form, R: Any, p: Any) -> MinkowskiSum:
     radius, flat, poles = 0.0, np.zeros((0, 3)), np.zeros((0, 3))
     R, p = np.asarray(R, dtype=float), np.asarray(p, dtype=float)
     if kind == BOX:
-        vertices = size * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+        vertices = box_corners(2.0 * size)
         edges = np.array([(i, i + b) for b in (1, 2, 4) for i in range(8) if not i & b])
     elif kind == CONVEX:
         vertices = size[1:].reshape(-1, 3)

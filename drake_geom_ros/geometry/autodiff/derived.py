@@ -83,7 +83,7 @@ class PairWitnesses:
     def _motion(self, k: int) -> tuple[Floats, Motion, tuple[Floats, Floats]]:
         """Return a row, how its points and normal move, and the velocities of the material."""
         row, features = self._rows[k], self._features
-        V_A, V_B = self.velocities[0][k], self.velocities[1][k]
+        V_A, V_B = (V_WFs[k] for V_WFs in self.velocities)
         if V_A.shape[1] == 0:  # constants
             none = np.zeros((3, 0))
             return row, Motion(none, none, none), (none, none)

@@ -69,6 +69,13 @@ class Packed(NamedTuple):
         return R_WFs @ self.R_FGs, p_WGs, placed
 
 
+class _Kept(NamedTuple):
+    """What was packed of a scene, and by what it is known whether that holds still."""
+
+    key: tuple[object, ...]
+    packed: Packed
+
+
 def kept_of(
     context: SceneGraphContext,
     engine: RenderEngine,
@@ -80,10 +87,10 @@ def kept_of(
     key = renderer_name, engine, versions.frames, versions.roles[params.role]
     # A snapshot shares what was packed; nothing of it ever changes.
     kept = context._packed_scenes.get(renderer_name)
-    if kept is None or kept[0] != key:
-        kept = key, packed_of(context._model, params, renderer_name)
+    if kept is None or kept.key != key:
+        kept = _Kept(key, packed_of(context._model, params, renderer_name))
         context._packed_scenes[renderer_name] = kept
-    packed: Packed = kept[1]
+    packed: Packed = kept.packed
     return packed
 
 
@@ -103,9 +110,9 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
     labels = np.array(_numbered(given) if params.number_geometries else given, dtype=np.int16)
     shapes = [_primitive(record) for record in records]
     meshes = [_mesh(record) for record in records]
-    vertices = [mesh[0] for mesh in meshes]
+    vertices = [mesh.vertices for mesh in meshes]
     starts = np.cumsum([0, *map(len, vertices)], dtype=np.int64)
-    faces = [mesh[1] + start for mesh, start in zip(meshes, starts[:-1].tolist(), strict=True)]
+    faces = [m.triangles + start for m, start in zip(meshes, starts[:-1].tolist(), strict=True)]
     bodies = Bodies(
         kinds=np.array([kind for kind, _ in shapes], dtype=np.int64),
         shapes=np.array([numbers for _, numbers in shapes]).reshape(-1, 3),
@@ -116,7 +123,7 @@ def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str)
         p_GVs=np.concatenate([np.zeros((0, 3)), *vertices]),
         triangle_starts=np.cumsum([0, *map(len, faces)], dtype=np.int64),
         triangles=np.concatenate([np.zeros((0, 3), np.int32), *faces]).astype(np.int32),
-        facet_colours=np.concatenate([np.zeros((0, 3), np.float32), *(m[2] for m in meshes)]),
+        facet_colours=np.concatenate([np.zeros((0, 3), np.float32), *(m.colours for m in meshes)]),
     )
     return Packed(
         [record.id for record in records],
@@ -214,17 +221,28 @@ def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
     return kind, numbers
 
 
-def _mesh(record: GeometryRecord) -> tuple[Floats, NDArray[np.int64], NDArray[np.float32]]:
-    """Return vertices (v, 3) [m], triangles (f, 3) and their colours (f, 3); empty for others."""
+class _Facets(NamedTuple):
+    """Vertices (v, 3) [m], triangles (f, 3) of them and the colours (f, 3) of these."""
+
+    vertices: Floats
+    triangles: NDArray[np.int64]
+    colours: NDArray[np.float32]
+
+
+_NO_FACETS = _Facets(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.float32))
+
+
+def _mesh(record: GeometryRecord) -> _Facets:
+    """Return the facets of a mesh; none for others."""
     shape = record.shape
     if isinstance(shape, Mesh):
         vertices, triangles = shape.surface()
-        colours = facet_colours(shape._measures[0])
+        colours = facet_colours(shape._mesh)
     elif isinstance(shape, Convex):
         vertices, triangles = shape.hull_surface()
         colours = None
     else:
-        return _NO_MESH
+        return _NO_FACETS
     if (np.abs(vertices) > LARGEST_SIZE).any():
         raise GeometryError(
             f'{named(record)} reaches to {np.abs(vertices).max():g} m; images show sizes up to '
@@ -232,7 +250,4 @@ def _mesh(record: GeometryRecord) -> tuple[Floats, NDArray[np.int64], NDArray[np
         )
     if colours is None:
         colours = np.full((len(triangles), 3), -1.0, np.float32)
-    return np.ascontiguousarray(vertices), triangles, colours
-
-
-_NO_MESH = np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.float32)
+    return _Facets(np.ascontiguousarray(vertices), triangles, colours)

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from drake_geom_ros.common.children import ends_with_parent
+from drake_geom_ros.common.children import end, ends_with_parent
 
 _POLL = 0.05  # [s]
 _GRACE = 10.0  # [s] to end after being asked to
@@ -85,19 +85,7 @@ class ProcessGroup:
 
     def __exit__(self, *exception: object) -> None:
         for started in reversed(self._started.values()):
-            _end(started.process)
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a process by its pid: terminate, and kill where that does not help in time."""
-    for number in (signal.SIGTERM, signal.SIGKILL):
-        if process.poll() is not None:
-            return
-        process.send_signal(number)
-        try:
-            process.wait(_GRACE)
-        except subprocess.TimeoutExpired:
-            continue
+            end(started.process, _GRACE)
 
 
 def ros_environment() -> dict[str, str]:

@@ -1,13 +1,17 @@
 """What the demo leaves behind: results.csv, distances.png, closest.png and camera.png."""
 
+import csv
 from pathlib import Path
 
 from drake_geom_ros.ros.demo.camera import draw_camera
 from drake_geom_ros.ros.demo.picture import draw_closest
 from drake_geom_ros.ros.demo.plots import draw_distances
 from drake_geom_ros.ros.demo.recording import Recording, percentiles
-from drake_geom_ros.ros.demo.results_csv import write_results
 from drake_geom_ros.scene_files import SceneDescription
+
+COLUMNS = (
+    'time', 'geometry_a', 'geometry_b', 'distance', 'depth', 'error_bound', 'method', 'age'
+)  # fmt: skip
 
 
 def write_report(
@@ -41,3 +45,34 @@ def write_report(
         f'age of the answer p50 {age[0] * 1e3:.2f} ms, p99 {age[1] * 1e3:.2f} ms'
     )
     return said
+
+
+def write_results(recording: Recording, path: Path) -> int:
+    """Write the file and return the number of its rows.
+
+    ``time`` [s] counts from the first result; ``distance`` and ``error_bound`` [m] are those of
+    ~/signed_distances, ``depth`` [m] that of ~/penetrations for the same poses, empty where the
+    pair does not penetrate; ``method`` is a METHOD_* constant, ``age`` [s] the answer's.
+    """
+    rows = 0
+    with open(path, 'w', newline='', encoding='utf-8') as file:
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        for pairs in recording.pairs:
+            for k in range(len(pairs.distance)):
+                a, b = int(pairs.id_a[k]), int(pairs.id_b[k])
+                depth = recording.depth_of.get((pairs.time, a, b))
+                writer.writerow(
+                    [
+                        f'{pairs.time - recording.start:.4f}',
+                        recording.scene[a].full_name,
+                        recording.scene[b].full_name,
+                        f'{pairs.distance[k]:.9g}',
+                        '' if depth is None else f'{depth:.9g}',
+                        f'{pairs.error_bound[k]:.3g}',
+                        int(pairs.method[k]),
+                        f'{pairs.age:.6f}',
+                    ]
+                )
+                rows += 1
+    return rows

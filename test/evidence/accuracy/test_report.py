@@ -7,16 +7,14 @@ import pytest
 from matplotlib import image
 
 from drake_geom_ros.evidence.accuracy.diagrams import draw, draw_levels, drawn, level_names
-from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
+from drake_geom_ros.evidence.accuracy.results import COLUMNS, OURS, Measured, Setting, write_csv
 from drake_geom_ros.evidence.accuracy.samples import known
 from drake_geom_ros.evidence.accuracy.tables import (
-    COLUMNS,
     Circumstances,
     by_family,
     length,
     microseconds,
     readme,
-    write_csv,
 )
 from drake_geom_ros.evidence.bodies import Body
 

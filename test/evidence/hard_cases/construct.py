@@ -10,12 +10,12 @@ import itertools
 import numpy as np
 from oracles import body_truth as truth
 
-from drake_geom_ros.evidence.bodies import COUNTS, Body
+from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body, as_tuples
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.tolerances import EPS
 
-SOLIDS = ('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid', 'Convex')
+SOLIDS = (*BOUNDED, 'Convex')
 PAIRS = tuple(itertools.combinations_with_replacement(SOLIDS, 2))
 UNIQUE = 1e-3  # of the extent: gaps from here on have a normal worth storing
 
@@ -81,16 +81,12 @@ def sizes(kind, rng, scale=1.0):
 
 def hull_vertices(rng, scale=1.0, count=10):
     """Return points on a sphere, each a vertex of their hull."""
-    return rows(scale * random_directions(rng, count))
+    return as_tuples(scale * random_directions(rng, count))
 
 
 def box_vertices(size):
     """Return the corners of a box of a size."""
-    return rows(box_corners(size))
-
-
-def rows(points):
-    return tuple(map(tuple, points.tolist()))
+    return as_tuples(box_corners(size))
 
 
 def unit(v):

@@ -28,6 +28,7 @@ from evidence.hard_cases.construct import (
 )
 from evidence.hard_cases.solids import solids
 
+from drake_geom_ros.evidence.bodies import as_tuples
 from drake_geom_ros.evidence.hard_cases.cases import CATALOGUE, text_of
 from drake_geom_ros.evidence.random_bodies import random_rotation
 
@@ -162,7 +163,7 @@ def points(rng):
 def hulls(rng):
     """Hulls that hide something: boxes, coplanar and double points, slivers, prisms."""
     cube = box_vertices((1.0, 1.0, 1.0))
-    middles = tuple(map(tuple, np.vstack([np.eye(3), -np.eye(3)]) * 0.5))
+    middles = as_tuples(np.vstack([np.eye(3), -np.eye(3)]) * 0.5)
     tetrahedron = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     angles = np.arange(8) * np.pi / 4
     prism = tuple((float(np.cos(t)), float(np.sin(t)), z) for z in (-0.5, 0.5) for t in angles)

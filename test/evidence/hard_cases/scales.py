@@ -16,6 +16,7 @@ from evidence.hard_cases.construct import (
 )
 from oracles import body_truth as truth
 
+from drake_geom_ros.evidence.bodies import BOUNDED
 from drake_geom_ros.evidence.random_bodies import random_rotation
 
 
@@ -34,7 +35,7 @@ def _thin(kind, t):
 def slivers(rng):
     """Bodies as thin as 1e-2 to 1e-6 of their length, apart, touching and a little into others."""
     names = ('plate', 'rod', 'coin', 'wire', 'hair', 'pancake', 'needle')
-    others = itertools.cycle(('Sphere', 'Box', 'Capsule', 'Cylinder', 'Ellipsoid'))
+    others = itertools.cycle(BOUNDED)
     for name, t in itertools.product(names, (1e-2, 1e-4, 1e-6)):
         a = body(*_thin(name, t), random_rotation(rng))
         b = turned(rng, next(others))

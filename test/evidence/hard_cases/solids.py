@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 from evidence.hard_cases.construct import body, case, placing
 
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies import Body, as_tuples
 from drake_geom_ros.evidence.grids import (
     CORNER,
     CUBE,
@@ -90,7 +90,7 @@ def in_dents():
     yield 'cylinder through the hole of a ring', ring, rod, 0.125, X, -X, Y, -Y
     egg = body('Ellipsoid', (0.25, 0.125, 0.375), None, NOTCH)
     yield 'ellipsoid in the hole of a ring', ring, egg, 0.25, X, -X
-    points = tuple(map(tuple, (0.25 * np.vstack([np.eye(3), -np.eye(3)])).tolist()))
+    points = as_tuples(0.25 * np.vstack([np.eye(3), -np.eye(3)]))
     octahedron = body('Convex', points, None, NOTCH)
     yield 'octahedron in the notch of an L', notch, octahedron, 0.25, -X, -Y
     crossing = body('Box', (0.1, 8.0, 0.1), None, (1.5, 1.5, 1.5))

@@ -4,7 +4,7 @@ import copy
 
 import numpy as np
 import pytest
-from oracles.moving_pairs import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
+from oracles.shape_scenes import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue

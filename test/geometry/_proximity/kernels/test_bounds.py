@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.forms import signed_distance
+from oracles.forms import hull_of, signed_distance
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.surfaces import support_value_of
@@ -36,7 +36,7 @@ def test_a_hull_beside_its_origin(beside):
     rng = np.random.default_rng(1)
     for _ in range(6):
         vertices = rng.uniform(-0.1, 0.1, (8, 3)) + np.array([beside, 0.0, 0.0])
-        hull, ball = np.append(8.0, vertices.ravel()), np.array([0.1])
+        hull, ball = hull_of(vertices), np.array([0.1])
         R, p = random_rotation(rng), rng.uniform(-0.02, 0.02, 3)
         out = np.zeros(PAIR_WIDTH)
         bounding_interval(
@@ -107,7 +107,7 @@ def test_intervals_are_those_of_the_balls_inside_and_of_the_planes(kind):
 
 def test_the_vertex_towards_a_ball_bounds_from_above():
     corners = np.array(np.meshgrid(*[[-0.1, 0.1]] * 3)).T.reshape(-1, 3)
-    hull, ball, out = np.append(8.0, corners.ravel()), np.array([0.25]), np.zeros(PAIR_WIDTH)
+    hull, ball, out = hull_of(corners), np.array([0.25]), np.zeros(PAIR_WIDTH)
     bodies = Posed(CONVEX, hull, np.eye(3), 0.0), Posed(SPHERE, ball, np.eye(3), 0.25)
     p = np.array([2.0, 3.0, 6.0])
     upper = np.linalg.norm(p - 0.1) - 0.25

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import ALIGNED
+from oracles.forms import ALIGNED, hull_of
 from oracles.pairs import check, check_kernel, pair_of, turned
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
@@ -96,7 +96,7 @@ def test_a_hull_is_as_far_as_its_lowest_vertex(scale, far):
             random_rotation(rng),
             scale * far * rng.normal(size=3),
         )
-        shape, out = np.append(12.0, vertices.ravel()), np.zeros(PAIR_WIDTH)
+        shape, out = hull_of(vertices), np.zeros(PAIR_WIDTH)
         half_spaces.half_space_convex(
             HALF_SPACE, np.zeros(0), R_WA, CONVEX, shape, R_WB, p, 0.0, np.inf, out
         )

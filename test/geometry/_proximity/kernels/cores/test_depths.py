@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from oracles.core_pairs import core_pair
+from oracles.forms import hull_of
 
 from drake_geom_ros.geometry._proximity.kernels.cores import depths, normals, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import (
     Depth,
     Least,
     Minimum,
-    Pair,
     Touch,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
@@ -25,8 +26,7 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def _pair(kind_A, kind_B, R_WB=TURNED, p=(0.3, 0.1, 0.05)):
-    size_A, size_B = np.array(SIZES[kind_A]), np.array(SIZES[kind_B])
-    return Pair(kind_A, size_A, np.eye(3), kind_B, size_B, R_WB, p)
+    return core_pair(kind_A, SIZES[kind_A], np.eye(3), kind_B, SIZES[kind_B], R_WB, p)
 
 
 def _python(function):
@@ -191,10 +191,8 @@ def test_points_of_hulls_count_where_the_hulls_are_as_deep(monkeypatch, there, t
 def test_a_ring_that_contradicts_a_proven_depth_is_not_believed(monkeypatch):
     """A search may be wrong; EPA's polytope is in the difference, whatever that search says."""
     points = 1e-4 * np.random.default_rng(2).normal(size=(12, 3))
-    hull = np.append(float(len(points)), points.ravel())
-    pair = Pair(
-        CYLINDER, np.array([0.3, 0.9]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.1)
-    )
+    hull = hull_of(points)
+    pair = core_pair(CYLINDER, [0.3, 0.9], np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.1))
     asked, difference = [], sums.difference_of(pair)
 
     def of_ring(*_):

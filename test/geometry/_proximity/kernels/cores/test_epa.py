@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import signed_distance
+from oracles.core_pairs import core_pair
+from oracles.forms import ALIGNED, hull_of, signed_distance
 from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import epa
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -18,14 +18,12 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import SLIVER
 
-ALIGNED = np.eye(3)
 X = (1.0, 0.0, 0.0)
 
 
 def _grow(kind_A, shape_A, kind_B, shape_B, R_WB, p, tolerance=1e-9, most_vertices=400, n=None):
-    shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
-    size = np.abs(shape_A).sum() + np.abs(shape_B).sum() + np.linalg.norm(p)
-    pair = Pair(kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, tuple(map(float, p)))
+    pair = core_pair(kind_A, shape_A, ALIGNED, kind_B, shape_B, R_WB, p)
+    size = np.abs(pair.shape_A).sum() + np.abs(pair.shape_B).sum() + np.linalg.norm(p)
     return epa.depth_of_cores(
         *(pair, difference_of(pair), n or X, n is not None, size, tolerance, most_vertices)
     )
@@ -53,7 +51,7 @@ def test_cubes_end_exactly_overlapping_or_touching(p, depth, unique):
 def test_hulls_end_exactly():
     rng = np.random.default_rng(3)
     for _ in range(6):
-        hulls = [np.concatenate(([k], rng.normal(size=3 * k))) for k in (10, 16)]
+        hulls = [hull_of(rng.normal(size=(k, 3))) for k in (10, 16)]
         R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
         phi, _ = signed_distance(
             (CONVEX, hulls[0]), (ALIGNED, [0, 0, 0]), (CONVEX, hulls[1]), (R, p)
@@ -136,9 +134,7 @@ def test_flat_is_a_height_that_rounding_makes_at_any_size(corners, flat, power):
 @pytest.mark.parametrize('tilt', [0.1, 0.5, 1.0])
 def test_a_ring_is_three_directions_at_a_tilt_and_the_opposite_one(tilt):
     """The core of an ellipsoid (1, 1, 1/2) is that less a ball of 1/4 m: known point by point."""
-    pair = Pair(
-        ELLIPSOID, np.array([1.0, 1.0, 0.5]), ALIGNED, SPHERE, np.zeros(1), ALIGNED, (0.0,) * 3
-    )
+    pair = core_pair(ELLIPSOID, [1.0, 1.0, 0.5], ALIGNED, SPHERE, [0.0], ALIGNED, np.zeros(3))
     points = np.zeros((4, 9))
     epa.ring_points(pair, (0.0, 0.0, 1.0), tilt, points)
     np.testing.assert_allclose(points[0, :3], [0, 0, -0.25], atol=1e-15)
@@ -154,8 +150,8 @@ def test_first_points_are_far_from_one_another_in_every_direction(seed):
     """The farther of two sides is at least half the width of A - B away."""
     rng = np.random.default_rng(seed)
     corners = [rng.normal(size=(4, 3)) * [1.0, 1.0, 10.0**-k] for k in (0, 3)]
-    shapes = [np.concatenate(([4.0], each.ravel())) for each in corners]
-    pair = Pair(CONVEX, shapes[0], ALIGNED, CONVEX, shapes[1], ALIGNED, (0.0, 0.0, 0.0))
+    shapes = [hull_of(each) for each in corners]
+    pair = core_pair(CONVEX, shapes[0], ALIGNED, CONVEX, shapes[1], ALIGNED, np.zeros(3))
     difference = (corners[0][:, None] - corners[1][None]).reshape(-1, 3)
     n = rng.normal(size=3)
     n /= np.linalg.norm(n)
@@ -176,7 +172,7 @@ def test_first_points_are_far_from_one_another_in_every_direction(seed):
 def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
     rng = np.random.default_rng(seed)
     corners = [rng.normal(size=(k, 3)) for k in (8, 14)]
-    shapes = [np.concatenate(([len(each)], each.ravel())) for each in corners]
+    shapes = [hull_of(each) for each in corners]
     R, p = random_rotation(rng), 0.3 * rng.normal(size=3)
     upper, _, n, a, b, aside, _ = _grow(CONVEX, shapes[0], CONVEX, shapes[1], R, p, tolerance=0.0)
     assert aside <= 1e-12
@@ -188,8 +184,7 @@ def test_the_witnesses_of_overlapping_hulls_are_points_of_them(seed):
 
 def _cylinders():
     R = random_rotation(np.random.default_rng(5))
-    sizes = np.array([0.4, 0.5]), np.array([0.3, 0.6])
-    return Pair(CYLINDER, sizes[0], ALIGNED, CYLINDER, sizes[1], R, (0.3, 0.2, 0.1))
+    return core_pair(CYLINDER, [0.4, 0.5], ALIGNED, CYLINDER, [0.3, 0.6], R, (0.3, 0.2, 0.1))
 
 
 @pytest.mark.skipif(not config.DISABLE_JIT, reason='compiled, it calls no replacement')

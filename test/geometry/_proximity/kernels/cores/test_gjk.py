@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
-from oracles.forms import signed_distance
+from oracles.core_pairs import core_pair
+from oracles.forms import ALIGNED, hull_of, signed_distance
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import vectors
@@ -8,19 +9,16 @@ from drake_geom_ros.geometry._proximity.kernels.cores import gjk
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
-ALIGNED = np.eye(3)
-
 
 def _walk(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p, tolerance=0.0, cutoff=np.inf):
-    shape_A, shape_B = np.array(shape_A, dtype=float), np.array(shape_B, dtype=float)
-    size = np.abs(shape_A).max() + np.abs(shape_B).max() + np.linalg.norm(p)
-    pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, tuple(map(float, p)))
+    pair = core_pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
+    size = np.abs(pair.shape_A).max() + np.abs(pair.shape_B).max() + np.linalg.norm(p)
     n = tuple(np.array(p) / np.linalg.norm(p)) if np.any(p) else (1.0, 0.0, 0.0)
     return gjk.distance_of_cores(pair, n, size, tolerance, cutoff)
 
 
 def _hull(rng, count):
-    return np.concatenate(([count], rng.normal(size=3 * count)))
+    return hull_of(rng.normal(size=(count, 3)))
 
 
 def test_aligned_cubes_are_three_apart():

@@ -1,11 +1,10 @@
 """Hulls beside round bodies of any size: as narrow as promised, proven by planes, witnesses on."""
 
-import math
-
 import numpy as np
 import pytest
 from numba import config
-from oracles.almost_rings import widths
+from oracles.core_pairs import answer_of, circle, core_pair, widths
+from oracles.forms import hull_of
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -14,10 +13,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     NORMAL,
-    PAIR_WIDTH,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores import convex, gjk, hulls, sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores import gjk, hulls, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.revolution import rings
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -27,7 +24,6 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CYLINDER,
     ELLIPSOID,
 )
-from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 
 COUNT = 4 if config.DISABLE_JIT else 150
 KINDS = [BOX, CAPSULE, CYLINDER, ELLIPSOID]
@@ -36,22 +32,11 @@ KINDS = [BOX, CAPSULE, CYLINDER, ELLIPSOID]
 def _hull(rng, scale):
     stretch = scale * 10 ** rng.uniform(-1.5, 0, 3)
     points = random_directions(rng, rng.integers(4, 13)) * stretch
-    return points, np.concatenate(([len(points)], points.ravel()))
+    return points, hull_of(points)
 
 
 def _rotation(rng):
     return Rotation.random(random_state=rng.integers(1 << 31)).as_matrix()
-
-
-def _answer(pair, hint=None):
-    out = np.zeros(PAIR_WIDTH)
-    if hint is not None:
-        out[NORMAL : NORMAL + 3] = hint
-    radii = [bounding_radius(pair[0], pair[1]), bounding_radius(pair[3], pair[4])]
-    tolerance = 1e-9 * min(1, *radii)
-    convex.signed_distance_of_cores(*pair, tolerance, math.inf, out)
-    rounding = PROMISED_ROUNDING * EPS * (sum(radii) + np.linalg.norm(pair[6]))
-    return out, tolerance + rounding
 
 
 @pytest.mark.parametrize('kind', KINDS)
@@ -64,8 +49,8 @@ def test_bounds_are_as_narrow_as_promised_at_any_ratio_of_sizes(kind, hinted):
         radii = bounding_radius(kind, size), bounding_radius(CONVEX, hull)
         reach = rng.choice([0.3 * max(radii), sum(radii) * rng.uniform(0.3, 1.2), 3 * sum(radii)])
         p = reach * random_directions(rng, 1)[0]
-        pair = Pair(kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
-        out, promised = _answer(pair, random_directions(rng, 1)[0] if hinted else None)
+        pair = core_pair(kind, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        out, promised = answer_of(pair, random_directions(rng, 1)[0] if hinted else np.zeros(3))
         assert out[ERROR_BOUND] <= promised
         if out[DISTANCE] < 0.0:
             ns = np.vstack([random_directions(rng, 500), -out[NORMAL : NORMAL + 3]])
@@ -81,12 +66,12 @@ def test_a_speck_beside_a_capsule_is_apart_whatever_the_hint():
     """Their difference is a segment to rounding, and its faces are slivers without a side."""
     rng = np.random.default_rng(3)
     vertices = 1e-15 * rng.normal(size=(8, 3))
-    hull = np.concatenate(([8], vertices.ravel()))
+    hull = hull_of(vertices)
     size, R = np.array([2500.0, 1600.0]), _rotation(rng)
     p = R @ [0.0, 3000.0, 1500.0]
-    pair = (CAPSULE, size, R, CONVEX, hull, _rotation(rng), tuple(p))
+    pair = core_pair(CAPSULE, size, R, CONVEX, hull, _rotation(rng), p)
     for hint in random_directions(rng, 4 * COUNT):
-        out, _ = _answer(pair, hint)
+        out, _ = answer_of(pair, hint)
         assert out[DISTANCE] == pytest.approx(500.0, abs=out[ERROR_BOUND] + 1e-11)
 
 
@@ -109,7 +94,7 @@ def test_the_difference_of_edges_is_below_that_of_the_hulls_and_as_much_along_th
     for _ in range(10):
         size = _hull(rng, 1.0)[1] if kind == CONVEX else rng.uniform(0.1, 1.0, 3)
         pair = (kind, size, _rotation(rng), CONVEX, _hull(rng, 1.0)[1], _rotation(rng))
-        pair = Pair(*pair, tuple(rng.normal(size=3)))
+        pair = core_pair(*pair, rng.normal(size=3))
         ns = [tuple(n) for n in random_directions(rng, 50)]
         terms, _, last, r_A, r_B = difference = sums.difference_of_edges(pair, ns[0])
         assert (terms[sums.SEGMENT : last, sums.LENGTH] > 0.0).all()
@@ -135,13 +120,13 @@ def test_a_hull_in_a_cylinder_that_is_large_beside_it(ratio, scale):
         _, hull = _hull(rng, scale)
         size = np.array([0.3, 0.3 * ratio])
         p = tuple(rng.choice([0.0, 1e-12, scale]) * rng.normal(size=3))
-        pair = Pair(CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
+        pair = core_pair(CYLINDER, size, _rotation(rng), CONVEX, hull, _rotation(rng), p)
         complete, h, floor, n, unique = rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)
         assert complete
         assert h - 2e-15 <= floor <= h
-        u = pair[2][:, 2]
+        u = pair.R_WA[:, 2]
         turns = rng.uniform(0, 2 * np.pi, 3000)
-        ring = np.outer(np.cos(turns), pair[2][:, 0]) + np.outer(np.sin(turns), pair[2][:, 1])
+        ring = circle(*pair.R_WA.T[:2], turns)
         ns = np.vstack([random_directions(rng, 2000), ring, [u, -u, n]])
         there = widths(pair, ns)
         assert there[-1] == pytest.approx(h, abs=1e-15)
@@ -158,11 +143,10 @@ def test_a_tiny_hull_at_the_axis_of_a_capsule():
         _, hull = _hull(rng, scale)
         R_WA = _rotation(rng)
         p = 0.2 * scale * rng.normal() * R_WA[:, 0] + rng.uniform(-0.4, 0.4) * R_WA[:, 2]
-        pair = Pair(CAPSULE, np.array([0.2, 0.9]), R_WA, CONVEX, hull, _rotation(rng), p)
-        out, promised = _answer(pair)
+        pair = core_pair(CAPSULE, [0.2, 0.9], R_WA, CONVEX, hull, _rotation(rng), p)
+        out, promised = answer_of(pair)
         assert out[ERROR_BOUND] <= promised
-        across = np.outer(np.cos(angles), R_WA[:, 0]) + np.outer(np.sin(angles), R_WA[:, 1])
-        truth = widths(pair, across).min()
+        truth = widths(pair, circle(R_WA[:, 0], R_WA[:, 1], angles)).min()
         if truth > 0.2:  # the axis goes through it
             assert truth - 1e-3 * scale <= -out[DISTANCE] <= truth + promised
 
@@ -178,8 +162,8 @@ def test_a_tiny_hull_just_beside_the_axis_of_a_capsule():
         across, along = R_WA[:, 0], rng.uniform(-0.4, 0.4) * R_WA[:, 2]
         p = (gap - (vertices @ R_WB.T @ across).min()) * across + along
         size = np.array([0.2, 0.9])
-        pair = Pair(CAPSULE, size, R_WA, CONVEX, hull, R_WB, tuple(map(float, p)))
-        out, promised = _answer(pair)
+        pair = core_pair(CAPSULE, size, R_WA, CONVEX, hull, R_WB, p)
+        out, promised = answer_of(pair)
         assert out[ERROR_BOUND] <= promised
         assert -out[DISTANCE] <= 0.2 - gap + out[ERROR_BOUND]
 
@@ -195,12 +179,12 @@ def test_a_needle_along_the_axis_from_far_along_it(kind):
         R_WA = _rotation(rng)
         turn = Rotation.from_rotvec(10 ** rng.uniform(-12, -8) * rng.normal(size=3)).as_matrix()
         p = R_WA @ [*(1e-3 * thin * rng.normal(size=2)), rng.uniform(-3, 3)]
-        hull = np.concatenate(([4], vertices.ravel()))
+        hull = hull_of(vertices)
         R_WB = np.ascontiguousarray(R_WA @ turn)
-        pair = Pair(kind, np.array([0.003, 11.0]), R_WA, CONVEX, hull, R_WB, p)
-        out, _ = _answer(pair)
+        pair = core_pair(kind, [0.003, 11.0], R_WA, CONVEX, hull, R_WB, p)
+        out, _ = answer_of(pair)
         angles = np.linspace(0, 2 * np.pi, 4001)
-        ns = np.outer(np.cos(angles), R_WA[:, 0]) + np.outer(np.sin(angles), R_WA[:, 1])
+        ns = circle(R_WA[:, 0], R_WA[:, 1], angles)
         ns = np.vstack([ns, -out[NORMAL : NORMAL + 3]])
         least = widths(pair, ns / np.linalg.norm(ns, axis=1)[:, None]).min()
         assert abs(least + out[DISTANCE]) <= out[ERROR_BOUND] + 1e-3 * thin
@@ -208,7 +192,7 @@ def test_a_needle_along_the_axis_from_far_along_it(kind):
 
 def test_a_hull_that_fills_a_cylinder_is_left_to_others():
     hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel() * 0.2))
-    pair = Pair(
+    pair = core_pair(
         CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0)
     )
     assert not rings.least_of_hull_in_barrel(pair, 1e-15, 1e-16)[0]

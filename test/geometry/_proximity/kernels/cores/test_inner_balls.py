@@ -4,7 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from oracles.shape_scene import ShapeScene
+from oracles.core_pairs import core_pair, core_widths
+from oracles.forms import hull_of
+from oracles.shape_scenes import ShapeScene
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
@@ -13,11 +15,7 @@ from drake_geom_ros.geometry import (
     Cylinder,
     Ellipsoid,
 )
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.cores import inner_balls
-from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
-from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
@@ -32,17 +30,10 @@ GRID = np.linspace(-0.8, 0.8, 41)
 
 
 def pair_of(A, B, R_WA, R_WB, p):
-    return Pair(
+    return core_pair(
         *(A._type_number(), A._kernel_parameters(), R_WA),
-        *(B._type_number(), B._kernel_parameters(), R_WB, tuple(p)),
+        *(B._type_number(), B._kernel_parameters(), R_WB, p),
     )
-
-
-@compiled
-def width(pair, n):
-    """Return the width of the overlap along n."""
-    a, b = support_points(pair, n, 0.0)
-    return dot(sub(a, b), n)
 
 
 @pytest.mark.parametrize('A', SHAPES, ids=lambda shape: type(shape).__name__)
@@ -52,10 +43,7 @@ def test_no_point_is_deeper_than_any_width_of_the_overlap(A, B):
     for _ in range(10):
         p = rng.uniform(-0.2, 0.2, 3)
         pair = pair_of(A, B, random_rotation(rng), random_rotation(rng), p)
-        directions = random_directions(rng, 200)
-        least = math.inf
-        for n in directions:
-            least = min(least, width(pair, tuple(n)))
+        least = core_widths(pair, random_directions(rng, 200)).min()
         for c in rng.uniform(-0.3, 0.3, (20, 3)):
             assert inner_balls.depth_in_both(pair, tuple(c), 0.0)[0] <= least + 1e-15
         assert inner_balls.deepest(pair, (0.1, 0.0, 0.0), tuple(p), 1.0) <= least + 1e-15
@@ -128,12 +116,12 @@ def test_of_a_hull_the_deepest_vertex_is_told():
     rng = np.random.default_rng(2)
     for _ in range(20):
         vertices, R, R_hull = rng.normal(size=(5, 3)), random_rotation(rng), random_rotation(rng)
-        hull, p, shape = np.append(5.0, vertices.ravel()), rng.normal(size=3), np.ones(3)
+        hull, p, shape = hull_of(vertices), rng.normal(size=3), np.ones(3)
         seen = (p + vertices @ R_hull.T) @ R
         depths = [inner_balls.depth_of_point(BOX, shape, tuple(q), 0.0)[0] for q in seen]
         found = inner_balls.deepest_vertex(BOX, shape, R, hull, R_hull, tuple(p))
         assert found == pytest.approx(max(depths), abs=1e-14)
-        pair = Pair(BOX, shape, R, CONVEX, hull, R_hull, tuple(p))
+        pair = core_pair(BOX, shape, R, CONVEX, hull, R_hull, p)
         assert inner_balls.deepest(pair, (0.0, 0.0, 0.0), tuple(p), 1.0) == found
 
 

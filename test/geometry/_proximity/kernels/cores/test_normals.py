@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import PARAMETERS
+from oracles.core_pairs import core_pair, core_widths, random_core_pair
 
-from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
@@ -16,14 +15,6 @@ COUNT = 4 if config.DISABLE_JIT else 40
 NOISE = 1e-14
 
 
-def _random_pair(rng, kinds, reach):
-    sizes = [rng.uniform(0.3, 1.0, PARAMETERS[k]) for k in kinds]
-    R_WA, R_WB = random_rotation(rng), random_rotation(rng)
-    return Pair(
-        kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3) * reach)
-    )
-
-
 def _around(rng, n, angles):
     """Random directions at the given angles from n."""
     t = np.cross(n, rng.normal(size=(len(angles), 3)))
@@ -31,46 +22,41 @@ def _around(rng, n, angles):
     return np.cos(angles)[:, None] * np.array(n) + np.sin(angles)[:, None] * t
 
 
-def _widths(difference, directions):
-    terms, _, last, r_A, r_B = difference
-    return np.array([sums.width(terms, last, r_A + r_B, tuple(m)) for m in directions])
-
-
 def _minima(kinds, reach, seed):
     rng = np.random.default_rng(seed)
     for _ in range(COUNT):
-        pair = _random_pair(rng, kinds, reach)
+        pair = random_core_pair(rng, kinds, (0.3, 1.0), reach)
         difference = sums.difference_of(pair)
         n = sums.likely_normal(difference, (1.0, 0.0, 0.0))
         found = normals.nearby_minimum(difference, n, NOISE)
         if found[0] != normals.NOTHING:
-            yield rng, difference, found
+            yield rng, pair, difference, found
 
 
 @pytest.mark.parametrize('kinds', PAIRS)
 @pytest.mark.parametrize('reach', [0.2, 3.0])
 def test_it_is_a_minimum_and_its_feet_are_on_its_normal(kinds, reach):
     found_any = False
-    for rng, difference, found in _minima(kinds, reach, 1):
+    for rng, pair, difference, found in _minima(kinds, reach, 1):
         _, n, h, _ = found
         found_any = True
         a, b = sums.witness_points(difference, n)
         assert np.subtract(a, b) == pytest.approx(h * np.array(n), abs=1e-12)
-        assert h == pytest.approx(_widths(difference, [n])[0], abs=1e-14)
+        assert h == pytest.approx(core_widths(pair, n), abs=1e-14)
         near = _around(rng, n, 10 ** rng.uniform(-6, -3, 20))
-        assert _widths(difference, near).min() >= h - 1e-14
+        assert core_widths(pair, near).min() >= h - 1e-14
     assert found_any
 
 
 @pytest.mark.parametrize('kinds', PAIRS)
 def test_nothing_in_a_cap_is_nearer(kinds):
     widths = []
-    for rng, difference, found in _minima(kinds, 0.2, 2):
+    for rng, pair, difference, found in _minima(kinds, 0.2, 2):
         _, n, h, _ = found
         cap = caps.widest_cap(difference, found, 1e-12)
         widths.append(cap)
         inside = _around(rng, n, cap * rng.uniform(0, 1, 40) ** 2)
-        assert _widths(difference, inside).min() >= h - 1e-14
+        assert core_widths(pair, inside).min() >= h - 1e-14
     assert max(widths) >= 0.05
 
 
@@ -121,9 +107,7 @@ def test_what_an_earlier_search_leaned_on_is_forgotten():
 )
 def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
     """The width of two equal ellipsoids, one in the other, is least along the shortest axis."""
-    pair = Pair(
-        ELLIPSOID, np.array(size), np.eye(3), ELLIPSOID, np.array(size), np.eye(3), (0.0,) * 3
-    )
+    pair = core_pair(ELLIPSOID, size, np.eye(3), ELLIPSOID, size, np.eye(3), np.zeros(3))
     found = normals.nearby_minimum(sums.difference_of(pair), tuple(np.eye(3)[axis]), NOISE)
     assert found[0] == kind
 

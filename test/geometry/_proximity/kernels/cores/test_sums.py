@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.forms import PARAMETERS
+from oracles.core_pairs import random_core_pair
 
 from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk, sums, supports
@@ -12,17 +12,11 @@ KINDS = [supports.BOX, supports.CAPSULE, supports.CYLINDER, supports.ELLIPSOID]
 PAIRS = [(a, b) for a in KINDS for b in KINDS if (a, b) != (supports.BOX, supports.BOX)]
 
 
-def _pair(rng, kinds):
-    sizes = [rng.uniform(0.1, 1.0, PARAMETERS[k]) for k in kinds]
-    R_WA, R_WB = random_rotation(rng), random_rotation(rng)
-    return Pair(kinds[0], sizes[0], R_WA, kinds[1], sizes[1], R_WB, tuple(rng.normal(size=3)))
-
-
 @pytest.mark.parametrize('kinds', PAIRS)
 def test_width_and_feet_are_those_of_the_support_points(kinds):
     rng = np.random.default_rng(1)
     for _ in range(10):
-        pair, n = _pair(rng, kinds), tuple(random_directions(rng, 1)[0])
+        pair, n = random_core_pair(rng, kinds), tuple(random_directions(rng, 1)[0])
         terms, first, last, r_A, r_B = difference = sums.difference_of(pair)
         a, b = gjk.support_points(pair, n, 0.0)
         for k in range(sums.SEGMENT, last):
@@ -39,7 +33,7 @@ def test_width_and_feet_are_those_of_the_support_points(kinds):
 def test_bend_is_the_derivative(kind):
     rng = np.random.default_rng(2)
     for _ in range(10):
-        pair = _pair(rng, (kind, supports.CAPSULE))
+        pair = random_core_pair(rng, (kind, supports.CAPSULE))
         terms = sums.difference_of(pair)[0]
         e, f, n = random_rotation(rng)
         y, slope_e, slope_f, m_ee, m_ef, m_ff = sums.curvature(terms, sums.AXES_A, n, e, f)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.forms import PARAMETERS
+from oracles.forms import PARAMETERS, hull_of
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.surfaces import height_of, support_value_of
@@ -90,7 +90,7 @@ def test_right_angles_give_the_middle_only_when_asked():
 
 def test_a_hull_is_read_from_its_vertices():
     vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]])
-    shape = np.concatenate(([4.0], vertices.ravel()))
+    shape = hull_of(vertices)
     point = supports.support(supports.CONVEX, shape, np.eye(3), (0.0, 1.0, 0.0), 0.0)
     assert tuple(point) == (0.0, 2.0, 0.0)
     assert supports.bounding_radius(supports.CONVEX, shape) == 3.0

@@ -2,26 +2,16 @@
 
 import numpy as np
 import pytest
+from oracles.core_pairs import core_pair, turned
 
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels
 from drake_geom_ros.geometry._proximity.kinds import CYLINDER, ELLIPSOID
 
 
 def two_cylinders(sizes, tilt, p):
-    c, s = np.cos(tilt), np.sin(tilt)
-    R = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    pair = Pair(
-        CYLINDER,
-        np.array(sizes[0]),
-        np.eye(3),
-        CYLINDER,
-        np.array(sizes[1]),
-        R,
-        tuple(map(float, p)),
-    )
-    return sums.difference_of(pair)
+    R = turned((1, 0, 0), tilt)
+    return sums.difference_of(core_pair(CYLINDER, sizes[0], np.eye(3), CYLINDER, sizes[1], R, p))
 
 
 @pytest.mark.parametrize('p', [(0, 0, 0), (0.3, 0.1, -0.2), (0.9, 0.5, 0.4), (0, 1.5, 0.1)])
@@ -51,9 +41,8 @@ def test_cylinders_that_are_not_parallel_enough_are_left(floor, tried):
 
 def test_a_body_that_reaches_far_across_a_long_barrel_leaves_it_across():
     """The barrel is longer than the way across: 5 - 0.3 > 0.1 + 0.35."""
-    sizes = np.array([0.1, 5.0]), np.array([0.4, 0.35, 0.3])
-    pair = Pair(CYLINDER, sizes[0], np.eye(3), ELLIPSOID, sizes[1], np.eye(3), (0.0, 0.1, 0.0))
-    difference = sums.difference_of(pair)
+    pair = CYLINDER, [0.1, 5.0], np.eye(3), ELLIPSOID, [0.4, 0.35, 0.3], np.eye(3)
+    difference = sums.difference_of(core_pair(*pair, (0.0, 0.1, 0.0)))
     depth = 0.1 + 0.35 - 0.1 - 0.3 * 0.3 / 0.4  # the ball that the core of the ellipsoid is less
     start = (0.0, 1.0, 0.0)
     found = barrels.least_in_long_barrel(

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from numba import config
+from oracles.core_pairs import core_pair, core_widths, ring, turned
 from oracles.pairs import random_pairs
 
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import circles
 from drake_geom_ros.geometry._proximity.kernels.revolution.circles import BORDER
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
@@ -16,82 +16,61 @@ COUNT = 4 if config.DISABLE_JIT else 30
 ENOUGH, NOISE = 1e-10, 1e-15
 
 
-def _difference(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p):
-    pair = Pair(
-        kind_A, np.array(size_A), R_WA, kind_B, np.array(size_B), R_WB, tuple(map(float, p))
-    )
-    return sums.difference_of(pair)
+ALL_AROUND = np.linspace(0, 2 * np.pi, 20001)
 
 
-def _directions(e, count=20001):
-    x = np.cross(e, [1.0, 0, 0] if abs(e[0]) < 0.9 else [0, 1.0, 0])
-    x /= np.linalg.norm(x)
-    angles = np.linspace(0, 2 * np.pi, count)
-    return np.outer(np.cos(angles), x) + np.outer(np.sin(angles), np.cross(e, x))
-
-
-def _widths(difference, ns):
-    terms, _, last, r_A, r_B = difference
-    h = -ns @ terms[0, :3] - r_A - r_B
-    for k in range(sums.SEGMENT, last):
-        h += abs(ns @ terms[k, :3])
-    for axes in (sums.AXES_A, sums.AXES_B):
-        h += np.linalg.norm(ns @ terms[axes : axes + 3, :3].T, axis=1)
-    return h
-
-
-def _search(difference, e, n):
-    h = float(_widths(difference, np.array([n]))[0])
+def _search(pair, e, n):
+    h = core_widths(pair, n)
     arcs = np.empty((circles.MOST_ARCS, circles.ARC_WIDTH))
     kinks = np.empty((circles.MOST_KINKS, 4))
     best = tuple(n), h, circles.NO_CAP, True, h
     return circles.least_on_circle(
-        difference, tuple(e), best, 0.0, ENOUGH, NOISE, arcs, kinks
+        sums.difference_of(pair), tuple(e), best, 0.0, ENOUGH, NOISE, arcs, kinks
     )  # fmt: skip
 
 
 @pytest.mark.parametrize('kind', [BOX, CAPSULE, CYLINDER])
 def test_no_direction_of_the_circle_is_better(kind):
     for pair in random_pairs(np.random.default_rng(7), (kind, CYLINDER), COUNT):
-        difference = _difference(*pair.a.form, pair.a.R, *pair.b.form, pair.b.R, 0.3 * pair.b.p)
         e = pair.b.R[:, 2]
-        ns = _directions(e)
-        complete, (n, h, _, _, floor) = _search(difference, e, ns[0])
+        pair = core_pair(*pair.a.form, pair.a.R, *pair.b.form, pair.b.R, 0.3 * pair.b.p)
+        ns = ring(e, ALL_AROUND)
+        complete, (n, h, _, _, floor) = _search(pair, e, ns[0])
         assert complete
-        assert h == pytest.approx(float(_widths(difference, np.array([n]))[0]), abs=1e-14)
+        assert h == pytest.approx(core_widths(pair, n), abs=1e-14)
         if h > 0:
-            assert _widths(difference, ns).min() >= min(floor, h) - 1e-14
+            assert core_widths(pair, ns).min() >= min(floor, h) - 1e-14
 
 
 @pytest.mark.parametrize('tilt', [0.0, 1e-14, 1e-11, 1e-9, 1e-6, 1e-3])
 @pytest.mark.parametrize('aside', [0.0, 1e-12, 1e-6])
 def test_an_almost_ring_takes_few_arcs(tilt, aside):
     # The first kink, a product of almost parallel vectors, once was 1e-6 off the circle.
-    c, s = np.cos(tilt), np.sin(tilt)
-    R = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    difference = _difference(
+    R = turned((1, 0, 0), tilt)
+    pair = core_pair(
         CAPSULE, [0.25, 0.7], np.eye(3), CYLINDER, [0.3, 0.45], R, (aside, 0, 0.1)
     )  # fmt: skip
-    ns = _directions(R[:, 2])
-    complete, (_, h, _, _, floor) = _search(difference, R[:, 2], ns[17])
+    ns = ring(R[:, 2], ALL_AROUND)
+    complete, (_, h, _, _, floor) = _search(pair, R[:, 2], ns[17])
     assert complete
     assert h - floor <= ENOUGH
-    assert abs(_widths(difference, ns).min() - h) <= ENOUGH + 1e-14
+    assert abs(core_widths(pair, ns).min() - h) <= ENOUGH + 1e-14
 
 
 def test_all_of_a_circle_across_the_line_of_centres_is_looked_at():
     # On it p . n is rounding, and the whole circle was once left out for its sign.
     R = np.array([[-1, 0, 0], [0, -0.6, 0.8], [0, 0.8, 0.6]])
     p = 0.01 * R[:, 2]
-    difference = _difference(CAPSULE, [0.25, 0.5], R, CYLINDER, [0.25, 0.02], np.eye(3), p)
-    complete, (n, h, _, _, floor) = _search(difference, R[:, 2], (1.0, 0.0, 0.0))
+    pair = core_pair(CAPSULE, [0.25, 0.5], R, CYLINDER, [0.25, 0.02], np.eye(3), p)
+    complete, (n, h, _, _, floor) = _search(pair, R[:, 2], (1.0, 0.0, 0.0))
     assert complete
     assert h == pytest.approx(0.25 * 0.6 + 0.02 * 0.8 - abs(np.dot(n, p)), abs=1e-15)
     assert floor == pytest.approx(h, abs=1e-10)
 
 
 def test_kinks_come_in_turn():
-    pair = Pair(BOX, np.ones(3), np.eye(3), CYLINDER, np.ones(2), np.eye(3)[[1, 2, 0]], (1.0,) * 3)
+    R = np.eye(3)[[1, 2, 0]]
+    pair = core_pair(BOX, np.ones(3), np.eye(3), CYLINDER, np.ones(2), R, np.ones(3))
     terms, _, last, _, _ = sums.difference_of(pair)
     kinks = np.empty((circles.MOST_KINKS, 4))
     count = circles.kinks_on_circle(terms, last, (0.0, 0.0, 1.0), kinks)
@@ -103,12 +82,10 @@ def test_kinks_come_in_turn():
 
 @pytest.mark.parametrize('tilt', [0.0, 1e-15, 1e-10, 0.3])
 def test_no_arc_is_wider_than_a_right_angle(tilt):
-    c, s = np.cos(tilt), np.sin(tilt)
-    R = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+    R = turned((1, 0, 0), tilt)
     for kind, size in ((CAPSULE, [0.1, 1.0]), (CYLINDER, [0.1, 1.0]), (BOX, [1.0, 2.0, 3.0])):
-        terms, _, last, _, _ = _difference(
-            kind, size, np.eye(3), CYLINDER, [0.2, 1.0], R, (0, 0, 0)
-        )  # fmt: skip
+        pair = core_pair(kind, size, np.eye(3), CYLINDER, [0.2, 1.0], R, (0, 0, 0))
+        terms, _, last, _, _ = sums.difference_of(pair)
         kinks = np.empty((circles.MOST_KINKS, 4))
         count = circles.kinks_on_circle(terms, last, tuple(R[:, 2]), kinks)
         ns = kinks[:count, :3]
@@ -132,9 +109,9 @@ def test_an_arc_without_curvature_has_its_chord_and_a_round_one_its_ends():
 
 
 def test_the_largest_radius_is_that_of_the_ellipse_seen_along_the_circles_axis():
-    sphere = _difference(
+    sphere = sums.difference_of(core_pair(
         5, [3.0, 2.0, 1.0], np.eye(3), CYLINDER, [0.5, 1.0], np.eye(3), (0, 0, 0)
-    )  # fmt: skip
+    ))  # fmt: skip
     seen = circles.largest_radius(sphere[0], (0.0, 0.0, 1.0))
     assert seen == pytest.approx(9 / 2 + 0.5, rel=1e-13)
     assert circles.largest_radius(sphere[0], (1.0, 0.0, 0.0)) == np.inf
@@ -177,9 +154,9 @@ def test_an_arc_that_reaches_at_its_end_or_within_but_for_rounding_is_kept(flip)
 @pytest.mark.parametrize('height', [0.0, 5.0, -5.0])
 def test_only_arcs_on_the_side_of_p_are_taken_and_none_where_p_is_short(height):
     """Of p only the part across e counts, 0.25 m along x here; arcs end at x and y."""
-    difference = _difference(
+    difference = sums.difference_of(core_pair(
         BOX, [1.0, 1.0, 1.0], np.eye(3), CYLINDER, [0.5, 1.0], np.eye(3), (0.25, 0.0, height)
-    )  # fmt: skip
+    ))  # fmt: skip
     arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
     kinks = np.empty((circles.MOST_KINKS, 4))
     for reach, taken in ((-1.0, 4), (0.1, 2), (0.2, 2), (0.3, 0)):
@@ -202,10 +179,10 @@ def test_a_better_direction_elsewhere_is_alone_if_that_before_is_clearly_worse()
     """An ellipse that is thin at 35 degrees, from x on, where an arc ends."""
     c, s = np.cos(np.radians(35.0)), np.sin(np.radians(35.0))
     R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    difference = _difference(
+    pair = core_pair(
         ELLIPSOID, [0.2, 0.3, 0.4], R, CYLINDER, [0.2, 1.0], np.eye(3), R @ [0.05, 0.0, 0.0]
     )
-    complete, (n, h, _, unique, floor) = _search(difference, np.eye(3)[2], np.eye(3)[0])
+    complete, (n, h, _, unique, floor) = _search(pair, np.eye(3)[2], np.eye(3)[0])
     assert complete
     assert floor >= h - ENOUGH
     assert n == pytest.approx(R[:, 0], abs=1e-6)

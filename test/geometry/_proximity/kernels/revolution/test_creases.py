@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.case_laws import radius_of_core
+from oracles.core_pairs import core_pair
 from oracles.pairs import random_pairs
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
@@ -19,8 +19,8 @@ NOISE = 1e-15
 
 
 def _least(pair, start=(1.0, 0.0, 0.0)):
-    arguments = *pair.a.form, pair.a.R, *pair.b.form, pair.b.R, tuple(pair.b.p)
-    return creases.least_on_creases(sums.difference_of(arguments), start, 1e-12, NOISE)
+    pair = core_pair(*pair.a.form, pair.a.R, *pair.b.form, pair.b.R, pair.b.p)
+    return creases.least_on_creases(sums.difference_of(pair), start, 1e-12, NOISE)
 
 
 @pytest.mark.parametrize('kind', [BOX, CAPSULE])
@@ -52,8 +52,7 @@ def test_the_start_does_not_matter():
     [((0.4, 0.0, 0.0), 0.35, True), ((0.4, 0.4, 0.0), 0.35, False), ((0.0, 0.0, 0.7), 0.8, False)],
 )
 def test_a_rod_through_a_cube(p, depth, unique):
-    identity, size = np.eye(3), (np.full(3, 0.5), np.array([0.25, 1.0]))
-    pair = Pair(BOX, size[0], identity, CYLINDER, size[1], identity, p)
+    pair = core_pair(BOX, [0.5, 0.5, 0.5], np.eye(3), CYLINDER, [0.25, 1.0], np.eye(3), p)
     difference = sums.difference_of(pair)
     complete, h, _, _, is_unique = creases.least_on_creases(difference, (0, 0, 1.0), 1e-9, NOISE)
     assert complete
@@ -66,9 +65,7 @@ def test_a_stuck_peg(swap):
     # Issue 12: the plane n proves a depth of at most 0.416, and 0.5 was reported within 4e-15.
     R = np.array([[-1, 0, 0], [0, -0.6, 0.8], [0, 0.8, 0.6]])
     p = swap * np.array([0, 0.008, 0.006])
-    pair = Pair(
-        CAPSULE, np.array([0.25, 0.5]), R, CYLINDER, np.array([0.25, 0.02]), np.eye(3), tuple(p)
-    )
+    pair = core_pair(CAPSULE, [0.25, 0.5], R, CYLINDER, [0.25, 0.02], np.eye(3), p)
     for start in np.vstack([np.eye(3), -np.eye(3)]):
         complete, h, floor, n, _ = creases.least_on_creases(
             sums.difference_of(pair), tuple(start), 1e-10, NOISE
@@ -93,7 +90,7 @@ def test_an_end_of_a_box_almost_on_the_face_of_a_cylinder():
     rng = np.random.default_rng(0)
     for _ in range(4 * COUNT):
         R = random_rotation(rng)
-        pair = Pair(BOX, half, R @ turn, CYLINDER, size, R, tuple(R @ p))
+        pair = core_pair(BOX, half, R @ turn, CYLINDER, size, R, R @ p)
         difference = sums.difference_of(pair)
         for start in rng.normal(size=(5, 3)):
             n = tuple(start / np.linalg.norm(start))
@@ -121,7 +118,7 @@ def test_the_balls_in_two_cores_are_as_wide_as_these_are_thin(kinds, radius, tur
         CYLINDER: np.roll([0.3, 0.7], turn),
     }
     pair = [(kind, sizes[kind], np.eye(3)) for kind in kinds]
-    terms, first, last, _, _ = sums.difference_of(Pair(*pair[0], *pair[1], (0.0, 0.0, 0.0)))
+    terms, first, last, _, _ = sums.difference_of(core_pair(*pair[0], *pair[1], np.zeros(3)))
     found = creases.inner_radius(terms, sums.SEGMENT, first, sums.AXES_A)
     found += creases.inner_radius(terms, first, last, sums.AXES_B)
     assert found == pytest.approx(radius, abs=1e-16)

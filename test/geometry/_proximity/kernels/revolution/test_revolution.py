@@ -1,14 +1,12 @@
 import numpy as np
 import pytest
-from oracles.forms import signed_distance
+from oracles.core_pairs import core_pair, radius_of
+from oracles.forms import ALIGNED, signed_distance
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.revolution import revolution
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 
-ALIGNED = np.eye(3)
 BODIES = [
     (CAPSULE, [0.05, 0.4]),
     (CYLINDER, [0.25, 0.4]),
@@ -19,14 +17,10 @@ BODIES = [
 
 
 def _depth(a, R_WA, b, R_WB, p, tolerance=1e-9):
-    a, b = ((kind, np.array(size)) for kind, size in (a, b))
-    pair = Pair(*a, R_WA, *b, R_WB, tuple(p))
+    pair = core_pair(*a, R_WA, *b, R_WB, p)
     u, move = revolution.common_axis(pair)
-    size = a[1].sum() + b[1].sum() + np.linalg.norm(p)
-    return (
-        revolution.depth_of_revolution(pair, u, move, size, tolerance),
-        core_radius(*a) + core_radius(*b),
-    )
+    size = pair.shape_A.sum() + pair.shape_B.sum() + np.linalg.norm(p)
+    return revolution.depth_of_revolution(pair, u, move, size, tolerance), radius_of(pair)
 
 
 @pytest.mark.parametrize('a', BODIES)

@@ -5,7 +5,18 @@ import math
 import numpy as np
 import pytest
 from numba import config
-from oracles.almost_rings import almost_coaxial, directions, turned, widths
+from oracles.core_pairs import (
+    almost_coaxial,
+    answer_of,
+    circle,
+    core_pair,
+    core_widths,
+    directions,
+    ring,
+    turned,
+    widths,
+)
+from oracles.forms import hull_of
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -14,12 +25,11 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     PAIR_WIDTH,
     UNIQUE,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sums, supports
+from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, rings, slices
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
-from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING, SAME_DIRECTION
+from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 COUNT = 3 if config.DISABLE_JIT else 60
 KINDS = [
@@ -31,22 +41,12 @@ KINDS = [
 ]
 
 
-def _answer(pair):
-    """Return the row of a pair and the promised bound of it."""
-    radii = [bounding_radius(pair[0], pair[1]), bounding_radius(pair[3], pair[4])]
-    tolerance = 1e-9 * min(1, *radii)
-    out = np.zeros(PAIR_WIDTH)
-    convex.signed_distance_of_cores(*pair, tolerance, math.inf, out)
-    rounding = PROMISED_ROUNDING * EPS * (sum(radii) + np.linalg.norm(pair[6]))
-    return out, tolerance + rounding
-
-
 @pytest.mark.parametrize('kinds', KINDS)
 def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
     rng = np.random.default_rng(12)
     for _ in range(COUNT):
         pair = almost_coaxial(rng, kinds)
-        out, promised = _answer(pair)
+        out, promised = answer_of(pair)
         depth, bound = -out[DISTANCE], out[ERROR_BOUND]
         assert bound <= promised
         n = -out[NORMAL : NORMAL + 3]
@@ -60,11 +60,9 @@ def test_bounds_hold_and_are_as_narrow_as_promised(kinds):
 @pytest.mark.parametrize('size', [1e-8, 1e-4, 1e-2])
 def test_a_tiny_body_in_the_middle_of_a_cylinder(size):
     # Out sideways: the barrel's radius, and how deep the plane of the body's projection is.
-    pair = Pair(
-        CYLINDER, np.array([0.2, 0.3]), np.eye(3),
-        ELLIPSOID, size * np.array([1.0, 2.0, 3.0]), np.eye(3), np.array([1e-3 * size, 0, 0]),
-    )  # fmt: skip
-    out, promised = _answer(pair)
+    small, p = size * np.array([1.0, 2.0, 3.0]), (1e-3 * size, 0.0, 0.0)
+    pair = core_pair(CYLINDER, [0.2, 0.3], np.eye(3), ELLIPSOID, small, np.eye(3), p)
+    out, promised = answer_of(pair)
     assert out[ERROR_BOUND] <= promised
     assert out[DISTANCE] == pytest.approx(-(0.2 + size - 1e-3 * size), abs=promised)
 
@@ -76,19 +74,15 @@ def test_a_tiny_ellipsoid_at_the_axis_of_a_capsule():
         size = 10 ** rng.uniform(-7, -2) * rng.uniform(0.5, 2.0, 3)
         R_WA, R_WB = (turned(rng.normal(size=3), rng.uniform(0, 3)) for _ in range(2))
         p = rng.uniform(-0.2, 0.2) * size[0] * R_WA[:, 0] + rng.uniform(-0.4, 0.4) * R_WA[:, 2]
-        pair = Pair(CAPSULE, np.array([0.2, 0.9]), R_WA, ELLIPSOID, size, R_WB, p)
-        out, promised = _answer(pair)
+        pair = core_pair(CAPSULE, [0.2, 0.9], R_WA, ELLIPSOID, size, R_WB, p)
+        out, promised = answer_of(pair)
         assert out[ERROR_BOUND] <= promised
-        across = np.outer(np.cos(angles), R_WA[:, 0]) + np.outer(np.sin(angles), R_WA[:, 1])
-        truth = widths(pair, across).min()
+        truth = widths(pair, circle(R_WA[:, 0], R_WA[:, 1], angles)).min()
         assert truth - 1e-6 * size.max() <= -out[DISTANCE] <= truth + promised
 
 
 def _in_short_barrel(radii):
-    pair = Pair(
-        CYLINDER, np.array([0.3, 0.2]), np.eye(3),
-        ELLIPSOID, np.array(radii), np.eye(3), (0.0, 0.0, 0.0),
-    )  # fmt: skip
+    pair = core_pair(CYLINDER, [0.3, 0.2], np.eye(3), ELLIPSOID, radii, np.eye(3), np.zeros(3))
     return barrels.least_in_long_barrel(
         sums.difference_of(pair), sums.SEGMENT, sums.AXES_A, (1.0, 0.0, 0.0), 0.301, 1e-10, 1e-15
     )
@@ -112,20 +106,17 @@ def test_a_barrel_that_is_short_beside_what_is_in_it_is_left():
 def test_a_small_body_in_a_barrel_against_all_directions(half):
     rng = np.random.default_rng(4)
     for _ in range(COUNT):
-        pair = Pair(
-            CYLINDER, np.array([0.2, half]), np.eye(3),
-            ELLIPSOID, 0.01 * rng.uniform(0.2, 1.0, 3), turned(rng.normal(size=3), 1.0),
-            tuple(0.01 * rng.normal(size=3)),
-        )  # fmt: skip
+        small, R = 0.01 * rng.uniform(0.2, 1.0, 3), turned(rng.normal(size=3), 1.0)
+        p = 0.01 * rng.normal(size=3)
+        pair = core_pair(CYLINDER, [0.2, half], np.eye(3), ELLIPSOID, small, R, p)
         difference = sums.difference_of(pair)
         complete, h, floor, n, _ = barrels.least_in_long_barrel(
             difference, sums.SEGMENT, sums.AXES_A, (1.0, 0.0, 0.0), 1.0, 1e-12, 1e-15
         )
         if complete:
-            core = supports.core_radius(ELLIPSOID, pair[4])
             ns = np.vstack([directions(rng, pair, np.array(n)), np.eye(3), -np.eye(3)])
-            assert widths(pair, ns).min() - core >= floor - 1e-15
-            assert widths(pair, np.array([n]))[0] - core == pytest.approx(h, abs=1e-14)
+            assert core_widths(pair, ns).min() >= floor - 1e-15
+            assert core_widths(pair, n) == pytest.approx(h, abs=1e-14)
 
 
 def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
@@ -135,44 +126,26 @@ def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
         CYLINDER, np.array([1.0, 0.5]), turned([0, 1, 0], math.pi / 2),
         np.array([0.4999999999999992, 0.9999999999999983, 0.5000000000000003]),
     )  # fmt: skip
-    out, _ = _answer(pair)
+    out, _ = answer_of(pair)
     assert np.linalg.norm(out[NORMAL : NORMAL + 3]) == pytest.approx(1.0, abs=1e-14)
 
 
 @pytest.mark.parametrize('tilt', [1e-12, 1e-8, 1e-4, 0.05])
 def test_cylinders_in_each_other_almost_parallel(tilt):
     R = turned([1, 2, 0], tilt)
-    pair = Pair(
-        CYLINDER,
-        np.array([0.3, 0.9]),
-        np.eye(3),
-        CYLINDER,
-        np.array([0.2, 0.8]),
-        R,
-        (0.0, 0.0, 0.1),
-    )
+    pair = core_pair(CYLINDER, [0.3, 0.9], np.eye(3), CYLINDER, [0.2, 0.8], R, (0.0, 0.0, 0.1))
     difference = sums.difference_of(pair)
     start = (1.0, 0.0, 0.0)
     complete, h, floor, n, _ = barrels.least_of_barrels(difference, start, 0.4, 1e-10, 1e-15)
     assert complete
     assert h - 1e-10 <= floor <= h
     rng = np.random.default_rng(1)
-    assert (
-        widths((*pair[:6], np.array(pair[6])), directions(rng, pair, np.array(n))).min() >= floor
-    )
+    assert widths(pair, directions(rng, pair, np.array(n))).min() >= floor
 
 
 def test_cylinders_too_far_from_parallel_are_left_to_others():
     R = turned([1, 2, 0], 0.9)
-    pair = Pair(
-        CYLINDER,
-        np.array([0.3, 0.9]),
-        np.eye(3),
-        CYLINDER,
-        np.array([0.2, 0.8]),
-        R,
-        (0.0, 0.0, 0.1),
-    )
+    pair = core_pair(CYLINDER, [0.3, 0.9], np.eye(3), CYLINDER, [0.2, 0.8], R, (0.0, 0.0, 0.1))
     start = (1.0, 0.0, 0.0)
     found = barrels.least_of_barrels(sums.difference_of(pair), start, 0.4, 1e-10, 1e-15)
     assert not found.complete
@@ -183,12 +156,9 @@ def test_bends_between_half_planes_hold():
     rng = np.random.default_rng(2)
     for _ in range(COUNT):
         pair = almost_coaxial(rng, (CYLINDER, ELLIPSOID))
-        difference = sums.difference_of(Pair(*pair[:6], tuple(pair[6])))
-        u, flat, steep = slices.roundest_axis(difference)
-        x = np.cross(u, [1, 0, 0] if abs(u[0]) < 0.9 else [0, 1, 0])
-        x /= np.linalg.norm(x)
+        u, flat, steep = slices.roundest_axis(sums.difference_of(pair))
         angles, step = np.linspace(0, 2 * np.pi, 400, retstep=True)
-        e = np.outer(np.cos(angles), x) + np.outer(np.sin(angles), np.cross(u, x))
+        e = ring(u, angles)
         for c in rng.uniform(-1, 1, 8):
             h = widths(pair, math.sqrt(1 - c * c) * e + c * np.array(u))
             bend = (h[2:] - 2 * h[1:-1] + h[:-2]) / step**2
@@ -196,8 +166,8 @@ def test_bends_between_half_planes_hold():
 
 
 def test_a_plane_that_no_search_chose_guards_what_it_found():
-    pair = CYLINDER, np.array([0.3, 0.9]), np.eye(3), CYLINDER, np.array([0.2, 0.1]), np.eye(3)
-    difference = sums.difference_of(Pair(*pair, (0.0, 0.0, 0.9)))
+    pair = CYLINDER, [0.3, 0.9], np.eye(3), CYLINDER, [0.2, 0.1], np.eye(3)
+    difference = sums.difference_of(core_pair(*pair, (0.0, 0.0, 0.9)))
     # Out along the axis: 0.9 + 0.1 - 0.9. A floor above that was proven by nothing.
     assert depths.guarded(difference, 0.4, 1e-15) == pytest.approx(0.1, abs=1e-15)
     assert depths.guarded(difference, 0.1 - 1e-12, 1e-15) == 0.1 - 1e-12
@@ -206,10 +176,7 @@ def test_a_plane_that_no_search_chose_guards_what_it_found():
 def test_a_small_box_in_an_ellipsoid_from_any_hint():
     # Half planes through the axis tell nothing of a box: its edges are not along it.
     R = turned([1, 0, 0], math.atan2(4, 3))
-    pair = Pair(
-        BOX, np.array([2e-5, 1.5e-5, 1e-5]), R,
-        ELLIPSOID, np.array([1.0, 0.1, 0.1]), R, np.zeros(3),
-    )  # fmt: skip
+    pair = core_pair(BOX, [2e-5, 1.5e-5, 1e-5], R, ELLIPSOID, [1.0, 0.1, 0.1], R, np.zeros(3))
     rng = np.random.default_rng(3)
     for _ in range(COUNT):
         out = np.zeros(PAIR_WIDTH)
@@ -223,7 +190,7 @@ def test_the_least_of_two_vertices_on_an_arc_against_all_of_it():
     while seen < 50:
         R, (x, y) = turned(rng.normal(size=3), 2.0), rng.normal(size=(2, 3))
         angles = rng.uniform(0, 6) + np.linspace(0, rng.uniform(0.1, 1.57), 2001)
-        ns = np.outer(np.cos(angles), R[:, 0]) + np.outer(np.sin(angles), R[:, 1])
+        ns = circle(R[:, 0], R[:, 1], angles)
         along = -ns @ np.array([x, y]).T
         if along[0, 0] < along[0, 1] or along[-1, 1] < along[-1, 0]:
             continue  # each is extreme at its end
@@ -253,8 +220,8 @@ def test_the_least_of_two_ends_of_a_needle_is_across_the_axis():
 
 def test_a_search_about_a_barrel_that_comes_to_no_end_says_so():
     """No cut is ever as low as this noise asks for."""
-    hull = np.append(3.0, 0.01 * np.eye(3))
-    pair = Pair(CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0,) * 3)
+    hull = hull_of(0.01 * np.eye(3))
+    pair = core_pair(CYLINDER, [0.3, 0.3], np.eye(3), CONVEX, hull, np.eye(3), (0.0,) * 3)
     found = rings.least_of_hull_in_barrel(pair, 1e-15, -1.0)
     assert not found.complete
     assert found.floor == -math.inf

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from oracles.almost_rings import turned, widths
+from oracles.core_pairs import core_pair, core_widths, turned
 
-from drake_geom_ros.geometry._proximity.kernels.cores import sums, supports
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import circles, slices
 from drake_geom_ros.geometry._proximity.kinds import CYLINDER, ELLIPSOID
 
@@ -19,15 +18,8 @@ SIZES = np.array([0.31, 0.3, 0.6]), np.array([0.2, 0.2, 0.5])
 
 def _pair(angle, aside, along=0.0):
     """Return a pair turned about z, B being ``aside`` on the shortest axis of A."""
-    R = np.ascontiguousarray(turned(Z, angle))
-    p = R @ [0.0, aside, along]
-    return Pair(ELLIPSOID, SIZES[0], R, ELLIPSOID, SIZES[1], R, tuple(p))
-
-
-def _h(pair, ns):
-    """Return the support values of the difference of the cores along (m, 3) unit vectors."""
-    radii = [supports.core_radius(ELLIPSOID, size) for size in SIZES]
-    return widths((*pair[:6], np.array(pair[6])), np.atleast_2d(ns)) - sum(radii)
+    R = turned(Z, angle)
+    return core_pair(ELLIPSOID, SIZES[0], R, ELLIPSOID, SIZES[1], R, R @ [0.0, aside, along])
 
 
 @pytest.mark.parametrize('long', range(3))
@@ -35,11 +27,11 @@ def _h(pair, ns):
 def test_the_roundest_axis_is_that_of_the_least_bends(long, which):
     """Of one that is round about its longest axis, beside one that is almost a ball."""
     rng = np.random.default_rng(1)
-    R = [np.ascontiguousarray(turned(rng.normal(size=3), 1.0)) for _ in range(2)]
+    R = [turned(rng.normal(size=3), 1.0) for _ in range(2)]
     sizes = [np.array([0.4, 0.41, 0.42]), np.roll([0.5, 0.1, 0.1], long)]
     if which == 0:
         R, sizes = R[::-1], sizes[::-1]
-    pair = Pair(ELLIPSOID, sizes[0], R[0], ELLIPSOID, sizes[1], R[1], (0.0, 0.0, 0.0))
+    pair = core_pair(ELLIPSOID, sizes[0], R[0], ELLIPSOID, sizes[1], R[1], np.zeros(3))
     difference = sums.difference_of(pair)
     u, flat, steep = slices.roundest_axis(difference)
     assert abs(np.dot(u, R[which][:, long])) == pytest.approx(1.0, abs=1e-14)
@@ -47,9 +39,8 @@ def test_the_roundest_axis_is_that_of_the_least_bends(long, which):
 
 
 def test_the_axis_of_a_segment_is_the_roundest():
-    size = np.array([0.3, 0.5])
-    R = np.ascontiguousarray(turned((1, 2, 3), 1.0))
-    pair = Pair(CYLINDER, size, R, ELLIPSOID, SIZES[0], np.eye(3), (0.0, 0.0, 0.0))
+    R = turned((1, 2, 3), 1.0)
+    pair = core_pair(CYLINDER, [0.3, 0.5], R, ELLIPSOID, SIZES[0], np.eye(3), np.zeros(3))
     u, *_ = slices.roundest_axis(sums.difference_of(pair))
     assert u == pytest.approx(R[:, 2], abs=1e-15)
 
@@ -67,7 +58,7 @@ def test_a_half_plane_holds_if_its_least_less_the_bend_is_not_below(along, uniqu
     t = np.linspace(-math.pi / 2, math.pi / 2, 40001)
     ns = np.outer(np.cos(t), e) + np.outer(np.sin(t), Z)
     less = (bends[0] + abs(np.sin(t)) * bends[1]) * span**2 / 8
-    least = float((_h(pair, ns) - less).min())
+    least = float((core_widths(pair, ns) - less).min())
     for above, holds in ((-1e-6, True), (1e-6, False)):
         arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
         h = least + above
@@ -78,7 +69,7 @@ def test_a_half_plane_holds_if_its_least_less_the_bend_is_not_below(along, uniqu
         if holds:
             assert h - ENOUGH <= floor <= least + 1e-12
         else:
-            there = _h(pair, m)[0] - (bends[0] + abs(m[2]) * bends[1]) * span**2 / 8
+            there = core_widths(pair, m) - (bends[0] + abs(m[2]) * bends[1]) * span**2 / 8
             assert there < h + 2.0 * ENOUGH * unique
             assert abs(np.dot(np.cross(e, Z), m)) < 1e-15
         assert np.isnan(arcs[24:]).all()  # a polygon that grows where it is lowest needs few
@@ -90,7 +81,7 @@ def test_the_best_is_not_compared_with_itself_in_a_cell_within_the_border(width,
     """In a wider one there may be other directions: it fails at once, as long as best is alone."""
     pair, n = _pair(0.0, 0.1), (0.0, 1.0, 0.0)
     difference, span = sums.difference_of(pair), width * circles.BORDER
-    best, bends = (n, _h(pair, n)[0], unique), slices.largest_curvatures(difference[0], Z)
+    best, bends = (n, core_widths(pair, n), unique), slices.largest_curvatures(difference[0], Z)
     arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
     held, _, m = slices.slice_holds(difference, Z, n, span, bends, best, 1e-5, arcs)
     assert held == (width < 1.0 or not unique)
@@ -100,8 +91,8 @@ def test_the_best_is_not_compared_with_itself_in_a_cell_within_the_border(width,
 
 @pytest.mark.parametrize('side', [1.0, -1.0])
 def test_where_a_half_plane_is_least_on_the_axis_the_bend_counts_in_full(side):
-    disks = [(ELLIPSOID, np.array([r + 0.01, r, 0.1]), np.eye(3)) for r in (0.3, 0.2)]
-    difference = sums.difference_of(Pair(*disks[0], *disks[1], (0.0, 0.0, 0.05 * side)))
+    disks = [(ELLIPSOID, [r + 0.01, r, 0.1], np.eye(3)) for r in (0.3, 0.2)]
+    difference = sums.difference_of(core_pair(*disks[0], *disks[1], (0.0, 0.0, 0.05 * side)))
     span, bends = 0.3, (0.1, 0.5)
     least = 0.15 - (0.1 + 0.5) * span**2 / 8 - difference.r_A - difference.r_B
     for above, holds in ((-1e-6, True), (1e-6, False)):
@@ -116,8 +107,8 @@ def test_where_a_half_plane_is_least_on_the_axis_the_bend_counts_in_full(side):
 @pytest.mark.parametrize('side', [1.0, -1.0])
 def test_the_low_end_of_a_half_plane_is_looked_at_at_once(side):
     """The segment of a cylinder makes a kink across the axis: h rises from there on both sides."""
-    pair = CYLINDER, np.array([0.3, 0.5]), np.eye(3), ELLIPSOID, SIZES[1], np.eye(3)
-    difference = sums.difference_of(Pair(*pair, (0.0, 0.1, 0.0)))
+    pair = CYLINDER, [0.3, 0.5], np.eye(3), ELLIPSOID, SIZES[1], np.eye(3)
+    difference = sums.difference_of(core_pair(*pair, (0.0, 0.1, 0.0)))
     e = (0.0, side, 0.0)
     h = 0.3 + 0.2 - 0.1 * side - 0.2 * 0.2 / 0.5 + 1e-6
     arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
@@ -143,7 +134,7 @@ def test_the_low_end_of_a_half_plane_is_looked_at_at_once(side):
 def test_a_better_direction_is_taken_and_one_as_good_elsewhere_is_told(above, far, unique):
     pair = _pair(0.0, 0.1)
     m = (0.0, 1.0, 0.0)
-    h = _h(pair, m)[0]
+    h = core_widths(pair, m)
     n = X if far else (1e-3, math.sqrt(1.0 - 1e-6), 0.0)
     found = slices.bettered(sums.difference_of(pair), (n, h + above, True), m, ENOUGH, NOISE)
     assert found[2] == unique
@@ -152,13 +143,13 @@ def test_a_better_direction_is_taken_and_one_as_good_elsewhere_is_told(above, fa
 
 def test_the_least_is_found_from_another_minimum():
     pair = _pair(3.4, 1e-3)
-    start = tuple(-pair[2][:, 1])
+    start = tuple(-pair.R_WA[:, 1])
     found = slices.least_over_slices(
-        sums.difference_of(pair), start, _h(pair, start)[0], 1e-5, NOISE
+        sums.difference_of(pair), start, core_widths(pair, start), 1e-5, NOISE
     )
-    best = pair[2][:, 1]
+    best = pair.R_WA[:, 1]
     assert found.complete
-    assert found.h == pytest.approx(_h(pair, best)[0], abs=1e-14)
+    assert found.h == pytest.approx(core_widths(pair, best), abs=1e-14)
     assert found.h - 1e-5 <= found.floor <= found.h
     assert found.n == pytest.approx(best, abs=1e-6)
     assert found.unique

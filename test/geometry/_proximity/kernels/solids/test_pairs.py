@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from numba import config
-from oracles.forms import HERE, body, row_of
+from oracles.forms import HERE, PARAMETERS, body, row_of
 from oracles.pairs import check_row
 from oracles.solids import parts_gap, solid
 
@@ -47,8 +47,7 @@ def random_body(rng, kind):
         points = MeshData(rng.normal(size=(12, 3)) * rng.uniform(0.1, 0.6))
         vertices = hull_vertices(points, np.ones(3))
         return Body('Convex', vertices, R)
-    count = {SPHERE: 1, BOX: 3, CAPSULE: 2, CYLINDER: 2, ELLIPSOID: 3}[kind]
-    return body((kind, 0.8 * 10 ** rng.uniform(-1.3, 0, count)), R)
+    return body((kind, 0.8 * 10 ** rng.uniform(-1.3, 0, PARAMETERS[kind])), R)
 
 
 def random_pairs(kind, seed, count=COUNT):

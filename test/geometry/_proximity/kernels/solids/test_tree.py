@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from oracles.forms import kernel_form
+from oracles.forms import hull_of, kernel_form
 from oracles.solids import solid
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
@@ -24,7 +24,7 @@ def test_the_box_of_a_core_touches_it_on_every_side(kind, size):
 
 def test_the_box_of_a_hull_is_between_its_ends():
     vertices = np.random.default_rng(1).normal(size=(7, 3))
-    box = tree.box_of_core(CONVEX, np.append(7.0, vertices.ravel()))
+    box = tree.box_of_core(CONVEX, hull_of(vertices))
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     np.testing.assert_allclose(box.middle, (low + high) / 2, atol=1e-15)
     np.testing.assert_allclose(box.half, (high - low) / 2, atol=1e-15)

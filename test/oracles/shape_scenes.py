@@ -1,6 +1,6 @@
-"""Two shapes on frames that move: the derivative of their distance by differences."""
+"""Scenes of public shapes; of two that move, the derivative of their distance by differences."""
 
-from types import SimpleNamespace as Plain
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -16,6 +16,7 @@ from drake_geom_ros.geometry import (
     HalfSpace,
     MeshData,
     ProximityProperties,
+    Shape,
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RotationMatrix
@@ -57,21 +58,57 @@ def moved(X, V, t):
     return RigidTransform(RotationMatrix(R), X.translation() + t * np.asarray(V[3:]))
 
 
-class MovingPair(BodyScene):
-    """Shapes A and B, each off the origin of its frame, and a context of them."""
+class _Posed(NamedTuple):
+    """What a scene wants to know of a body."""
+
+    shape: Shape
+    pose: RigidTransform
+    properties: ProximityProperties
+
+
+class ShapeScene(BodyScene):
+    """Shapes, each on a frame of its own but the anchored ones, with a context and its query.
+
+    ``anchored`` holds a shape and X_WG each; meshes are solids where ``solid`` is given.
+    """
+
+    def __init__(self, *shapes, anchored=(), solid=None):
+        properties = ProximityProperties()
+        if solid is not None:
+            properties.AddProperty('mesh', 'solid', solid)
+        bodies = [(shape, RigidTransform()) for shape in shapes]
+        moving, standing = (
+            [_Posed(shape, X_WG, properties) for shape, X_WG in some]
+            for some in (bodies, anchored)
+        )
+        super().__init__(moving, standing)
+        self.context = self.graph.CreateDefaultContext()
+        self.query = self.asked(self.context)
+
+    def posed(self, *poses):
+        """Pose the frames, each by a position or a RigidTransform, and return the scene."""
+        poses = [p if isinstance(p, RigidTransform) else RigidTransform(p) for p in poses]
+        self.pose(self.context, poses)
+        return self
+
+    def pair(self, *poses, accuracy='exact'):
+        """Return the distance of the two shapes that there are, at poses."""
+        query = self.posed(*poses).query
+        return query.ComputeSignedDistancePairClosestPoints(*self.ids, accuracy=accuracy)
+
+
+class MovingPair(ShapeScene):
+    """Shapes A and B, each off the origin of its frame."""
 
     def __init__(self, A, B, X_FaA=None, X_FbB=None, solid=False):
         """``solid``: a mesh counts as the body within its surface, not as its hull."""
-        super().__init__(())
-        properties = ProximityProperties()
-        if solid:
-            properties.AddProperty('mesh', 'solid', True)
-        offsets = [X_FaA or RigidTransform([0.1, -0.2, 0.3]), X_FbB or RigidTransform([0, 0.2, 0])]
-        for shape, X_FG in zip((A, B), offsets, strict=True):
-            self._add(Plain(shape=shape, properties=properties), X_FG)
-        self.context = self.graph.CreateDefaultContext()
-        self.query = self.asked(self.context)
+        X_FaA = X_FaA or RigidTransform([0.1, -0.2, 0.3])
+        self._X_FGs = iter((X_FaA, X_FbB or RigidTransform([0, 0.2, 0])))
+        super().__init__(A, B, solid=solid or None)
         self.place(RigidTransform(), RigidTransform())
+
+    def _add(self, body):
+        super()._add(body, next(self._X_FGs))
 
     def place(self, X_WA, X_WB):
         """Pose both frames."""
