@@ -34,7 +34,7 @@ STEP = 4.0  # from grid to grid
 ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
 GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number those of grid 0
-BODIES, GRIDS, MASK = 0, 1, 2  # of ``counts``
+BODIES, GRIDS, MASK, STEP_Y, STEP_Z = 0, 1, 2, 3, 4  # of ``counts``
 LOWER, UPPER = 0, 3  # columns of ``bounds``, 3 each
 # Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
 FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
@@ -48,7 +48,9 @@ class Boxes(NamedTuple):
     cells: Cells  # (n, 4) the cell along x, y and z, and its GRID
     starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
     grids: Integers  # (MOST_GRIDS,) those that are in use
-    counts: Integers  # (3,) of bodies and of grids; one less than the number of buckets
+    # (5,) of bodies and of grids; one less than the number of buckets; buckets from one cell to
+    # the next along y and z
+    counts: Integers
     width: Reals  # (1,) of the cells of grid 0 [m]
     # While boxes are put in, in the order of the rows that are given.
     widths: Reals  # (n,) the largest of each [m]
@@ -65,7 +67,7 @@ def room_for(count: int) -> Boxes:
         cells=np.zeros((count, 4), dtype=np.int64),
         starts=np.zeros(buckets + 1, dtype=np.int64),
         grids=np.zeros(MOST_GRIDS, dtype=np.int64),
-        counts=np.zeros(3, dtype=np.int64),
+        counts=np.zeros(5, dtype=np.int64),
         width=np.zeros(1),
         widths=np.zeros(count),
         found=np.zeros((count, 4), dtype=np.int64),
@@ -74,11 +76,11 @@ def room_for(count: int) -> Boxes:
 
 
 @inlined
-def _bucket(x, y, z, grid, mask):  # type: ignore[no-untyped-def]
-    """Return the bucket of a cell: rows along x are mixed, in a row one follows the other."""
+def _bucket(counts, x, y, z, grid):  # type: ignore[no-untyped-def]
+    """Return the bucket of a cell: in a row along x one follows the other."""
     low = 0x1FFFFF  # products of more digits would overflow
-    row = ((y & low) * 19349663) ^ ((z & low) * 83492791) ^ (grid * 6151)
-    return (row + x) & mask
+    row = (y & low) * counts[STEP_Y] + (z & low) * counts[STEP_Z] + grid * 6151
+    return (row + x) & counts[MASK]
 
 
 @inlined
@@ -86,13 +88,14 @@ def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
     """Tell whether two boxes share a point."""
     # Unsigned numbers: the test for negative ones takes as long as the comparison.
     a, b = np.uint64(a), np.uint64(b)
+    # Without branches, of which each but the last would be guessed wrong as often as not.
     return (
-        bounds_a[a, LOWER] <= bounds_b[b, UPPER]
-        and bounds_b[b, LOWER] <= bounds_a[a, UPPER]
-        and bounds_a[a, LOWER + 1] <= bounds_b[b, UPPER + 1]
-        and bounds_b[b, LOWER + 1] <= bounds_a[a, UPPER + 1]
-        and bounds_a[a, LOWER + 2] <= bounds_b[b, UPPER + 2]
-        and bounds_b[b, LOWER + 2] <= bounds_a[a, UPPER + 2]
+        (bounds_a[a, LOWER] <= bounds_b[b, UPPER])
+        & (bounds_b[b, LOWER] <= bounds_a[a, UPPER])
+        & (bounds_a[a, LOWER + 1] <= bounds_b[b, UPPER + 1])
+        & (bounds_b[b, LOWER + 1] <= bounds_a[a, UPPER + 1])
+        & (bounds_a[a, LOWER + 2] <= bounds_b[b, UPPER + 2])
+        & (bounds_b[b, LOWER + 2] <= bounds_a[a, UPPER + 2])
     )
 
 
@@ -130,21 +133,43 @@ def _half(p_WGs, half_extents, paddings, g, c):  # type: ignore[no-untyped-def]
 
 @compiled
 def _choose_width(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
-    """Set the width of cells, and of each box; return the farthest coordinate [m]."""
+    """Set the width of cells, and of each box; return the least and largest coordinates [m]."""
     total, farthest, base = 0.0, 0.0, 0.0
+    least, largest = (math.inf, math.inf, math.inf), (-math.inf, -math.inf, -math.inf)
     for k in range(rows.size):
         g, widest = rows[k], 0.0
+        x, y, z = p_WGs[g, 0], p_WGs[g, 1], p_WGs[g, 2]
+        least = min(least[0], x), min(least[1], y), min(least[2], z)
+        largest = max(largest[0], x), max(largest[1], y), max(largest[2], z)
         for c in range(3):
             widest = max(widest, _half(p_WGs, half_extents, paddings, g, c))
-            farthest = max(farthest, abs(p_WGs[g, c]))
         boxes.widths[k] = min(2.0 * widest, WIDEST)
         total += boxes.widths[k]
     for k in range(rows.size):
         if boxes.widths[k] * rows.size <= ORDINARY * total:
             base = max(base, boxes.widths[k])
+    for c in range(3):
+        farthest = max(farthest, -least[c], largest[c])
     width = LOOSE * base + FARTHEST_CELL * farthest
     boxes.width[0] = width if width > 0.0 else 1.0
-    return farthest
+    return least, largest, farthest
+
+
+@inlined
+def _choose_steps(boxes, least, largest, mask):  # type: ignore[no-untyped-def]
+    """Choose how far rows of cells are from one another among the buckets.
+
+    Where there is a bucket for each cell of the room that the bodies are in, rows stand in order:
+    what is near is near in memory. Otherwise they are mixed.
+    """
+    width = boxes.width[0]
+    nx = math.floor(largest[0] / width) - math.floor(least[0] / width) + 1.0
+    ny = math.floor(largest[1] / width) - math.floor(least[1] / width) + 1.0
+    nz = math.floor(largest[2] / width) - math.floor(least[2] / width) + 1.0
+    boxes.counts[MASK] = mask
+    boxes.counts[STEP_Y], boxes.counts[STEP_Z] = 19349663, 83492791
+    if nx * ny * nz <= mask + 1.0:
+        boxes.counts[STEP_Y], boxes.counts[STEP_Z] = int(nx), int(nx * ny)
 
 
 @inlined
@@ -160,10 +185,10 @@ def _finest(boxes, box, farthest):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _find_cells(boxes, rows, p_WGs, farthest, mask):  # type: ignore[no-untyped-def]
+def _find_cells(boxes, rows, p_WGs, farthest):  # type: ignore[no-untyped-def]
     """Find the cell and the bucket of each, and count those in each bucket at its place."""
     used = 0
-    boxes.starts[: mask + 2] = 0
+    boxes.starts[: boxes.counts[MASK] + 2] = 0
     for k in range(rows.size):
         grid = _finest(boxes, boxes.widths[k], farthest)
         used = _grid_of(boxes.grids, used, grid)
@@ -171,10 +196,11 @@ def _find_cells(boxes, rows, p_WGs, farthest, mask):  # type: ignore[no-untyped-
         for c in range(3):
             boxes.found[k, c] = math.floor(p_WGs[rows[k], c] / width)
         boxes.found[k, GRID] = grid
-        bucket = _bucket(boxes.found[k, 0], boxes.found[k, 1], boxes.found[k, 2], grid, mask)
+        x, y, z = boxes.found[k, 0], boxes.found[k, 1], boxes.found[k, 2]
+        bucket = _bucket(boxes.counts, x, y, z, grid)
         boxes.buckets[k] = bucket
         boxes.starts[bucket] += 1
-    boxes.counts[BODIES], boxes.counts[GRIDS], boxes.counts[MASK] = rows.size, used, mask
+    boxes.counts[BODIES], boxes.counts[GRIDS] = rows.size, used
 
 
 @compiled
@@ -186,8 +212,9 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
     size = 1
     while size < 2 * rows.size:
         size *= 2
-    farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
-    _find_cells(boxes, rows, p_WGs, farthest, size - 1)
+    least, largest, farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
+    _choose_steps(boxes, least, largest, size - 1)
+    _find_cells(boxes, rows, p_WGs, farthest)
     total = 0
     for bucket in range(size + 1):
         total += boxes.starts[bucket]
@@ -223,7 +250,7 @@ def _among(A, a, B, first, last, skipped, n, codes, count):  # type: ignore[no-u
     return count
 
 
-@compiled
+@inlined
 def _in_row(A, a, B, bucket, cells, skipped, n, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in some cells along x, the first of which has a bucket."""
     over = bucket + cells - 1 - B.counts[MASK]
@@ -246,14 +273,14 @@ def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
     return np.floor(lower / width), np.floor(upper / width)
 
 
-@compiled
+@inlined
 def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in a grid."""
     width = _width_of(B, grid)
     x_0, x_1 = _cells_along(A, a, 0, width)
     y_0, y_1 = _cells_along(A, a, 1, width)
     z_0, z_1 = _cells_along(A, a, 2, width)
-    mask, bodies = B.counts[MASK], B.counts[BODIES]
+    bodies = B.counts[BODIES]
     if not (x_1 - x_0 + 1.0) * (y_1 - y_0 + 1.0) * (z_1 - z_0 + 1.0) <= bodies:
         for b in range(bodies):
             if B.cells[b, GRID] == grid:
@@ -261,7 +288,7 @@ def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untype
         return count
     for y in range(int(y_0), int(y_1) + 1):
         for z in range(int(z_0), int(z_1) + 1):
-            bucket, cells = _bucket(int(x_0), y, z, grid, mask), int(x_1 - x_0) + 1
+            bucket, cells = _bucket(B.counts, int(x_0), y, z, grid), int(x_1 - x_0) + 1
             count = _in_row(A, a, B, bucket, cells, skipped, n, codes, count)
     return count
 
@@ -273,17 +300,17 @@ def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def
     ``nobody`` is empty, and handed over: as a constant it would be of another type than
     ``skipped`` elsewhere, and everything below would be compiled twice.
     """
-    cells, mask = boxes.cells, boxes.counts[MASK]
+    cells, counts = boxes.cells, boxes.counts
     for a in range(boxes.counts[BODIES]):
         x, y, z, grid = cells[a, 0], cells[a, 1], cells[a, 2], cells[a, GRID]
         # Of its own cell those that stand behind it, and the next cell.
-        bucket = _bucket(x, y, z, grid, mask)
+        bucket = _bucket(counts, x, y, z, grid)
         last = boxes.starts[bucket + 1]
         count = _among(boxes, a, boxes, a + 1, last, nobody, n, codes, count)
-        after = (bucket + 1) & mask
+        after = (bucket + 1) & counts[MASK]
         count = _in_row(boxes, a, boxes, after, 1, nobody, n, codes, count)
         for k in range(FORWARD.shape[0]):
-            bucket = _bucket(x - 1, y + FORWARD[k, 0], z + FORWARD[k, 1], grid, mask)
+            bucket = _bucket(counts, x - 1, y + FORWARD[k, 0], z + FORWARD[k, 1], grid)
             count = _in_row(boxes, a, boxes, bucket, 3, nobody, n, codes, count)
         for k in range(boxes.counts[GRIDS]):
             if boxes.grids[k] > grid:
