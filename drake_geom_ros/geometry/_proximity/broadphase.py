@@ -33,6 +33,7 @@ WIDEST = 1e300  # [m] cells wider than this hold every coordinate that there is,
 STEP = 4.0  # from grid to grid
 ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
+MOST_BUCKETS = 2**21
 GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number those of grid 0
 BODIES, GRIDS, MASK, STEP_Y, STEP_Z = 0, 1, 2, 3, 4  # of ``counts``
 LOWER, UPPER = 0, 3  # columns of ``bounds``, 3 each
@@ -78,7 +79,7 @@ def room_for(count: int) -> Boxes:
 @inlined
 def _bucket(counts, x, y, z, grid):  # type: ignore[no-untyped-def]
     """Return the bucket of a cell: in a row along x one follows the other."""
-    low = 0x1FFFFF  # products of more digits would overflow
+    low = MOST_BUCKETS - 1  # products of more digits would overflow
     row = (y & low) * counts[STEP_Y] + (z & low) * counts[STEP_Z] + grid * 6151
     return (row + x) & counts[MASK]
 
@@ -210,7 +211,7 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
     Paddings (n,) [m] are for every side, one for each row of the world.
     """
     size = 1
-    while size < 2 * rows.size:
+    while size < min(2 * rows.size, MOST_BUCKETS):
         size *= 2
     least, largest, farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
     _choose_steps(boxes, least, largest, size - 1)
@@ -300,19 +301,21 @@ def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def
     ``nobody`` is empty, and handed over: as a constant it would be of another type than
     ``skipped`` elsewhere, and everything below would be compiled twice.
     """
-    cells, counts = boxes.cells, boxes.counts
-    for a in range(boxes.counts[BODIES]):
-        x, y, z, grid = cells[a, 0], cells[a, 1], cells[a, 2], cells[a, GRID]
-        # Of its own cell those that stand behind it, and the next cell.
-        bucket = _bucket(counts, x, y, z, grid)
-        last = boxes.starts[bucket + 1]
+    cells, counts, starts = boxes.cells, boxes.counts, boxes.starts
+    mask, bodies = counts[MASK], counts[BODIES]
+    for a in range(bodies):
+        grid = cells[a, GRID]
+        bucket = _bucket(counts, cells[a, 0], cells[a, 1], cells[a, 2], grid)
+        # Those behind it in its own cell, and the next cell, which begins where that one ends.
+        last = starts[np.uint64(min(bucket + 2, mask + 1))]
         count = _among(boxes, a, boxes, a + 1, last, nobody, n, codes, count)
-        after = (bucket + 1) & counts[MASK]
-        count = _in_row(boxes, a, boxes, after, 1, nobody, n, codes, count)
+        if bucket == mask:
+            count = _among(boxes, a, boxes, 0, starts[1], nobody, n, codes, count)
         for k in range(FORWARD.shape[0]):
-            bucket = _bucket(counts, x - 1, y + FORWARD[k, 0], z + FORWARD[k, 1], grid)
-            count = _in_row(boxes, a, boxes, bucket, 3, nobody, n, codes, count)
-        for k in range(boxes.counts[GRIDS]):
+            aside = FORWARD[k, 0] * counts[STEP_Y] + FORWARD[k, 1] * counts[STEP_Z]
+            row = (bucket - 1 + aside) & mask
+            count = _in_row(boxes, a, boxes, row, 3, nobody, n, codes, count)
+        for k in range(counts[GRIDS]):
             if boxes.grids[k] > grid:
                 count = _in_grid(boxes, a, boxes, boxes.grids[k], nobody, n, codes, count)
     return count
