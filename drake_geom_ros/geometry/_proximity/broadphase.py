@@ -101,11 +101,15 @@ def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def put_code(codes, count, i, j, n):  # type: ignore[no-untyped-def]
-    """Append the code of a pair; beyond the room only count it."""
-    if count < codes.size:
-        codes[count] = min(i, j) * n + max(i, j)
-    return count + 1
+def put_code(codes, count, i, j, n, kept):  # type: ignore[no-untyped-def]
+    """Append the code of a pair if it is ``kept``; return how many there are then.
+
+    There is no branch, which for a pair of neighbours would be guessed wrong too often. So the
+    last place of the codes, of which there is one at least, is for those that are not kept, and
+    for those that there is no room for.
+    """
+    codes[np.uint64(min(count, codes.size - 1))] = min(i, j) * n + max(i, j)
+    return count + kept
 
 
 @inlined
@@ -164,9 +168,9 @@ def _choose_steps(boxes, least, largest, mask):  # type: ignore[no-untyped-def]
     what is near is near in memory. Otherwise they are mixed.
     """
     width = boxes.width[0]
-    nx = math.floor(largest[0] / width) - math.floor(least[0] / width) + 1.0
-    ny = math.floor(largest[1] / width) - math.floor(least[1] / width) + 1.0
-    nz = math.floor(largest[2] / width) - math.floor(least[2] / width) + 1.0
+    nx = np.floor(largest[0] / width) - np.floor(least[0] / width) + 1.0
+    ny = np.floor(largest[1] / width) - np.floor(least[1] / width) + 1.0
+    nz = np.floor(largest[2] / width) - np.floor(least[2] / width) + 1.0
     boxes.counts[MASK] = mask
     boxes.counts[STEP_Y], boxes.counts[STEP_Z] = 19349663, 83492791
     if nx * ny * nz <= mask + 1.0:
@@ -235,12 +239,11 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
 @inlined
 def _put_pair(A, a, B, b, skipped, n, codes, count):  # type: ignore[no-untyped-def]
     """Append the pair of two boxes if they overlap, are not of one body, and b is not skipped."""
-    if not _overlap(A.bounds, a, B.bounds, b):
-        return count
-    i, j = A.rows[a], B.rows[b]
-    if i == j or (skipped.size > 0 and skipped[j]):
-        return count
-    return put_code(codes, count, i, j, n)
+    i, j = A.rows[np.uint64(a)], B.rows[np.uint64(b)]
+    kept = _overlap(A.bounds, a, B.bounds, b) & (i != j)
+    if skipped.size > 0:
+        kept = kept & (not skipped[j])
+    return put_code(codes, count, i, j, n, kept)
 
 
 @inlined

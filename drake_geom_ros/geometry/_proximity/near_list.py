@@ -72,7 +72,7 @@ class NearList:
             nobody=np.zeros(0, dtype=np.bool_),
             found=codes,
             sorting=codes.copy(),
-            resting=none,
+            resting=np.zeros(1, dtype=np.int64),
             codes=none,
             pairs=np.zeros((0, 2), dtype=np.int64),
             slots=none,
@@ -168,7 +168,7 @@ class NearList:
     def make_room(self, lacking: int) -> None:
         """Make room for what ``list_making`` tells that it lacks; nothing that is held is lost."""
         needed = int(self.arrays.numbers[NEEDED])
-        capacity = needed + needed // 4
+        capacity = needed + needed // 4 + 16
         if lacking == LACKS_CODES:
             room, sorting = (np.zeros(capacity, dtype=np.int64) for _ in range(2))
             self.arrays = self.arrays._replace(found=room, sorting=sorting)
