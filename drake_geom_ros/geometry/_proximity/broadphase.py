@@ -11,6 +11,9 @@ beside each other: what is near is near in memory, and three cells are one look.
 a bucket are not told apart, for to see that a box is elsewhere costs no more. So a pair may be
 found twice.
 
+Whoever looks at each body's neighbours makes no call with ``Boxes`` for each: to hand their arrays
+over takes as long as the look (127 instead of 18 ns a body).
+
 A pair is told by its code, ``i n + j`` for rows i < j of a world of n geometries.
 """
 
@@ -61,7 +64,7 @@ class Boxes(NamedTuple):
 
 def room_for(count: int) -> Boxes:
     """Return empty ``Boxes`` with room for some bodies."""
-    buckets = 1 << max(2 * count - 1, 1).bit_length()
+    buckets = 2 << max(2 * count - 1, 1).bit_length()  # twice what ``put_in`` begins with
     return Boxes(
         rows=np.zeros(count, dtype=np.int64),
         bounds=np.zeros((count, 6)),
@@ -161,20 +164,24 @@ def _choose_width(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[n
 
 
 @inlined
-def _choose_steps(boxes, least, largest, mask):  # type: ignore[no-untyped-def]
-    """Choose how far rows of cells are from one another among the buckets.
+def _choose_buckets(boxes, count, least, largest):  # type: ignore[no-untyped-def]
+    """Choose how many buckets there are, and how far apart in them rows of cells are.
 
-    Where there is a bucket for each cell of the room that the bodies are in, rows stand in order:
-    what is near is near in memory. Otherwise they are mixed.
+    Where there can be a bucket for each cell of the room that the bodies are in, rows stand in
+    order, with an empty cell between two: what is near is near in memory. Else they are mixed.
     """
-    width = boxes.width[0]
-    nx = np.floor(largest[0] / width) - np.floor(least[0] / width) + 1.0
-    ny = np.floor(largest[1] / width) - np.floor(least[1] / width) + 1.0
-    nz = np.floor(largest[2] / width) - np.floor(least[2] / width) + 1.0
-    boxes.counts[MASK] = mask
-    boxes.counts[STEP_Y], boxes.counts[STEP_Z] = 19349663, 83492791
-    if nx * ny * nz <= mask + 1.0:
-        boxes.counts[STEP_Y], boxes.counts[STEP_Z] = int(nx), int(nx * ny)
+    width, size = boxes.width[0], 1
+    while size < min(2 * count, MOST_BUCKETS):
+        size *= 2
+    nx = np.floor(largest[0] / width) - np.floor(least[0] / width) + 2.0
+    ny = np.floor(largest[1] / width) - np.floor(least[1] / width) + 2.0
+    nz = np.floor(largest[2] / width) - np.floor(least[2] / width) + 2.0
+    cells, step_y, step_z = nx * ny * nz, 19349663, 83492791
+    if 0.0 < cells <= min(2.0 * size, MOST_BUCKETS):  # of nobody it is infinite
+        step_y, step_z = int(nx), int(nx * ny)
+        if cells > size:
+            size *= 2
+    boxes.counts[MASK], boxes.counts[STEP_Y], boxes.counts[STEP_Z] = size - 1, step_y, step_z
 
 
 @inlined
@@ -214,14 +221,11 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
 
     Paddings (n,) [m] are for every side, one for each row of the world.
     """
-    size = 1
-    while size < min(2 * rows.size, MOST_BUCKETS):
-        size *= 2
     least, largest, farthest = _choose_width(boxes, rows, p_WGs, half_extents, paddings)
-    _choose_steps(boxes, least, largest, size - 1)
+    _choose_buckets(boxes, rows.size, least, largest)
     _find_cells(boxes, rows, p_WGs, farthest)
     total = 0
-    for bucket in range(size + 1):
+    for bucket in range(boxes.counts[MASK] + 2):
         total += boxes.starts[bucket]
         boxes.starts[bucket] = total
     # From the ends of the buckets back: then their starts are what is left.

@@ -168,12 +168,12 @@ class NearList:
     def make_room(self, lacking: int) -> None:
         """Make room for what ``list_making`` tells that it lacks; nothing that is held is lost."""
         needed = int(self.arrays.numbers[NEEDED])
-        capacity = needed + needed // 4 + 16
+        capacity = needed + needed // 4
         if lacking == LACKS_CODES:
-            room, sorting = (np.zeros(capacity, dtype=np.int64) for _ in range(2))
+            room, sorting = (np.zeros(capacity + 1, dtype=np.int64) for _ in range(2))
             self.arrays = self.arrays._replace(found=room, sorting=sorting)
         elif lacking == LACKS_RESTING:
-            self.arrays = self.arrays._replace(resting=np.zeros(capacity, dtype=np.int64))
+            self.arrays = self.arrays._replace(resting=np.zeros(capacity + 1, dtype=np.int64))
         else:
             self._grow_slots(capacity + 64)
         self._hand_over()

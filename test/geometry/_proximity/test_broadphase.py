@@ -135,12 +135,12 @@ def test_beyond_the_room_pairs_are_counted_only():
 def test_cells_stand_in_order_where_all_of_the_room_fits(far):
     """A body that is far away does without that, and costs no pair."""
     rng = np.random.default_rng(7)
-    p, half = rng.uniform(-2, 2, (60, 3)), np.full((60, 3), 0.4)
+    p, half = rng.uniform(-1.5, 1.5, (60, 3)), np.full((60, 3), 0.4)
     p[9, 1] += far
     boxes = filled(range(60), p, half)
     _, _, mask, step_y, step_z = boxes.counts
     cells = boxes.cells[:, :3]
-    extent = cells.max(axis=0) - cells.min(axis=0) + 1
+    extent = cells.max(axis=0) - cells.min(axis=0) + 2
     in_order = [extent[0], extent[0] * extent[1]]
     assert ([step_y, step_z] == in_order) == (far == 0.0)
     assert (extent.prod() <= mask + 1) == (far == 0.0)
