@@ -83,7 +83,8 @@ class ListArrays(NamedTuple):
     tally: Integers  # (n + 1,)
     planes: Integers  # (p,) rows
     nobody: Flags  # (0,)
-    # Codes, ``i n + j``: as they were found (c,), room to sort them, and of those that rest.
+    # Codes, ``i n + j``: as they were found (c,), room to sort them, and of those that rest. The
+    # last place is none (see ``broadphase.put_code``).
     found: Integers
     sorting: Integers
     resting: Integers
@@ -143,9 +144,9 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
         rows = part(near.rows, 0, active)
         put_in(boxes, rows, world.p_WGs, world.half_extents, near.paddings)
         count = _find(near, world, boxes, resting)
-        if count <= near.found.size:
+        if count < near.found.size:
             _sort(near, n, count)
-    if count > near.found.size:
+    if count >= near.found.size:
         numbers[NEEDED] = count
         return LACKS_CODES
     start = now()
@@ -235,7 +236,7 @@ def _look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
             if near_enough | near.is_plane[i] | near.is_plane[j]:
                 fixed = world.frames[i] == 0 and world.frames[j] == 0
                 if not (fixed or (near.is_plane[i] and near.is_plane[j])):
-                    count = put_code(near.found, count, i, j, n)
+                    count = put_code(near.found, count, i, j, n, True)
     return count
 
 
@@ -249,13 +250,13 @@ def _find(near, world, boxes, resting):  # type: ignore[no-untyped-def]
     for k in range(near.numbers[RESTING]):
         i, j = near.resting[k] // n, near.resting[k] % n
         if not (near.active[i] or near.active[j]):
-            count = put_code(found, count, i, j, n)
+            count = put_code(found, count, i, j, n, True)
     for k in range(near.planes.size):
         plane = near.planes[k]
         for g in range(n):
             fixed = world.frames[plane] == 0 and world.frames[g] == 0
             if not (near.is_plane[g] or fixed):
-                count = put_code(found, count, plane, g, n)
+                count = put_code(found, count, plane, g, n, True)
     return count
 
 
@@ -294,7 +295,7 @@ def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no
     put_in(resting, part(near.rows, 0, fixed), *posed)
     count = pairs_within(boxes, near.nobody, n, near.resting, 0)
     count = pairs_between(boxes, resting, near.nobody, n, near.resting, count)
-    if count > near.resting.size:
+    if count >= near.resting.size:
         numbers[NEEDED], near.lengths[RESTING_WITHIN] = count, -1.0  # to be done again
         return False
     rest, active = 0, 0

@@ -72,7 +72,7 @@ class NearList:
             nobody=np.zeros(0, dtype=np.bool_),
             found=codes,
             sorting=codes.copy(),
-            resting=none,
+            resting=np.zeros(1, dtype=np.int64),
             codes=none,
             pairs=np.zeros((0, 2), dtype=np.int64),
             slots=none,
@@ -170,10 +170,10 @@ class NearList:
         needed = int(self.arrays.numbers[NEEDED])
         capacity = needed + needed // 4
         if lacking == LACKS_CODES:
-            room, sorting = (np.zeros(capacity, dtype=np.int64) for _ in range(2))
+            room, sorting = (np.zeros(capacity + 1, dtype=np.int64) for _ in range(2))
             self.arrays = self.arrays._replace(found=room, sorting=sorting)
         elif lacking == LACKS_RESTING:
-            self.arrays = self.arrays._replace(resting=np.zeros(capacity, dtype=np.int64))
+            self.arrays = self.arrays._replace(resting=np.zeros(capacity + 1, dtype=np.int64))
         else:
             self._grow_slots(capacity + 64)
         self._hand_over()

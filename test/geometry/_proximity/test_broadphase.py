@@ -31,10 +31,10 @@ def filled(rows, p, half, paddings=None):
 
 def found(search, n):
     """Return the pairs that a search appends, the smaller first, and how many are there twice."""
-    count = search(np.zeros(0, dtype=np.int64))
-    codes = np.zeros(count, dtype=np.int64)
+    count = search(np.zeros(1, dtype=np.int64))
+    codes = np.full(count + 1, -1)  # the last place is none
     assert search(codes) == count
-    pairs = {divmod(code, n) for code in codes.tolist()}
+    pairs = {divmod(code, n) for code in codes[:count].tolist()}
     assert all(i < j for i, j in pairs)
     return pairs, count - len(pairs)
 
@@ -128,6 +128,25 @@ def test_beyond_the_room_pairs_are_counted_only():
     codes = np.full(10, -1)
     assert pairs_within(filled(range(30), p, half), NOBODY, 30, codes, 0) == 435
     assert (codes >= 0).all()
+    assert len(set(codes[:-1].tolist())) == 9
+
+
+@pytest.mark.parametrize('far', [0.0, 1e3, 1e7])
+def test_cells_stand_in_order_where_all_of_the_room_fits(far):
+    """A body that is far away does without that, and costs no pair."""
+    rng = np.random.default_rng(7)
+    p, half = rng.uniform(-1.5, 1.5, (60, 3)), np.full((60, 3), 0.4)
+    p[9, 1] += far
+    boxes = filled(range(60), p, half)
+    _, _, mask, step_y, step_z = boxes.counts
+    cells = boxes.cells[:, :3]
+    extent = cells.max(axis=0) - cells.min(axis=0) + 2
+    in_order = [extent[0], extent[0] * extent[1]]
+    assert ([step_y, step_z] == in_order) == (far == 0.0)
+    assert (extent.prod() <= mask + 1) == (far == 0.0)
+    pairs, twice = within(boxes, 60)
+    assert pairs == overlapping(range(60), range(60), p, half)
+    assert far > 0.0 or not twice
 
 
 def test_boxes_are_used_again_and_forget():
