@@ -6,7 +6,8 @@ import time
 
 import numpy as np
 import pytest
-from viewing.page.pages import wait_for
+from viewing.page.pages import page_of, wait_for
+from viewing.page.test_page import Crowd
 
 from bench.browser import PROGRAM, Browser
 from drake_geom_ros.command_line import view
@@ -163,6 +164,28 @@ def test_a_browser_that_closes_in_the_middle_of_a_drag_harms_nobody(page, browse
     page.answer.max_distance.value = 0.05
     browser.wait_for(lambda: 'within 0.05 m' in browser.text(), 'the other page')
     assert page.trouble == ''
+
+
+def test_a_browser_that_waits_for_a_scene_looks_at_it_once_it_is_there():
+    crowd = Crowd(0)
+    with page_of(crowd) as (page, _):
+        early = Browser(f'http://{page.host}:{page.port}')
+        try:
+            clients = page._server.get_clients
+            wait_for(lambda: [each for each in clients().values() if each.camera], 'a camera')
+            crowd.show(11)
+            wanted = page._server.initial_camera
+
+            def looks_at_it():
+                (client,) = clients().values()
+                return np.allclose(client.camera.look_at, wanted.look_at, atol=1e-3) and (
+                    np.allclose(client.camera.position, wanted.position, atol=1e-3)
+                )
+
+            early.wait_for(lambda: np.allclose(wanted.look_at, [15, 16, 17]), 'the scene')
+            early.wait_for(looks_at_it, 'a camera that looks at it')
+        finally:
+            early.close()
 
 
 def test_wrong_files_are_said_in_one_line(capsys):

@@ -159,14 +159,21 @@ geometries:
 class Crowd:
     """A scene of many boxes in rows, as its page sees it."""
 
+    changes = 0
+
     def __init__(self, count):
         looks = looks_of_shapes(*[Box(0.5, 0.5, 0.5)] * count)
         names = {look.geometry.get_value(): look.name for look in looks}
         self.cast = Cast(np.array(list(names)), looks, names)
         self.p_WGs = np.arange(3.0 * count).reshape(-1, 3)
 
+    def show(self, count):
+        """Show so many boxes from now on."""
+        self.__init__(count)
+        self.changes += 1
+
     def version(self):
-        return 0
+        return self.changes
 
     def moment(self, max_distance, accuracy):
         Rs, none = np.tile(np.eye(3), (len(self.p_WGs), 1, 1)), np.zeros((0, 3))
@@ -194,6 +201,23 @@ def test_ten_thousand_geometries_are_shown_with_progress(monkeypatch):
         page.filters.choose_pair(('geometry 1', 'geometry 9999'))
         assert 'anchored' in page.filters.said.content
     assert told[-1] == (10_000, 10_000)
+
+
+def aim(page):
+    """Return where browsers look that come now, and from how far."""
+    camera = page._server.initial_camera
+    return camera.look_at.tolist(), float(np.linalg.norm(camera.position - camera.look_at))
+
+
+def test_browsers_look_at_what_is_there_once_there_is_something():
+    crowd = Crowd(0)  # a node that has told of nothing yet
+    with page_of(crowd) as (page, _):
+        _, before = aim(page)
+        for count, middle in ((11, 15.0), (21, 30.0)):  # and of more, later
+            crowd.show(count)
+            wait_for(lambda middle=middle: aim(page)[0] == [middle, middle + 1, middle + 2], 'aim')
+            wait_for(lambda before=before: aim(page)[1] > before, 'a camera farther away')
+            _, before = aim(page)
 
 
 def test_many_hands_at_once_leave_a_page_that_answers(opened):
