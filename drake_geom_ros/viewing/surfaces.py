@@ -27,7 +27,7 @@ from drake_geom_ros.viewing.looks import mesh_surface
 Floats = NDArray[np.float64]
 # Facets around a round surface: a multiple of 4, so that it is as wide as what it stands for.
 FINEST, _COARSEST = 32, 8
-_POINT = 1e-9  # [m] of radius: a smaller ring is a point
+_POINT = 0.01  # of the radius 1: a smaller ring is a point
 _FEW = 100  # round shapes that are drawn at the finest
 # A half space has no end; this much of its plane is shown.
 PLANE_SIZE, _PLANE_THICKNESS = 6.0, 0.01  # [m]

@@ -63,7 +63,7 @@ def element(text):
 
 
 def rows(browser):
-    """Return the lines of the table: a distance and the ends of two names."""
+    """Return the lines of the table: a distance and two names, shortened."""
     lines = browser.text().splitlines()
     return [line for line in lines if ' mm ' in line and ' | ' in line]
 
@@ -74,6 +74,24 @@ def test_the_numbers_are_those_of_the_core(page, browser):
     assert [float(line.split()[0]) for line in shown] == pytest.approx(
         (1000.0 * pairs.distance[: len(shown)]).tolist(), abs=5e-4
     )
+
+
+def test_no_row_of_the_table_is_cut(page, browser):
+    cut = (
+        "[...document.querySelectorAll('.mantine-Button-label')]"
+        '.some(e => e.scrollWidth > e.clientWidth)'
+    )
+    names = page.moment.cast.short_names.values()
+    assert len(set(names)) == len(names)
+    row = page.answer.rows[0]
+    before = row.label
+    try:
+        for label, is_cut in ((before, False), (3 * before, True)):
+            row.label = label
+            browser.wait_for(lambda label=label: label in rows(browser), 'the row')
+            assert browser.ask(cut) == is_cut
+    finally:
+        row.label = before
 
 
 def test_a_row_that_is_clicked_on_is_selected(page, browser):

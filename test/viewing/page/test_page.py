@@ -58,6 +58,8 @@ def test_a_row_selects_in_the_picture_and_the_picture_in_the_table(opened):
     wait_for(lambda: page.answer.rows[1].color == 'violet', 'a marked row')
     names = page.moment.cast.names
     assert [text.value for text in page.filters.texts] == [names[v] for v in pair]
+    said = [*(names[v] for v in pair), labels(page)[1].partition(' mm ')[0] + ' mm']
+    wait_for(lambda: re.findall('<div>(.*?)</div>', page.answer.told.content) == said, 'names')
     for name in ('s::a/ball', 't::b/pen'):
         page.choose(value(page, name))
     assert page.selected == tuple(sorted(value(page, n) for n in ('s::a/ball', 't::b/pen')))
@@ -148,7 +150,9 @@ geometries:
     with page_of(text) as (page, _):
         wait_for(lambda: 'without a pose' in page._status.content, 'the status')
         page.filters.choose_pair((f'scene::{name}/<b>/..', '<script>'))
-        shown = page._status.content + page.filters.said.content
+        page.select(tuple(page.moment.pairs.ids[0].tolist()))
+        wait_for(lambda: '&lt;b&gt;' in page.answer.told.content, 'the names of the pair')
+        shown = page._status.content + page.filters.said.content + page.answer.told.content
         for tag in ('<img', '<b>', '<script'):
             assert tag not in shown
         page.answer._names.value = True
