@@ -61,8 +61,8 @@ class Part:
 def facets_around(count: int) -> int:
     """Return how many facets are around each of so many round shapes.
 
-    The more there are, the fewer it is: their triangles, whose number goes with its square, are
-    about as many as those of a few fine ones, until an octagon is reached.
+    The more there are, the fewer it is: their triangles, on which a browser without a GPU spends
+    its time, go with its square, and stay about as many until it is an octagon.
     """
     most = FINEST * np.sqrt(_FEW / max(count, _FEW))
     return max(_COARSEST, 4 * int(most / 4))
