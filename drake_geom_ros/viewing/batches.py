@@ -13,7 +13,7 @@ from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import compose, quaternions_from_rotations
 from drake_geom_ros.viewing.looks import LAYERS, Look
-from drake_geom_ros.viewing.surfaces import Part, Surface, parts_of
+from drake_geom_ros.viewing.surfaces import ROUND, Part, Surface, facets_around, parts_of
 
 Floats = NDArray[np.float64]
 
@@ -65,9 +65,10 @@ def batches_of(
     """
     members: defaultdict[tuple[str, str, float], list[tuple[Look, Part]]] = defaultdict(list)
     troubles = []
+    around = facets_around(sum(isinstance(look.shape, ROUND) for look in looks))
     for done, look in enumerate(looks, start=1):
         try:
-            for part in parts_of(look.shape, look.solid):
+            for part in parts_of(look.shape, look.solid, around):
                 key = LAYERS[look.role], part.surface.key, look.colour[3]
                 members[key].append((look, part))
         except (GeometryError, OSError) as error:

@@ -12,8 +12,7 @@ from drake_geom_ros.geometry import SignedDistanceResults
 
 Floats = NDArray[np.float64]
 _MILLIMETRE = 1000.0
-_SHORT = 15  # characters of a name that a button has room for
-_SHORT_START = 1  # of these from its start
+_MOST = 20  # characters of a name that a row has room for
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,19 +80,12 @@ def in_words(pairs: Pairs, row: int, *, bounds: bool) -> str:
 
 
 def row_in_words(pairs: Pairs, row: int, names: Mapping[int, str], *, bounds: bool) -> str:
-    """Return a row of the table: how far, and which two, by the ends of their names."""
-    a, b = (_short(name) for name in pair_names(pairs, row, names))
+    """Return a row of the table: how far, and which two; of a long name the middle is left out."""
+    values = pairs.ids[row].tolist()
+    a, b = (_without_middle(names.get(value, f'#{value}')) for value in values)
     return f'{in_words(pairs, row, bounds=bounds)} {a} | {b}'
 
 
-def pair_names(pairs: Pairs, row: int, names: Mapping[int, str]) -> tuple[str, str]:
-    """Return the names of A and B."""
-    a, b = (names.get(value, f'#{value}') for value in pairs.ids[row].tolist())
-    return a, b
-
-
-def _short(name: str) -> str:
-    """Return the ends of a name: two arms of a kind differ in the first, links in the last."""
-    if len(name) <= _SHORT:
-        return name
-    return f'{name[:_SHORT_START]}…{name[_SHORT_START + 1 - _SHORT :]}'
+def _without_middle(name: str) -> str:
+    half = _MOST // 2
+    return name if len(name) <= _MOST else f'{name[: half - 1]}…{name[-half:]}'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.viewing.looks import Look
 from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.short_names import short_names
 
 Floats = NDArray[np.float64]
 
@@ -32,6 +34,12 @@ class Cast:
     def row_of(self, value: int) -> int:
         """Return the row of a geometry."""
         return int(np.searchsorted(self.ids, value))
+
+    @cached_property
+    def short_names(self) -> Mapping[int, str]:
+        """What tells each of the names from the others."""
+        short = short_names(self.names.values())
+        return {value: short[name] for value, name in self.names.items()}
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +25,13 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.viewing.looks import mesh_surface
 
 Floats = NDArray[np.float64]
-_AROUND, _ALONG = 32, 12  # facets of a round surface
+# Facets around a round surface: a multiple of 4, so that it is as wide as what it stands for.
+FINEST, _COARSEST = 32, 8
+_POINT = 0.01  # of the radius 1: a smaller ring is a point
+_FEW = 100  # round shapes that are drawn at the finest
 # A half space has no end; this much of its plane is shown.
 PLANE_SIZE, _PLANE_THICKNESS = 6.0, 0.01  # [m]
+ROUND = (Capsule, Cylinder, Ellipsoid, MeshcatCone, Sphere)
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,27 +58,76 @@ class Part:
     X_GS: RigidTransform = field(default_factory=RigidTransform)
 
 
-def _revolved(key: str, r: Floats, z: Floats) -> Surface:
-    """Return the surface of a profile (k,) (r, z) [m] revolved about z, z increasing."""
-    angles = 2.0 * np.pi * np.arange(_AROUND) / _AROUND
-    rings = np.empty((len(r), _AROUND, 3))
-    rings[..., 0] = r[:, None] * np.cos(angles)
-    rings[..., 1] = r[:, None] * np.sin(angles)
+def facets_around(count: int) -> int:
+    """Return how many facets are around each of so many round shapes.
+
+    The more there are, the fewer it is: their triangles, on which a browser without a GPU spends
+    its time, go with its square, and stay about as many until it is an octagon.
+    """
+    most = FINEST * np.sqrt(_FEW / max(count, _FEW))
+    return max(_COARSEST, 4 * int(most / 4))
+
+
+def _circle(around: int) -> Floats:
+    """Return the corners (around, 2) of the regular polygon within the unit circle."""
+    angles = 2.0 * np.pi * np.arange(around) / around
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _revolved(key: str, around: int, r: Floats, z: Floats) -> Surface:
+    """Return the surface of a profile (k,) (r, z) [m] revolved about z, z increasing.
+
+    A point that comes twice is an edge: what is below it and what is above it are shaded apart.
+    """
+    rings = np.empty((len(r), around, 3))
+    rings[..., :2] = r[:, None, None] * _circle(around)
     rings[..., 2] = z[:, None]
-    row, column = np.divmod(np.arange((len(r) - 1) * _AROUND), _AROUND)
-    a, b = row * _AROUND + column, row * _AROUND + (column + 1) % _AROUND
-    c, d = a + _AROUND, b + _AROUND
-    triangles = np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)])
-    return Surface(key, rings.reshape(-1, 3), triangles, smooth=True)
+    row, column = np.divmod(np.arange((len(r) - 1) * around), around)
+    a, b = row * around + column, row * around + (column + 1) % around
+    c, d = a + around, b + around
+    # Neither has a ring that is a point sides, nor is there a strip between a ring and itself.
+    strip = (np.diff(r) != 0.0) | (np.diff(z) != 0.0)
+    there = strip[row, None] & np.stack([r[row] > _POINT, r[row + 1] > _POINT], axis=1)
+    triangles = np.stack([np.stack([a, b, d], 1), np.stack([a, d, c], 1)], axis=1)[there]
+    return Surface(f'{key} of {around}', rings.reshape(-1, 3), triangles, smooth=True)
 
 
-def _disc() -> Surface:
-    """Return the unit disc, seen from above."""
-    angles = 2.0 * np.pi * np.arange(_AROUND) / _AROUND
-    rim = np.stack([np.cos(angles), np.sin(angles), np.zeros(_AROUND)], axis=1)
-    k = np.arange(_AROUND)
-    triangles = np.stack([np.full(_AROUND, _AROUND), k, (k + 1) % _AROUND], axis=1)
-    return Surface('disc', np.vstack([rim, np.zeros(3)]), triangles)
+def _arc(start: float, pieces: int) -> tuple[Floats, Floats]:
+    """Return the profile of the unit circle from an angle to the pole."""
+    angles = np.linspace(start, np.pi / 2, pieces + 1)
+    return np.cos(angles), np.sin(angles)
+
+
+@lru_cache
+def _ball(around: int) -> Surface:
+    """Return the unit ball."""
+    return _revolved('ball', around, *_arc(-np.pi / 2, around // 2))
+
+
+@lru_cache
+def _dome(around: int) -> Surface:
+    """Return the upper half of the unit ball, open below."""
+    return _revolved('dome', around, *_arc(0.0, around // 4))
+
+
+@lru_cache
+def _tube(around: int) -> Surface:
+    """Return the cylinder of radius 1 and height 1 about the origin, open at its ends."""
+    return _revolved('tube', around, np.ones(2), np.array([-0.5, 0.5]))
+
+
+@lru_cache
+def _cylinder(around: int) -> Surface:
+    """Return the cylinder of radius 1 and height 1 about the origin."""
+    r, z = np.array([0.0, 1.0, 1.0, 1.0, 1.0, 0.0]), np.array([-0.5, -0.5, -0.5, 0.5, 0.5, 0.5])
+    return _revolved('cylinder', around, r, z)
+
+
+@lru_cache
+def _cone(around: int) -> Surface:
+    """Return the cone from the origin up to the unit circle at height 1."""
+    r, z = np.array([0.0, 1.0, 1.0, 0.0]), np.array([0.0, 1.0, 1.0, 1.0])
+    return _revolved('cone', around, r, z)
 
 
 def _cube() -> Surface:
@@ -85,17 +139,7 @@ def _cube() -> Surface:
     return Surface('cube', corners, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
 
 
-def _arc(start: float, end: float) -> tuple[Floats, Floats]:
-    angles = np.linspace(start, end, _ALONG + 1)
-    return np.cos(angles), np.sin(angles)
-
-
-CUBE = _cube()
-BALL = _revolved('ball', *_arc(-np.pi / 2, np.pi / 2))
-DOME = _revolved('dome', *_arc(0.0, np.pi / 2))
-TUBE = _revolved('tube', np.ones(2), np.array([-0.5, 0.5]))
-CONE = _revolved('cone', np.array([0.0, 1.0]), np.array([0.0, 1.0]))
-DISC = _disc()
+_CUBE = _cube()
 _UPSIDE_DOWN = RotationMatrix.MakeXRotation(np.pi)
 
 
@@ -104,28 +148,31 @@ def _at(z: float, *, down: bool = False) -> RigidTransform:
     return RigidTransform(_UPSIDE_DOWN if down else RotationMatrix(), [0.0, 0.0, z])
 
 
-def parts_of(shape: Shape, solid: bool = False) -> list[Part]:
+def parts_of(shape: Shape, solid: bool = False, around: int = FINEST) -> list[Part]:
     """Return the parts that draw a shape as queries see it, a mesh as a solid if it is one.
+
+    Round surfaces have so many facets ``around``, a multiple of 4.
 
     Raises MeshFileError for a file that is no mesh.
     """
     if isinstance(shape, Sphere):
-        return [Part(BALL, (shape.radius(),) * 3)]
+        return [Part(_ball(around), (shape.radius(),) * 3)]
     if isinstance(shape, Ellipsoid):
-        return [Part(BALL, (shape.a(), shape.b(), shape.c()))]
+        return [Part(_ball(around), (shape.a(), shape.b(), shape.c()))]
     if isinstance(shape, Box):
-        return [Part(CUBE, (shape.width(), shape.depth(), shape.height()))]
-    if isinstance(shape, (Cylinder, Capsule)):
+        return [Part(_CUBE, (shape.width(), shape.depth(), shape.height()))]
+    if isinstance(shape, Cylinder):
+        r = shape.radius()
+        return [Part(_cylinder(around), (r, r, shape.length()))]
+    if isinstance(shape, Capsule):
         r, half = shape.radius(), shape.length() / 2
-        end = DISC if isinstance(shape, Cylinder) else DOME
-        ends = [Part(end, (r, r, r), _at(half)), Part(end, (r, r, r), _at(-half, down=True))]
-        return [Part(TUBE, (r, r, shape.length())), *ends]
+        domes = [Part(_dome(around), (r, r, r), _at(z, down=z < 0.0)) for z in (half, -half)]
+        return [Part(_tube(around), (r, r, shape.length())), *domes]
     if isinstance(shape, MeshcatCone):
-        a, b, height = shape.a(), shape.b(), shape.height()
-        return [Part(CONE, (a, b, height)), Part(DISC, (a, b, 1.0), _at(height))]
+        return [Part(_cone(around), (shape.a(), shape.b(), shape.height()))]
     if isinstance(shape, HalfSpace):
         size = (PLANE_SIZE, PLANE_SIZE, _PLANE_THICKNESS)
-        return [Part(CUBE, size, _at(-_PLANE_THICKNESS / 2))]
+        return [Part(_CUBE, size, _at(-_PLANE_THICKNESS / 2))]
     assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
     vertices, triangles = mesh_surface(shape, solid)
     key = hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest()

@@ -38,10 +38,8 @@ def test_each_copy_stands_where_its_geometry_does():
     R_WGs = np.array([X.rotation().matrix() for X in X_WGs])
     p_WGs = np.array([X.translation() for X in X_WGs])
     found = batches_of(looks, rows(looks).__getitem__).batches
-    tube, disc, dome = (
-        next(b for b in found if b.surface.key == key) for key in ('tube', 'disc', 'dome')
-    )
-    assert [len(each.bodies) for each in (tube, disc, dome)] == [3, 2, 4]
+    copies = {batch.surface.key: len(batch.bodies) for batch in found}
+    assert copies == {'tube of 32': 2, 'dome of 32': 4, 'cylinder of 32': 1}
     for batch in found:
         p_WSs, wxyzs = batch.posed(R_WGs, p_WGs)
         for copy, body in enumerate(batch.bodies.tolist()):
@@ -61,6 +59,20 @@ def test_ten_thousand_geometries_are_a_handful_of_batches():
     looks = looks_of_shapes(*shapes)
     found = batches_of(looks, rows(looks).__getitem__)
     assert sorted(len(batch.bodies) for batch in found.batches) == [5000, 5000]
+
+
+def test_many_round_shapes_are_coarser_and_few_are_fine():
+    def triangles(*shapes):
+        found = batches_of(looks := looks_of_shapes(*shapes), rows(looks).__getitem__)
+        return [len(b.surface.triangles) * len(b.bodies) for b in found.batches]
+
+    ball, capsule = Sphere(0.1), Capsule(0.1, 0.2)
+    assert triangles(ball) == [2 * 32 * 15]
+    # What is not round is no reason to be coarse.
+    assert triangles(ball, *[Box(1, 1, 1)] * 5000)[0] == triangles(ball)[0]
+    few, many = (sum(triangles(*[ball, capsule] * count)) for count in (50, 1000))
+    assert few == 100 * 32 * 31
+    assert many == 1000 * (48 + 64)
 
 
 def test_what_is_as_transparent_is_together():

@@ -16,7 +16,7 @@ from drake_geom_ros.geometry import (
     MeshcatCone,
     Sphere,
 )
-from drake_geom_ros.viewing.surfaces import parts_of
+from drake_geom_ros.viewing.surfaces import facets_around, parts_of
 
 
 def corners(parts):
@@ -47,9 +47,10 @@ SHAPES = [
 ]
 
 
+@pytest.mark.parametrize('around', [facets_around(count) for count in (1, 150, 1000, 10_000)])
 @pytest.mark.parametrize(('shape', 'top'), SHAPES, ids=lambda each: type(each).__name__)
-def test_a_shape_is_as_large_as_what_is_checked(shape, top):
-    points = corners(parts_of(shape)).reshape(-1, 3)
+def test_a_shape_is_as_large_as_what_is_checked(shape, top, around):
+    points = corners(parts_of(shape, around=around)).reshape(-1, 3)
     # The facets of a round surface have their corners on it.
     assert points.max(axis=0) == pytest.approx(top)
     assert -points.min(axis=0) == pytest.approx(top)
@@ -58,6 +59,20 @@ def test_a_shape_is_as_large_as_what_is_checked(shape, top):
 @pytest.mark.parametrize('shape', [*(each for each, _ in SHAPES), MeshcatCone(2.0, 0.5, 0.7)])
 def test_its_triangles_are_closed_and_seen_from_outside(shape):
     assert volume(parts_of(shape)) == pytest.approx(CalcVolume(shape), rel=0.03)
+    assert volume(parts_of(shape, around=8)) == pytest.approx(CalcVolume(shape), rel=0.25)
+    for triangles in (corners(parts_of(shape)), corners(parts_of(shape, around=8))):
+        sides = np.diff(triangles, axis=1)
+        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        assert areas.min() > 1e-6  # none is drawn in vain
+
+
+def test_an_edge_is_shaded_apart():
+    (part,) = parts_of(Cylinder(1, 1))
+    triangles = part.surface.triangles
+    z = part.surface.vertices[triangles][..., 2]
+    top = (z == 0.5).all(axis=1)
+    assert top.any()
+    assert not np.isin(triangles[top], triangles[~top]).any()
 
 
 def test_a_half_space_ends_at_its_plane():

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from html import escape
 from typing import Any
 
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.viewing.looks import LAYERS
 from drake_geom_ros.viewing.page.picture import Wishes
-from drake_geom_ros.viewing.pairs import pair_names, row_in_words
+from drake_geom_ros.viewing.pairs import in_words, row_in_words
 from drake_geom_ros.viewing.scene import Moment
 
 _ROWS = 12
 _FARTHEST, _STEP = 2.0, 0.01  # [m] of the slider
+# mantine-Button-* are the public names by which Mantine, which draws viser's panels, is styled.
+_TABLE = """<div class="pairs"></div><style>
+div:has(> .pairs) ~ div .mantine-Button-root {padding: 0 0.3rem}
+div:has(> .pairs) ~ div .mantine-Button-label {font-size: 0.75rem}</style>"""
 LEVELS: tuple[str, ...] = tuple(ACCURACY_LEVELS)
 
 
@@ -48,7 +53,9 @@ class AnswerPanel:
                 *('accuracy', 0, len(LEVELS) - 1, 1, LEVELS.index(accuracy)),
                 marks=tuple(enumerate(LEVELS)),
             )
-            self.rows = [gui.add_button('', hint='', visible=False) for _ in range(_ROWS)]
+            gui.add_html(_TABLE)
+            self.rows = [gui.add_button('', visible=False) for _ in range(_ROWS)]
+            self.told = gui.add_html('')
         for row, button in enumerate(self.rows):
             button.on_click(partial(self._clicked, row))
         for handle in (
@@ -77,12 +84,21 @@ class AnswerPanel:
         for row, button in enumerate(self.rows):
             there = row < len(pairs)
             if there:
-                bounds = self._bounds.value
-                button.label = row_in_words(pairs, row, moment.cast.names, bounds=bounds)
-                button.hint = ' | '.join(pair_names(pairs, row, moment.cast.names))
+                bounds, short = self._bounds.value, moment.cast.short_names
+                button.label = row_in_words(pairs, row, short, bounds=bounds)
                 marked = self._ids[row] == selected
                 button.color = 'violet' if marked else _colour(float(pairs.distance[row]))
             button.visible = there
+        self.told.content = '' if selected is None else self._in_full(moment, selected)
+
+    def _in_full(self, moment: Moment, pair: tuple[int, int]) -> str:
+        """Return the names of a pair, and how far it is, if it is among those that are shown."""
+        names, row = moment.cast.names, moment.pairs.find(pair)
+        lines = [names.get(value, '') for value in pair]
+        if row is not None:
+            lines.append(in_words(moment.pairs, row, bounds=self._bounds.value))
+        shown = ''.join(f'<div>{escape(line)}</div>' for line in lines)
+        return f'<div style="padding:0 1em">{shown}</div>'
 
     def _clicked(self, row: int, event: Any) -> None:
         if row < len(self._ids):

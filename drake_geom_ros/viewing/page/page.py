@@ -152,16 +152,19 @@ class Page:
         moment = self._scene.moment(self.answer.max_distance.value, self.answer.accuracy)
         with self._server.atomic():
             self.picture.show(moment, self.answer.wishes(), self.selected)
-        if before is None:
-            self._aim(moment)
         if moment.cast is not before:
+            self._aim(moment)
             self.filters.begin(moment.cast)
         self.moment = moment
         if moment.cast is not before or self._table_due == float('inf'):
             self._table_due = 0.0
 
     def _aim(self, moment: Moment) -> None:
-        """Let browsers that come look at what is there, half spaces aside."""
+        """Let browsers look at what is there, half spaces aside.
+
+        viser moves those that wait for something to be there, and those that come; of others, who
+        may look elsewhere by now, only what "reset view" goes back to.
+        """
         rows = [
             moment.cast.row_of(look.geometry.get_value())
             for look in moment.cast.looks
@@ -172,8 +175,10 @@ class Page:
             low, high = p_WGs.min(axis=0), p_WGs.max(axis=0)
             middle, size = (low + high) / 2.0, float(np.linalg.norm(high - low))
             camera = self._server.initial_camera
-            camera.look_at = middle
-            camera.position = middle + (_MARGIN + _AWAY * size) * _VIEW
+            # A browser moves once, with the first part of it that it hears of.
+            with self._server.atomic():
+                camera.look_at = middle
+                camera.position = middle + (_MARGIN + _AWAY * size) * _VIEW
 
     def _show_words(self, moment: Moment) -> None:
         self.answer.show(moment, self.selected)

@@ -20,7 +20,8 @@ from drake_geom_ros.viewing.pairs import Pairs, in_words
 from drake_geom_ros.viewing.scene import Cast, Moment
 
 Floats = NDArray[np.float64]
-_MOST_PAIRS = 2000  # lines that are drawn, the nearest
+# Lines that are drawn, the nearest: each costs a browser without a GPU as much as a body.
+_MOST_PAIRS = 1000
 MOST_NAMES = 300  # labels: a browser lays each of them out
 _DEPTHS = 5  # labels of the deepest contacts
 _THIN, _THICK = 2.0, 6.0  # [pixels]

@@ -6,7 +6,8 @@ import time
 
 import numpy as np
 import pytest
-from viewing.page.pages import wait_for
+from viewing.page.pages import page_of, wait_for
+from viewing.page.test_page import Crowd
 
 from bench.browser import PROGRAM, Browser
 from drake_geom_ros.command_line import view
@@ -62,7 +63,7 @@ def element(text):
 
 
 def rows(browser):
-    """Return the lines of the table: a distance and the ends of two names."""
+    """Return the lines of the table: a distance and two names, shortened."""
     lines = browser.text().splitlines()
     return [line for line in lines if ' mm ' in line and ' | ' in line]
 
@@ -73,6 +74,24 @@ def test_the_numbers_are_those_of_the_core(page, browser):
     assert [float(line.split()[0]) for line in shown] == pytest.approx(
         (1000.0 * pairs.distance[: len(shown)]).tolist(), abs=5e-4
     )
+
+
+def test_no_row_of_the_table_is_cut(page, browser):
+    cut = (
+        "[...document.querySelectorAll('.mantine-Button-label')]"
+        '.some(e => e.scrollWidth > e.clientWidth)'
+    )
+    names = page.moment.cast.short_names.values()
+    assert len(set(names)) == len(names)
+    row = page.answer.rows[0]
+    before = row.label
+    for label, is_cut in ((3 * before, True), (before, False)):
+
+        def seen(label=label, is_cut=is_cut):
+            row.label = label  # again, where the table itself was drawn meanwhile
+            return label in rows(browser) and browser.ask(cut) == is_cut
+
+        browser.wait_for(seen, f'{label!r}, cut: {is_cut}')
 
 
 def test_a_row_that_is_clicked_on_is_selected(page, browser):
@@ -163,6 +182,28 @@ def test_a_browser_that_closes_in_the_middle_of_a_drag_harms_nobody(page, browse
     page.answer.max_distance.value = 0.05
     browser.wait_for(lambda: 'within 0.05 m' in browser.text(), 'the other page')
     assert page.trouble == ''
+
+
+def test_a_browser_that_waits_for_a_scene_looks_at_it_once_it_is_there():
+    crowd = Crowd(0)
+    with page_of(crowd) as (page, _):
+        early = Browser(f'http://{page.host}:{page.port}')
+        try:
+            clients = page._server.get_clients
+            wait_for(lambda: [each for each in clients().values() if each.camera], 'a camera')
+            crowd.show(11)
+            wanted = page._server.initial_camera
+
+            def looks_at_it():
+                (client,) = clients().values()
+                return np.allclose(client.camera.look_at, wanted.look_at, atol=1e-3) and (
+                    np.allclose(client.camera.position, wanted.position, atol=1e-3)
+                )
+
+            early.wait_for(lambda: np.allclose(wanted.look_at, [15, 16, 17]), 'the scene')
+            early.wait_for(looks_at_it, 'a camera that looks at it')
+        finally:
+            early.close()
 
 
 def test_wrong_files_are_said_in_one_line(capsys):

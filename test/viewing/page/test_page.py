@@ -58,6 +58,8 @@ def test_a_row_selects_in_the_picture_and_the_picture_in_the_table(opened):
     wait_for(lambda: page.answer.rows[1].color == 'violet', 'a marked row')
     names = page.moment.cast.names
     assert [text.value for text in page.filters.texts] == [names[v] for v in pair]
+    said = [*(names[v] for v in pair), labels(page)[1].partition(' mm ')[0] + ' mm']
+    wait_for(lambda: re.findall('<div>(.*?)</div>', page.answer.told.content) == said, 'names')
     for name in ('s::a/ball', 't::b/pen'):
         page.choose(value(page, name))
     assert page.selected == tuple(sorted(value(page, n) for n in ('s::a/ball', 't::b/pen')))
@@ -148,7 +150,9 @@ geometries:
     with page_of(text) as (page, _):
         wait_for(lambda: 'without a pose' in page._status.content, 'the status')
         page.filters.choose_pair((f'scene::{name}/<b>/..', '<script>'))
-        shown = page._status.content + page.filters.said.content
+        page.select(tuple(page.moment.pairs.ids[0].tolist()))
+        wait_for(lambda: '&lt;b&gt;' in page.answer.told.content, 'the names of the pair')
+        shown = page._status.content + page.filters.said.content + page.answer.told.content
         for tag in ('<img', '<b>', '<script'):
             assert tag not in shown
         page.answer._names.value = True
@@ -159,14 +163,21 @@ geometries:
 class Crowd:
     """A scene of many boxes in rows, as its page sees it."""
 
+    changes = 0
+
     def __init__(self, count):
         looks = looks_of_shapes(*[Box(0.5, 0.5, 0.5)] * count)
         names = {look.geometry.get_value(): look.name for look in looks}
         self.cast = Cast(np.array(list(names)), looks, names)
         self.p_WGs = np.arange(3.0 * count).reshape(-1, 3)
 
+    def show(self, count):
+        """Show so many boxes from now on."""
+        self.__init__(count)
+        self.changes += 1
+
     def version(self):
-        return 0
+        return self.changes
 
     def moment(self, max_distance, accuracy):
         Rs, none = np.tile(np.eye(3), (len(self.p_WGs), 1, 1)), np.zeros((0, 3))
@@ -194,6 +205,23 @@ def test_ten_thousand_geometries_are_shown_with_progress(monkeypatch):
         page.filters.choose_pair(('geometry 1', 'geometry 9999'))
         assert 'anchored' in page.filters.said.content
     assert told[-1] == (10_000, 10_000)
+
+
+def aim(page):
+    """Return where browsers look that come now, and from how far."""
+    camera = page._server.initial_camera
+    return camera.look_at.tolist(), float(np.linalg.norm(camera.position - camera.look_at))
+
+
+def test_browsers_look_at_what_is_there_once_there_is_something():
+    crowd = Crowd(0)  # a node that has told of nothing yet
+    with page_of(crowd) as (page, _):
+        _, before = aim(page)
+        for count, middle in ((11, 15.0), (21, 30.0)):  # and of more, later
+            crowd.show(count)
+            wait_for(lambda middle=middle: aim(page)[0] == [middle, middle + 1, middle + 2], 'aim')
+            wait_for(lambda before=before: aim(page)[1] > before, 'a camera farther away')
+            _, before = aim(page)
 
 
 def test_many_hands_at_once_leave_a_page_that_answers(opened):
