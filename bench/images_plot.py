@@ -40,6 +40,7 @@ def draw(source: Path, target: Path) -> None:
         axes.set_xlabel(title)
         axes.grid(visible=True, which='major', alpha=0.3)
     first = figure.axes[0]
+    first.set_ylim(top=2e4)  # room for the legend
     first.set_ylabel('three images [ms of processor time]')
     first.legend(loc='upper left', fontsize='small')
     figure.savefig(target, dpi=110)
