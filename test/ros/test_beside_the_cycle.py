@@ -1,9 +1,12 @@
 """Queries run beside the pose stream: in real processes, on a scene of a thousand bodies."""
 
 import array
+import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from ros.harness import environment, start_node
 from ros.scene_calls import accepted, add_sphere, exclude
 
 from bench.ros.scenes import scene_text
+from drake_geom_ros.common.children import end
 
 COUNT = 1000
 FRAMES = [f's::f{k}' for k in range(COUNT)]
@@ -21,41 +25,58 @@ SHAPES = ('{type: sphere, radius: 0.1}', '{type: box, size: [0.2, 0.2, 0.2]}')
 TOPICS = ('frame_poses.subscription', 'signed_distances.publisher', 'cycle_report.publisher')
 DEEP = {f'qos_overrides./scene_graph/{topic}.depth': 200 for topic in TOPICS}
 RATE, MESSAGES = 100, 200
+# Processes that go on asking until they are ended: the script, and where ``ros.harness`` is.
+TESTS = str(Path(__file__).parents[1])
 ASKER = """
-import rclpy
+import sys
+sys.path.append(sys.argv[1])
 from drake_geom_msgs import srv
-rclpy.init()
-node = rclpy.create_node('asker')
-name = '/scene_graph/compute_signed_distance_pairwise'
-client = node.create_client(srv.ComputeSignedDistancePairwise, name)
-client.wait_for_service()
+from ros.harness import Client
+client = Client()
 while True:
-    future = client.call_async(srv.ComputeSignedDistancePairwise.Request())
-    rclpy.spin_until_future_complete(node, future)
-    print(len(future.result().result.id_a), flush=True)
+    answer = client.call(srv.ComputeSignedDistancePairwise, 'compute_signed_distance_pairwise')
+    print(len(answer.result.id_a), flush=True)
 """
 
 # Asks for what it finds in the scene, and prints what was not answered.
 BUSY = """
-import sys, rclpy
+import sys
+sys.path.append(sys.argv[1])
 from drake_geom_msgs import srv
-rclpy.init()
-node = rclpy.create_node('busy')
+from ros.harness import Client
+client = Client()
 asked = (
     ('has_collisions', srv.HasCollisions, {}),
     ('get_filters', srv.GetFilters, {}),
     ('compute_signed_distance_pairwise', srv.ComputeSignedDistancePairwise, {'max_distance': 0.1}),
     ('save_scene', srv.SaveScene, {}),
 )
-clients = [(node.create_client(kind, f'/scene_graph/{name}'), kind, f) for name, kind, f in asked]
-for client, _, _ in clients:
-    client.wait_for_service()
 while True:
-    for client, kind, fields in clients:
-        future = client.call_async(kind.Request(**fields))
-        rclpy.spin_until_future_complete(node, future)
-        print('answered' if future.result().success else future.result().message, flush=True)
+    for name, kind, fields in asked:
+        answer = client.call(kind, name, **fields)
+        print('answered' if answer.success else answer.message, flush=True)
 """
+
+
+@contextmanager
+def asking(script, count=1):
+    """Run processes that ask; ended by SIGINT: one killed may hold a mutex of shared memory."""
+    processes = [
+        subprocess.Popen(
+            [sys.executable, '-c', script, TESTS],
+            env=environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        for _ in range(count)
+    ]
+    try:
+        yield processes
+    finally:
+        for process in processes:
+            end(process, 20.0, signal.SIGINT)
+            process.stdout.close()
 
 
 def positions(step):
@@ -94,10 +115,7 @@ def test_a_stream_loses_nothing_while_all_pairs_are_asked_for(client):
         return results and reports
 
     client.wait_for(answered, 'the first answer')
-    asker = subprocess.Popen(
-        [sys.executable, '-c', ASKER], env=environment(), stdout=subprocess.PIPE, text=True
-    )
-    try:
+    with asking(ASKER) as (asker,):
         assert int(asker.stdout.readline()) == COUNT * (COUNT - 1) // 2
         start = time.monotonic()
         for step in range(1, MESSAGES + 1):
@@ -106,10 +124,6 @@ def test_a_stream_loses_nothing_while_all_pairs_are_asked_for(client):
         client.wait_for(lambda: results[-1].header.stamp.sec == MESSAGES, 'the last answer')
         # Queries went on all the while, beside the stream.
         assert int(asker.stdout.readline()) == COUNT * (COUNT - 1) // 2
-    finally:
-        asker.kill()
-        asker.wait()
-        asker.stdout.close()
     steps = [m.header.stamp.sec for m in results if m.header.stamp.sec > 0]
     assert steps == list(range(1, MESSAGES + 1))
     client.wait_for(lambda: reports[-1].header.stamp.sec == MESSAGES, 'the last report')
@@ -147,13 +161,7 @@ def test_what_if_leaves_the_live_scene_bit_for_bit(client):
 def test_changes_and_queries_at_once(client):
     """The scene changes under the queries: each is answered for one moment of it."""
     publisher = client.publisher(msg.FramePoses, 'frame_poses')
-    busy = [
-        subprocess.Popen(
-            [sys.executable, '-c', BUSY], env=environment(), stdout=subprocess.PIPE, text=True
-        )
-        for _ in range(2)
-    ]
-    try:
+    with asking(BUSY, 2) as busy:
         first = [process.stdout.readline() for process in busy]
         accepted(client.call(srv.RegisterSource, 'register_source', name='more'))
         for k in range(12):
@@ -165,10 +173,9 @@ def test_changes_and_queries_at_once(client):
             if k % 2:
                 accepted(client.call(srv.RemoveGeometry, 'remove_geometry', geometry=f'#{ball}'))
             assert accepted(client.call(srv.RemoveFilter, 'remove_filter', **removal)).removed
-    finally:
         for process in busy:
-            process.kill()
-        outputs = [process.communicate()[0].splitlines() for process in busy]
+            process.send_signal(signal.SIGINT)
+        outputs = [process.stdout.read().splitlines() for process in busy]
     assert first == ['answered\n'] * 2
     assert [len(lines) > 4 for lines in outputs] == [True, True]
     assert {line for lines in outputs for line in lines} == {'answered'}

@@ -15,27 +15,19 @@ PAIR = {'geometry_a': 's::a/ball', 'geometry_b': 's::b/ball'}
 # Applies a filter with a lease, and renews it ten times in the time of the lease.
 OWNER = f"""
 import time
-import rclpy
 from drake_geom_msgs import srv
+from ros.harness import Client
 from ros.scene_calls import exclude
-rclpy.init()
-node = rclpy.create_node('owner')
-clients = {{}}
-def ask(kind, name, **fields):
-    if name not in clients:
-        clients[name] = node.create_client(kind, f'/scene_graph/{{name}}')
-        clients[name].wait_for_service()
-    future = clients[name].call_async(kind.Request(**fields))
-    rclpy.spin_until_future_complete(node, future)
-    return future.result()
+client = Client()
 pair = exclude('s::a/ball', 's::b/ball')
-answer = ask(srv.ApplyTransientFilter, 'apply_transient_filter', declaration=pair, lease={LEASE},
-             owner='owner')
+answer = client.call(srv.ApplyTransientFilter, 'apply_transient_filter', declaration=pair,
+                     lease={LEASE}, owner='owner')
 print(answer.filter_id, flush=True)
 while True:
     time.sleep({LEASE / 10})
-    print(ask(srv.RenewFilter, 'renew_filter', filter_id=answer.filter_id, lease={LEASE}).active,
-          flush=True)
+    renewed = client.call(srv.RenewFilter, 'renew_filter', filter_id=answer.filter_id,
+                          lease={LEASE})
+    print(renewed.active, flush=True)
 """
 
 
