@@ -83,6 +83,22 @@ def test_only_what_is_within_the_threshold_and_only_its_own_rows(kind):
 
 
 @pytest.mark.parametrize('kind', CLOSED_FORMS)
+@pytest.mark.parametrize('threshold', [math.inf, 0.3])
+def test_no_digit_depends_on_the_points_asked_beside_it(kind, threshold):
+    """Deep ones, on planes of symmetry and far away too: they take steps together."""
+    rng = np.random.default_rng(11)
+    p_WQs = rng.normal(size=(150, 3)) * 10.0 ** rng.uniform(-9, 2, (150, 1))
+    p_WQs[::5, rng.integers(3)] = 0.0
+    p_WQs[:3] = [[0.0, 0.0, 0.0], [0.05, 0.0, 0.0], [0.0, 0.0, 0.2]]
+    turned = random_rotation(rng), rng.normal(size=3)
+    together, found, _ = answers(kind, *turned, turned[1] + p_WQs, threshold)
+    for k in range(len(p_WQs)):
+        alone, was_found, _ = answers(kind, *turned, turned[1] + p_WQs[k : k + 1], threshold)
+        assert found[k] == was_found[0]
+        np.testing.assert_array_equal(together[k], alone[0])
+
+
+@pytest.mark.parametrize('kind', CLOSED_FORMS)
 @pytest.mark.parametrize('p_WQ', [[0.0, 0.0, 0.0], [3.0, 4.0, 12.0]])
 def test_the_bound_counts_the_geometry_and_the_way_to_it(kind, p_WQ):
     """Both are added up, so neither of them can take from what the other rounds off."""
@@ -111,7 +127,7 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     """A cuboid as a hull, beside two other geometries, against the closed form of the box."""
     h = np.array(CLOSED_FORMS[pair_table.BOX])
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * h
-    shape = np.concatenate([[8.0], corners.ravel()])
+    shape = np.concatenate([[8.0], corners.T.ravel()])
     rng = np.random.default_rng(1)
     R_WG, p_WG = random_rotation(rng), rng.normal(size=3)
     p_WQs = p_WG + rng.normal(size=(6, 3)) * 0.4
