@@ -21,7 +21,8 @@ from drake_geom_ros.evidence.peers.answers import ACCESSORS, HALVES
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]
-Form = tuple[int, Floats]  # type number as in the Shape message; half sizes, or vertices
+# Type number as in the Shape message; half sizes, or how many vertices, their x, y and z.
+Form = tuple[int, Floats]
 Pose = tuple[Any, Any]  # R (3, 3), p (3,) [m]
 
 COUNTS = {kind: len(names) for kind, names in ACCESSORS.items()}  # of numbers, by kind
@@ -88,7 +89,7 @@ class Body:
         """The shape as ``truth`` takes it; a Solid is its hull there."""
         size = np.asarray(self.size, dtype=float)
         if self.kind in FROM_VERTICES:
-            return NUMBERS[self.kind], np.append(len(size), size.ravel())
+            return NUMBERS[self.kind], np.append(len(size), size.T.ravel())
         if self.kind == 'Point':
             size = np.zeros(1)
         return NUMBERS[self.kind], size * HALVES.get(self.kind, 1.0)

@@ -40,7 +40,7 @@ def support_value_of(form: Form, d: Floats) -> Any:
     if kind == ELLIPSOID:
         return np.hypot.reduce(s * d, axis=-1)
     if kind == CONVEX:
-        return (d @ s[1:].reshape(-1, 3).T).max(axis=-1)
+        return (d @ s[1:].reshape(3, -1)).max(axis=-1)
     return np.where(np.hypot.reduce(d - [0.0, 0.0, 1.0], axis=-1) <= ALIGNED, 0.0, math.inf)
 
 
@@ -106,5 +106,5 @@ def _corner(beyond: Floats) -> float:
 @functools.lru_cache(maxsize=64)
 def _planes(vertices: bytes) -> Floats:
     """Return the planes (k, 4) of a hull: outward normals and offsets."""
-    equations: Floats = ConvexHull(np.frombuffer(vertices).reshape(-1, 3)).equations
+    equations: Floats = ConvexHull(np.frombuffer(vertices).reshape(3, -1).T).equations
     return equations

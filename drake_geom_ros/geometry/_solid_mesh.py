@@ -15,7 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._mesh_library import connected_pieces
-from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
+from drake_geom_ros.geometry._proximity.hull_parameters import (
+    hull_parameters,
+    unlisted_parameters,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import first_crossing
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import CORNERS, tree_of
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
@@ -75,8 +78,7 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     same = len(pieces) == 1 and abs(volume(corners) - full) <= SAME_VOLUME * full
     if same and is_convex(vertices, triangles, size):
         return CONVEX, hull_parameters(hull_vertices, hull_triangles)
-    # Without edges to climb: what is certified by this hull is certified by every vertex.
-    hull = np.concatenate(([len(hull_vertices)], hull_vertices.ravel(), [0.0]))
+    hull = unlisted_parameters(hull_vertices, hull_triangles)
     planes = planes_of(hull_vertices, hull_triangles)
     largest = largest_triangles(corners, pieces)
     parameters, numbers = solid_parameters(hull, corners, largest, planes)

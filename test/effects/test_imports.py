@@ -72,6 +72,7 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
         *(
             'bounds',
             'vectors',
+            'larger',
             'closed_forms',
             'calling',
             'cores',

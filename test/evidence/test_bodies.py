@@ -28,7 +28,7 @@ def test_the_shape_is_that_of_the_truth(kind):
     ours = shape._kernel_parameters()
     if kind in ('Convex', 'Mesh'):  # the hull may order its vertices anew
         end = 1 + 3 * int(parameters[0])
-        ours, parameters = (np.sort(x[1:end].reshape(-1, 3), axis=0) for x in (ours, parameters))
+        ours, parameters = (np.sort(x[1:end].reshape(3, -1), axis=1) for x in (ours, parameters))
     np.testing.assert_array_equal(ours, parameters)
 
 

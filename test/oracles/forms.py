@@ -21,7 +21,8 @@ def body(form, R=ALIGNED, p=HERE):
     """Return the body of a form, (type number, parameters), at a pose."""
     kind, size = KINDS[form[0]], np.asarray(form[1], dtype=float)
     if kind == 'Convex':
-        return Body(kind, size[1:].reshape(-1, 3), R, np.array(p, dtype=float))
+        vertices = size[1 : 1 + 3 * int(size[0])].reshape(3, -1).T
+        return Body(kind, vertices, R, np.array(p, dtype=float))
     return Body.of_halves(kind, size).placed(R, p)
 
 

@@ -98,7 +98,7 @@ def posed(shape: Form, R: Any, p: Any) -> MinkowskiSum:
         vertices = box_corners(2.0 * size)
         edges = np.array([(i, i + b) for b in (1, 2, 4) for i in range(8) if not i & b])
     elif kind == CONVEX:
-        vertices = size[1:].reshape(-1, 3)
+        vertices = size[1:].reshape(3, -1).T
         triangles = ConvexHull(vertices).simplices
         pairs = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         edges = np.unique(pairs, axis=0).astype(np.int64)

@@ -1,18 +1,18 @@
-"""The parameters of a convex hull for the kernels: its vertices, and the edges of a large one."""
+"""The parameters of a hull for the kernels: its vertices, a ball in it, edges of a large one."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import LISTS
-from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import DEFECT, LISTS
+from drake_geom_ros.geometry._proximity.tolerances import BLUNT, EPS, PLAIN_DEPTH
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 # Vertices from which on a hull is climbed; looking at all of fewer is faster (bench/hulls.py).
-CLIMBED = 200
+CLIMBED = 500
 
 
 def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
@@ -21,16 +21,15 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     ``vertices`` (n, 3) [m] are the corners of the hull, ``triangles`` (m, 3) its surface,
     counter-clockwise from outside.
     """
-    count = len(vertices)
-    coordinates = np.concatenate(([count], vertices.ravel()))
+    count, unlisted = len(vertices), unlisted_parameters(vertices, triangles)
     if count < CLIMBED:
-        return np.append(coordinates, 0.0)
+        return unlisted
     sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = np.unique(np.concatenate((sides, sides[:, ::-1])), axis=0)
     sharpness = _sharpness(vertices, triangles, edges)
     blunt = sharpness < BLUNT
     if np.count_nonzero(blunt) > count // 8:  # most climbs would end in looking at all
-        return np.append(coordinates, 0.0)
+        return unlisted
     # Computed gains are off by 3 EPS of the edge. A vertex whose edges all seem to lead down is
     # the summit for a direction this little off, in radians: 3 EPS over its sharpness.
     defect = 4.0 * EPS / sharpness[~blunt].min() * float(np.linalg.norm(np.ptp(vertices, axis=0)))
@@ -38,8 +37,39 @@ def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
     starts, ends = edges.T
     lists = 3 * count + LISTS + count + 1 + np.searchsorted(starts, np.arange(count + 1))
     lists[:-1][blunt] *= -1
-    places = 1 + 3 * np.concatenate((summits, ends))
-    return np.concatenate((coordinates, [defect], places[:6], lists, places[6:]))
+    places = 1 + np.concatenate((summits, ends))
+    unlisted[3 * count + DEFECT] = defect
+    return np.concatenate((unlisted, places[:6], lists, places[6:]))
+
+
+def unlisted_parameters(vertices: Floats, triangles: Indices) -> Floats:
+    """Return the parameters of a hull of which every vertex is looked at, however many there are.
+
+    What is certified by such a hull is certified by each of its vertices.
+    """
+    radius = np.hypot.reduce(vertices, axis=1).max()
+    ball = _ball(vertices, triangles)
+    return np.concatenate(([len(vertices)], vertices.T.ravel(), [0.0], ball, [radius]))
+
+
+def _ball(vertices: Floats, triangles: Indices) -> Floats:
+    """Return centre and radius (4,) [m] of a ball in a hull: the largest about its centroid.
+
+    The radius is 0 where the hull is so flat that nobody would see the ball.
+    """
+    size = float(np.abs(vertices).max())
+    corners = vertices / size  # about 1, so that nothing overflows
+    a, b, c = (corners[triangles[:, k]] for k in range(3))
+    normals, middle = np.cross(b - a, c - a), corners.mean(axis=0)
+    areas, volumes = np.linalg.norm(normals, axis=1), ((a - middle) * normals).sum(axis=1)
+    if not volumes.sum() > 0.0 or not areas.all():
+        return np.zeros(4)
+    centre = np.average((middle + a + b + c) / 4.0, axis=0, weights=volumes)
+    rooms = ((a - centre) * normals).sum(axis=1) / areas
+    # The normal of a triangle is off by some EPS over its area.
+    radius = float((rooms - 16.0 * EPS / areas).min())
+    seen = radius > PLAIN_DEPTH * float(np.ptp(corners, axis=0).max())
+    return size * np.append(centre, radius if seen else 0.0)
 
 
 def _sharpness(vertices: Floats, triangles: Indices, edges: Indices) -> Floats:

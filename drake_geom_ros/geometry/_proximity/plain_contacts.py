@@ -14,71 +14,13 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.filter_matrix import may_report
 from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
-from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    add,
-    cross,
-    dot,
-    norm,
-    scale,
-    sub,
-)
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import ball_in_hull
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import promised_bound
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
 
 LOOKS_A_BODY = 8  # pairs of each that may move, looked at before the list is asked for
-FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))  # of a tetrahedron
-
-
-@compiled
-def _vertex(shape, k):  # type: ignore[no-untyped-def]
-    """Return vertex k of a hull."""
-    return shape[1 + 3 * k], shape[2 + 3 * k], shape[3 + 3 * k]
-
-
-@compiled
-def _wide_tetrahedron(shape):  # type: ignore[no-untyped-def]
-    """Return four vertices of a hull: far apart, far from their line and far from their plane."""
-    count = int(shape[VERTEX_COUNT])
-    a = b = c = d = _vertex(shape, 0)
-    for k in range(count):
-        if norm(sub(_vertex(shape, k), a)) > norm(sub(b, a)):
-            b = _vertex(shape, k)
-    for k in range(count):
-        if norm(sub(_vertex(shape, k), b)) > norm(sub(a, b)):
-            a = _vertex(shape, k)
-    along = sub(b, a)
-    for k in range(count):
-        if norm(cross(along, sub(_vertex(shape, k), a))) > norm(cross(along, sub(c, a))):
-            c = _vertex(shape, k)
-    n = cross(along, sub(c, a))
-    for k in range(count):
-        if abs(dot(n, sub(_vertex(shape, k), a))) > abs(dot(n, sub(d, a))):
-            d = _vertex(shape, k)
-    return a, b, c, d
-
-
-@compiled
-def _ball_in_hull(shape):  # type: ignore[no-untyped-def]
-    """Return (centre, radius) of a ball in a hull: about the mean of a tetrahedron in it."""
-    corners = _wide_tetrahedron(shape)
-    centre = (0.0, 0.0, 0.0)
-    for k in range(4):
-        centre = add(centre, scale(0.25, corners[k]))
-    radius, size = math.inf, 0.0
-    for k in range(4):
-        size = max(size, norm(corners[k]))
-    for face in FACES:
-        p, q, r = corners[face[0]], corners[face[1]], corners[face[2]]
-        n = cross(sub(q, p), sub(r, p))
-        length = norm(n)
-        if not length > 0.0:
-            return centre, 0.0
-        radius = min(radius, abs(dot(n, sub(centre, p))) / length)
-    # A flat tetrahedron has no ball that anybody would see. In others no face is thinner than
-    # 1e-5 of its sides, so planes are off by 1e5 EPS of the size: far less than PLAIN_DEPTH.
-    return centre, radius if radius > PLAIN_DEPTH * size else 0.0
 
 
 @allocating
@@ -88,7 +30,7 @@ def balls_inside(types, starts, pool):  # type: ignore[no-untyped-def]
     for k in range(types.size):
         shape = pool[starts[k] : starts[k + 1]]
         if types[k] == CONVEX:
-            centre, radii[k] = _ball_in_hull(shape)
+            centre, radii[k] = ball_in_hull(shape)
             for c in range(3):
                 centres[k, c] = centre[c]
         elif types[k] < CONVEX and types[k] != HALF_SPACE:

@@ -17,13 +17,17 @@ import math
 from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import LISTS, _farthest, hull_defect
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
+    LISTS,
+    _farthest,
+    hull_defect,
+    vertex_at,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     dot,
     norm,
     sub,
     unrotate,
-    vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
@@ -146,13 +150,13 @@ def _of_hull(shape, n, u, v):
     end = 3 * int(shape[VERTEX_COUNT])
     first, last, listed = 1, end // 3 + 1, False
     if hull_defect(shape) > 0.0:
-        place = end + LISTS + (here - 1) // 3
+        place = end + LISTS + here - 1
         if shape[place] >= 0.0:
             first, last, listed = int(shape[place]), int(abs(shape[place + 1])), True
     freedom, du, dv = POINT, 0.0, 0.0
     for k in range(first, last):
-        other = int(shape[k]) if listed else 3 * k - 2
-        edge = sub(vector_at(shape, other), vector_at(shape, here))
+        other = int(shape[k]) if listed else k
+        edge = sub(vertex_at(shape, other), vertex_at(shape, here))
         length = norm(edge)
         if length > 0.0 and abs(dot(edge, n)) <= DISTINCT_NORMALS * length:
             x, y = dot(edge, u) / length, dot(edge, v) / length

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     caller,
     compiled_address,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import SUMMITS
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
@@ -44,8 +45,8 @@ def resized(kind, shape, exponent):
     copy = shape.copy()
     first, last = 0, shape.size
     if kind == CONVEX:
-        # Behind the number of the vertices their coordinates, and of a large hull its defect.
-        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + 2)
+        # Behind the number of the vertices their coordinates, the defect and the ball.
+        first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + SUMMITS)
     for k in range(first, last):
         copy[k] = math.ldexp(copy[k], exponent)
     return copy

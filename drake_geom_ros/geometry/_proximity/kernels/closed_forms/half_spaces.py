@@ -10,6 +10,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
@@ -114,13 +115,13 @@ def half_space_convex(
     n = unrotate(R_WB, z_W)
     count = int(shape_B[VERTEX_COUNT])
     lowest, size = math.inf, 0.0
-    for k in range(1, 3 * count + 1, 3):
-        v = vector_at(shape_B, k)
+    for k in range(1, count + 1):
+        v = vertex_at(shape_B, k)
         lowest = min(lowest, dot(n, v))
         size = max(size, norm(v))
     mean, level = (0.0, 0.0, 0.0), 0
-    for k in range(1, 3 * count + 1, 3):
-        v = vector_at(shape_B, k)
+    for k in range(1, count + 1):
+        v = vertex_at(shape_B, k)
         if dot(n, v) <= lowest + RIGHT_ANGLE * size:
             mean = add_scaled(mean, 1.0, v)
             level += 1

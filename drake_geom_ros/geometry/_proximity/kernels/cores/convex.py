@@ -22,8 +22,6 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
-    NORMAL,
-    PAIR_WIDTH,
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
@@ -36,7 +34,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     CLOSED,
     OVERLAP,
     distance_of_cores,
-    support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_defect
 from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_of_point
@@ -46,10 +43,16 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     set_shares,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
+    along_centres,
+    gap_along,
+    hint_of,
+    start_of_hulls,
+    start_of_sums,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     difference_of,
     difference_of_edges,
-    likely_normal,
     width,
     witness_points,
 )
@@ -64,11 +67,9 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
     add_scaled,
-    dot,
     norm,
     scale,
     sub,
-    unit,
     unrotate,
     vector_in,
 )
@@ -109,16 +110,6 @@ class Bounds(NamedTuple):
 
 
 @compiled
-def hint_of(out, p):
-    """Return (n, hinted): a unit vector out of A by the hint in a result row, else along p."""
-    n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
-    if dot(n, n) > 0.5:
-        return n, True
-    n = unit(p)
-    return (n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)), False
-
-
-@compiled
 def by_newton(difference, n, noise, tolerance, cutoff):
     """Return the gap of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
 
@@ -152,13 +143,6 @@ def is_strict(difference, n, noise):
     if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
         return False
     return widest_cap(difference, nearby_minimum(difference, n, noise), noise) > 0.0
-
-
-@compiled
-def gap_along(pair, n):
-    """Return the gap between the supporting planes along n: at most the signed distance."""
-    a, b = support_points(pair, n, 0.0)
-    return dot(sub(b, a), n)
 
 
 @compiled
@@ -201,18 +185,26 @@ def is_polytope(kind):
     return kind != CYLINDER and kind != ELLIPSOID
 
 
+@inlined
+def has_its_digits(pair, difference, found, noise):
+    """Tell whether bounds ``found`` [m] apart are as close as Newton's method could bring them.
+
+    Of two polytopes, one a hull, where they are rounding apart; beside a round body the normal is
+    not as good then.
+    """
+    polytopes = is_polytope(pair.kind_A) and is_polytope(pair.kind_B)
+    return difference.last == 0 and found <= noise and polytopes
+
+
 @allocating
 def sharpened(pair, difference, n, found, noise, tolerance):
     """Return the gap with its last digits, by Newton's method from near n; CLOSED if that did it.
 
     Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
-    may be tells the slab along the normal. Two polytopes are left with bounds as close as
-    ``found`` [m] if that is rounding; beside a round body the normal is not as good then.
+    may be tells the slab along the normal.
     """
     hulls = difference.last == 0
     if hulls:
-        if found <= noise and is_polytope(pair.kind_A) and is_polytope(pair.kind_B):
-            return Gap(OVERLAP, np.inf, -np.inf, n, n, n)
         difference = difference_of_edges(pair, n)
     end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
     if hulls:
@@ -250,8 +242,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
     if difference.last > 0:
-        if not hinted:
-            n = likely_normal(difference, n)
+        n = start_of_sums(difference, pair.p_AB, n, hinted)
         end, upper, lower, n, a, b = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
         if end == BEYOND_CUTOFF:
             return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
@@ -262,8 +253,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
             return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
         overlap = lower < 0.0
     else:
-        a, b = support_points(pair, n, 0.0)
-        overlap = hinted and dot(sub(a, b), n) > noise
+        n, overlap = start_of_hulls(pair, n, hinted, noise)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
         depth, least, n_in, a, b, aside, unique = depth_and_bounds(
@@ -279,11 +269,12 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     if end == BEYOND_CUTOFF:
         return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
     if end != OVERLAP and not near:
-        sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
-        if sharper.end == CLOSED:
-            _, distance, lower, n, a, b = sharper
-            a, b, miss = drawn_to(distance, n, a, b)
-            return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
+        if not has_its_digits(pair, difference, upper - lower, noise):
+            sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
+            if sharper.end == CLOSED:
+                _, distance, lower, n, a, b = sharper
+                a, b, miss = drawn_to(distance, n, a, b)
+                return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
         if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
             return Bounds(CLOSED, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
@@ -331,7 +322,7 @@ def width_of(found):
     return max(found.upper - found.lower, found.miss)
 
 
-@allocating
+@inlined
 def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
     """Return the bounds of the signed distance of two cores, from another start if one is bad.
 
@@ -344,9 +335,7 @@ def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
         if not is_loose(found, enough):
             break
         cold = hinted and again == 0
-        start = found.n
-        if cold:
-            start, _ = hint_of(np.zeros(PAIR_WIDTH), pair.p_AB)
+        start = along_centres(pair.p_AB) if cold else found.n
         other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff)
         if width_of(other) < width_of(found):
             found = other

@@ -201,7 +201,10 @@ def is_in_cap(m, offset, n, rival, cap):
     """
     if cap == 0.0 or offset <= 0.0:
         return False
-    away = 2.0 * math.asin(min(0.5 * norm(sub(m, n)), 1.0))
+    chord = norm(sub(m, n))
+    if chord > cap:  # most faces: an arc is longer still
+        return False
+    away = 2.0 * math.asin(min(0.5 * chord, 1.0))
     beyond = math.sqrt(max(rival - offset, 0.0) * (rival + offset))
     return away + math.atan2(beyond, offset) <= cap
 

@@ -1,9 +1,13 @@
 """The vertices of a convex hull: which is extreme along a direction, and how far they reach.
 
-The parameters of a hull are the number n of its vertices, 3 n coordinates and its *defect*. Those
-of a large one, whose defect is not 0, go on: the vertices extreme along -x, x, -y, y, -z, z, the
-places of n + 1 lists, and the lists of the neighbours of each vertex along the edges
-(``hull_parameters`` makes them). A vertex is named by the place of its x in the parameters.
+The parameters of a hull are the number n of its vertices, their n x, n y and n z, its *defect*,
+centre and radius of a ball in it, and its radius about Go. Those of a large one, whose defect is
+not 0, go on: the vertices extreme along -x, x, -y, y, -z, z, the places of n + 1 lists, and the
+lists of the neighbours of each vertex along the edges (``hull_parameters`` makes them). A vertex
+is named by the place of its x, 1 to n. Vertices alone make a hull too, whose ball is not known.
+
+Where all vertices are looked at, the largest product is found first, of several at a time, and
+then whose it is: of 64 vertices that takes half as long as to keep both one by one.
 
 A large hull is climbed, from neighbour to neighbour, for as long as that leads farther along the
 direction: on a convex polytope there is no other summit. At a vertex that is almost flat rounding
@@ -16,13 +20,19 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.kernels.larger import larger
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
 
-DEFECT = 1  # places after the coordinates: the defect, six summits, the lists
-SUMMITS = 2
-LISTS = 8
+# Places after the coordinates.
+DEFECT = 1
+BALL = 2  # 4: centre and radius
+RADIUS = 6
+SUMMITS = 7  # 6
+LISTS = 13
+# Vertices from which on several are looked at a time: of fewer, one by one is faster.
+SEVERAL = 32
 
 
 @inlined
@@ -33,16 +43,57 @@ def hull_defect(shape):
 
 
 @inlined
-def _farthest_of_all(shape, x, y, z):
-    """Return the place of the vertex that is extreme along (x, y, z)."""
-    # Unsigned numbers: the test for negative ones would double the time.
-    best = np.uint64(1)
-    value = shape[1] * x + shape[2] * y + shape[3] * z
-    for k in range(np.uint64(4), np.uint64(3 * int(shape[VERTEX_COUNT]) + 1), np.uint64(3)):
-        candidate = shape[k] * x + shape[k + np.uint64(1)] * y + shape[k + np.uint64(2)] * z
+def ball_in_hull(shape):
+    """Return (centre, radius) [m] of a ball in a hull; the radius is 0 where none is known."""
+    place = 3 * int(shape[VERTEX_COUNT]) + BALL
+    if shape.size <= place + 3:
+        return (0.0, 0.0, 0.0), 0.0
+    return (shape[place], shape[place + 1], shape[place + 2]), shape[place + 3]
+
+
+@inlined
+def vertex_at(shape, k):
+    """Return vertex k of a hull, 1 to n."""
+    # Unsigned numbers: the test for negative ones would double the time of a loop.
+    n, k = _count(shape), np.uint64(k)
+    return shape[k], shape[k + n], shape[k + n + n]
+
+
+@inlined
+def _count(shape):
+    return np.uint64(int(shape[VERTEX_COUNT]))
+
+
+@inlined
+def _along(shape, n, k, x, y, z):
+    """Return how far vertex k of n is along (x, y, z)."""
+    return shape[k] * x + shape[k + n] * y + shape[k + n + n] * z
+
+
+@inlined
+def _farthest_of_few(shape, n, x, y, z):
+    """Return the first of n vertices that are extreme along (x, y, z)."""
+    first = np.uint64(1)
+    best, value = first, _along(shape, n, first, x, y, z)
+    for k in range(np.uint64(2), n + first):
+        candidate = _along(shape, n, k, x, y, z)
         if candidate > value:
-            value = candidate
-            best = k
+            best, value = k, candidate
+    return np.int64(best)
+
+
+@compiled
+def _farthest_of_all(shape, x, y, z):
+    """Return the first of the vertices that are extreme along (x, y, z)."""
+    n, first = _count(shape), np.uint64(1)
+    if n < SEVERAL:
+        return _farthest_of_few(shape, n, x, y, z)
+    value = -math.inf
+    for k in range(first, n + first):
+        value = larger(_along(shape, n, k, x, y, z), value)
+    best = n
+    for k in range(first, n + first):
+        best = min(best, k if _along(shape, n, k, x, y, z) == value else n)
     return np.int64(best)
 
 
@@ -63,16 +114,15 @@ def _climbed(shape, end, x, y, z):
     here = _summit(shape, end, x, y, z)
     # The path visits no vertex twice, for each is farther than the one before.
     for _ in range(int(shape[VERTEX_COUNT])):
-        place = end + LISTS + (here - 1) // 3
+        place = end + LISTS + here - 1
         first, last = int(shape[place]), int(abs(shape[place + 1]))
         if first < 0:
             return _farthest_of_all(shape, x, y, z)
-        p, q, r = shape[here], shape[here + 1], shape[here + 2]
-        best, gain = here, 0.0
+        p, best, gain = vertex_at(shape, here), here, 0.0
         for k in range(first, last):
             u = int(shape[k])
             # Differences of neighbours: what rounding hides is relative to the edge.
-            d = (shape[u] - p) * x + (shape[u + 1] - q) * y + (shape[u + 2] - r) * z
+            d = dot(sub(vertex_at(shape, u), p), (x, y, z))
             if d > gain:
                 best, gain = u, d
         if best == here:
@@ -92,24 +142,31 @@ def _farthest(shape, x, y, z):
 @compiled
 def farthest_vertex(shape, x, y, z):
     """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
-    k = _farthest(shape, x, y, z)
-    return shape[k], shape[k + 1], shape[k + 2]
+    return vertex_at(shape, _farthest(shape, x, y, z))
 
 
 @inlined
-def _edge_slope(shape, here, k, x, y, z):
-    """Return the squared slope of the line from one vertex to another, and its squared length.
+def _slope(shape, here, k, x, y, z):
+    """Return the squared slope of the line from vertex ``here`` to k, inf where they are one.
 
-    It is the fall along (x, y, z), times the length: who compares slopes needs no square root.
+    Down along (x, y, z); the square needs no square root.
     """
-    one, here, k = np.uint64(1), np.uint64(here), np.uint64(k)
-    u, v, w = (
-        shape[k] - shape[here],
-        shape[k + one] - shape[here + one],
-        shape[k + one + one] - shape[here + one + one],
-    )
-    fall = min(u * x + v * y + w * z, 0.0)
-    return fall * fall, u * u + v * v + w * w
+    u, v, w = sub(vertex_at(shape, k), vertex_at(shape, here))
+    fall, length = larger(-(u * x + v * y + w * z), 0.0), u * u + v * v + w * w
+    return fall * fall / length if length > 0.0 else math.inf
+
+
+@inlined
+def _least_slope(shape, here, x, y, z):
+    """Return the vertex to which the line from vertex ``here`` has the least slope."""
+    n, first = _count(shape), np.uint64(1)
+    steepest = -math.inf  # of the slopes' opposites, for the sake of ``larger``
+    for k in range(first, n + first):
+        steepest = larger(-_slope(shape, here, k, x, y, z), steepest)
+    best = n
+    for k in range(first, n + first):
+        best = min(best, k if -_slope(shape, here, k, x, y, z) == steepest else n)
+    return np.int64(best)
 
 
 @compiled
@@ -122,38 +179,31 @@ def farthest_edge(shape, x, y, z):
     """
     here = _farthest(shape, x, y, z)
     end = 3 * int(shape[VERTEX_COUNT])
+    place, listed = end + LISTS + here - 1, hull_defect(shape) > 0.0
+    if not listed or shape[place] < 0.0:
+        return vertex_at(shape, here), vertex_at(shape, _least_slope(shape, here, x, y, z))
     other, least = here, math.inf
-    place, listed = 0, hull_defect(shape) > 0.0
-    if listed:
-        place = end + LISTS + (here - 1) // 3
-        listed = shape[place] >= 0.0
-    if listed:
-        for k in range(int(shape[place]), int(abs(shape[place + 1]))):
-            u = int(shape[k])
-            fall, length = _edge_slope(shape, here, u, x, y, z)
-            if length > 0.0 and fall < least * length:
-                other, least = u, fall / length
-    else:
-        for k in range(1, end + 1, 3):
-            fall, length = _edge_slope(shape, here, k, x, y, z)
-            if length > 0.0 and fall < least * length:
-                other, least = k, fall / length
-    return (
-        (shape[here], shape[here + 1], shape[here + 2]),
-        (shape[other], shape[other + 1], shape[other + 2]),
-    )
+    for k in range(int(shape[place]), int(abs(shape[place + 1]))):
+        u = int(shape[k])
+        slope = _slope(shape, here, u, x, y, z)
+        if slope < least:
+            other, least = u, slope
+    return vertex_at(shape, here), vertex_at(shape, other)
 
 
 @compiled
 def hull_radius(shape):
     """Return the largest distance [m] of a vertex from Go."""
-    farthest, one = 0.0, np.uint64(1)
-    for k in range(one, np.uint64(3 * int(shape[VERTEX_COUNT]) + 1), np.uint64(3)):
-        x, y, z = shape[k], shape[k + one], shape[k + np.uint64(2)]
-        farthest = max(farthest, x * x + y * y + z * z)
+    place = 3 * int(shape[VERTEX_COUNT]) + RADIUS
+    if shape.size > place:
+        return shape[place]
+    n, farthest = _count(shape), 0.0
+    for k in range(np.uint64(1), n + np.uint64(1)):
+        x, y, z = shape[k], shape[k + n], shape[k + n + n]
+        farthest = larger(x * x + y * y + z * z, farthest)
     if SMALL_SQUARE < farthest < LARGE_SQUARE:
         return math.sqrt(farthest)
     farthest = 0.0
-    for k in range(1, 3 * int(shape[VERTEX_COUNT]) + 1, 3):
-        farthest = max(farthest, norm((shape[k], shape[k + 1], shape[k + 2])))
+    for k in range(1, int(n) + 1):
+        farthest = max(farthest, norm(vertex_at(shape, k)))
     return farthest

@@ -20,6 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     clamp,
     cylinder_point,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -119,8 +120,8 @@ def deepest_vertex(kind, shape, R, hull, R_hull, p):
     the hull, in World axes as both rotations are.
     """
     best = -math.inf
-    for k in range(1, 3 * int(hull[VERTEX_COUNT]) + 1, 3):
-        q = add(p, rotate(R_hull, vector_at(hull, k)))
+    for k in range(1, int(hull[VERTEX_COUNT]) + 1):
+        q = add(p, rotate(R_hull, vertex_at(hull, k)))
         depth, _ = depth_of_point(kind, shape, unrotate(R, q), 0.0)
         best = max(best, depth)
     return best

@@ -110,13 +110,14 @@ def _put_shape(terms, kind, shape, R, segment, axes):
 def difference_of(pair):
     """Return the Minkowski difference of the two cores of a pair."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    if kind_A == CONVEX or kind_B == CONVEX:
+        # Terms that nobody reads, and an array would take a tenth of the time of two hulls.
+        return Difference(R_WA, 0, 0, 0.0, 0.0)
     terms = np.zeros((ROWS, 5))
     for i in range(3):
         terms[0, i] = p[i]
     first = _put_shape(terms, kind_A, shape_A, R_WA, SEGMENT, AXES_A)
     last = _put_shape(terms, kind_B, shape_B, R_WB, first, AXES_B)
-    if kind_A == CONVEX or kind_B == CONVEX:
-        last = 0
     return Difference(
         terms, first, last, _taken_away(kind_A, shape_A), _taken_away(kind_B, shape_B)
     )

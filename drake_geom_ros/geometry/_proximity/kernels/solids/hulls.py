@@ -6,6 +6,7 @@ Bodies are given as in ``distance``.
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.solids.tree import PLANE
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -28,8 +29,8 @@ def middle_of(A, p):
     if A.kind != CONVEX:
         return p
     middle, count = (0.0, 0.0, 0.0), int(A.shape[VERTEX_COUNT])
-    for k in range(count):
-        middle = add_scaled(middle, 1.0 / count, vector_at(A.shape, 1 + 3 * k))
+    for k in range(1, count + 1):
+        middle = add_scaled(middle, 1.0 / count, vertex_at(A.shape, k))
     return add(p, rotate(A.R, middle))
 
 

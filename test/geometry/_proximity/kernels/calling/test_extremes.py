@@ -50,12 +50,12 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
 
 
 def test_a_hull_keeps_the_number_of_its_vertices_and_its_lists():
-    directions = random_directions(np.random.default_rng(0), 300)
+    directions = random_directions(np.random.default_rng(0), 600)
     shape = Convex.FromMeshData(MeshData(directions))._kernel_parameters()
     count = int(shape[0])
     copy = extremes.resized(CONVEX, shape, 10)
-    lengths = slice(1, 3 * count + 2)
+    lengths = slice(1, 3 * count + 7)  # defect, ball and radius too
     np.testing.assert_array_equal(copy[lengths], 1024.0 * shape[lengths])
-    np.testing.assert_array_equal(copy[3 * count + 2 :], shape[3 * count + 2 :])
+    np.testing.assert_array_equal(copy[3 * count + 7 :], shape[3 * count + 7 :])
     assert copy[0] == count
     assert Sphere(1.0)._kernel_parameters().tolist() == [1.0]

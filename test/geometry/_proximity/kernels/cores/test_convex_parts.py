@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Gap,
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 CUBE = np.array([1.0, 1.0, 1.0])
-HULL = np.concatenate(([8.0], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel()))  # the same
+HULL = np.concatenate(([8.0], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).ravel()))  # the same
 
 
 @pytest.mark.parametrize(
@@ -84,12 +84,14 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED):
         return lambda *_: asked.append(found) or found
 
     pair = Pair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
+    asked_for = pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf
+    convex.bounds_of_cores(*asked_for)  # what is not replaced cannot be compiled any more below
     monkeypatch.setattr(convex, 'distance_of_cores', told(walked))
     monkeypatch.setattr(convex, 'depth_and_bounds', told(depth))
     monkeypatch.setattr(convex, 'sharpened', told(sharper))
     monkeypatch.setattr(convex, 'witnesses_of_depth', lambda _, n, depth, *rest: (*rest[1:3], 0.0))
     search = getattr(convex.bounds_of_cores, 'py_func', convex.bounds_of_cores)
-    found = search(pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf)
+    found = search(*asked_for)
     return found, [each for each in asked if each is not sharper]
 
 
@@ -180,3 +182,19 @@ def test_bounds_that_stay_loose_are_sought_from_elsewhere(
     found = search(pair, (1.0, 0.0, 0.0), hinted, 6.0, 1e-9, math.inf)
     assert seen == starts
     assert found.n == (0.0, float(kept), 1.0)
+
+
+@pytest.mark.parametrize('hint', [(-1.0, 0.0, 0.0), (0.0, 0.6, 0.8), (0.6, 0.0, -0.8)])
+def test_a_hint_of_poses_long_past_costs_hulls_that_are_apart_no_search_for_a_depth(
+    monkeypatch, hint
+):
+    def search_for_depth(*_):
+        raise AssertionError
+
+    pair = Pair(CONVEX, HULL, np.eye(3), CONVEX, HULL, np.eye(3), (2.5, 0.5, 0.0))
+    convex.bounds_of_cores(pair, hint, True, 6.0, 1e-9, math.inf)  # compiles the rest
+    monkeypatch.setattr(convex, 'depth_and_bounds', search_for_depth)
+    search = getattr(convex.bounds_of_cores, 'py_func', convex.bounds_of_cores)
+    found = search(pair, hint, True, 6.0, 1e-9, math.inf)
+    assert found.distance == pytest.approx(0.5, abs=1e-15)
+    assert found.n == pytest.approx((1.0, 0.0, 0.0), abs=1e-15)

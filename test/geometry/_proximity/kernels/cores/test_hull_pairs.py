@@ -191,7 +191,7 @@ def test_a_needle_along_the_axis_from_far_along_it(kind):
 
 
 def test_a_hull_that_fills_a_cylinder_is_left_to_others():
-    hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).T.ravel() * 0.2))
+    hull = np.concatenate(([8], np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).ravel() * 0.2))
     pair = core_pair(
         CYLINDER, np.array([0.3, 0.3]), np.eye(3), CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0)
     )

@@ -6,7 +6,7 @@ from oracles.worlds import random_rotations
 from scipy.spatial import ConvexHull
 
 from drake_geom_ros.evidence.random_bodies import random_directions
-from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
+from drake_geom_ros.geometry._proximity.hull_parameters import CLIMBED, hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
     farthest_edge,
     farthest_vertex,
@@ -55,7 +55,7 @@ def hull(points):
 
 
 @pytest.mark.parametrize('make', SHAPES)
-@pytest.mark.parametrize('count', [200, 700])
+@pytest.mark.parametrize('count', [CLIMBED, 1200])
 def test_the_vertex_is_farthest_up_to_the_defect(make, count):
     rng = np.random.default_rng(count)
     vertices, triangles = hull(make(count, rng) @ random_rotations(rng, 1)[0].T + 0.1)
@@ -71,7 +71,7 @@ def test_the_vertex_is_farthest_up_to_the_defect(make, count):
 
 
 @pytest.mark.parametrize('make', SHAPES)
-@pytest.mark.parametrize('count', [30, 300])
+@pytest.mark.parametrize('count', [20, 60, CLIMBED + 100])
 def test_the_edge_is_that_of_least_slope(make, count):
     """Large hulls look at neighbours only, small ones at every vertex."""
     rng = np.random.default_rng(count)
@@ -90,22 +90,22 @@ def test_the_edge_is_that_of_least_slope(make, count):
 
 def test_large_hulls_have_edges_and_small_ones_none():
     rng = np.random.default_rng(0)
-    small, large = (hull_parameters(*hull(on_ball(n, rng))) for n in (199, 200))
-    assert len(small) == 2 + 3 * 199
+    small, large = (hull_parameters(*hull(on_ball(n, rng))) for n in (CLIMBED - 1, CLIMBED))
+    assert len(small) == 7 + 3 * (CLIMBED - 1)
     assert hull_defect(small) == 0.0
-    assert len(large) > 2 + 3 * 200
+    assert len(large) > 7 + 3 * CLIMBED
     assert hull_defect(large) > 0.0
 
 
 def test_a_hull_with_many_flat_vertices_is_not_climbed():
     """Vertices that stick out by rounding only could end a climb anywhere."""
-    side = np.linspace(-1.0, 1.0, 12)
+    side = np.linspace(-1.0, 1.0, 16)
     x, y = (grid.ravel() for grid in np.meshgrid(side, side))
     bulge = 1.0 + 1e-9 * (2.0 - x**2 - y**2)
     points = np.vstack([np.column_stack([x, y, z]) for z in (bulge, -bulge)])
     vertices, triangles = hull(points)
-    assert len(vertices) >= 200
-    assert len(hull_parameters(vertices, triangles)) == 2 + 3 * len(vertices)
+    assert len(vertices) >= CLIMBED
+    assert len(hull_parameters(vertices, triangles)) == 7 + 3 * len(vertices)
 
 
 def test_radius_is_that_of_the_farthest_vertex():
@@ -119,7 +119,7 @@ def test_radius_is_that_of_the_farthest_vertex():
 def test_radius_counts_every_vertex_at_any_size(farthest, size):
     vertices = np.array([[0, 0, 1.0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [-1, 0, 0]])
     vertices[farthest] *= 3.0
-    shape = np.concatenate([[5.0], size * vertices.ravel()])
+    shape = np.concatenate([[5.0], size * vertices.T.ravel()])
     with np.errstate(over='ignore'):
         assert hull_radius(shape) == pytest.approx(3.0 * size, rel=1e-15)
     for vertex in vertices:

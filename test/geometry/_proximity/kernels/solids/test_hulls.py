@@ -42,7 +42,7 @@ def test_the_way_out_of_the_hulls_is_the_shortest_that_is_tried(seed):
 def test_the_middle_of_a_hull_is_the_mean_of_its_vertices_and_of_others_their_origin():
     rng = np.random.default_rng(5)
     R, p, vertices = random_rotation(rng), (1.0, 2.0, 3.0), rng.uniform(4.0, 5.0, (7, 3))
-    hull = body_of(CONVEX, np.concatenate(([7.0], vertices.ravel(), [0.0])), R)
+    hull = body_of(CONVEX, np.concatenate(([7.0], vertices.T.ravel(), [0.0])), R)
     expected = p + R @ vertices.mean(axis=0)
     assert hulls.middle_of(hull, p) == pytest.approx(expected, abs=1e-14)
     assert hulls.middle_of(body_of(BOX, np.ones(3), R), p) == p

@@ -1,0 +1,59 @@
+"""Where the search for the normal of a pair of cores begins.
+
+Along the normal the gap between supporting planes is largest, so of two guesses that of the larger
+gap is the better one. A hint is the normal of an earlier answer. Poses may be others altogether
+since then: a hint is followed only if it is no worse than the line of centres.
+"""
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import likely_normal, width
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub, unit
+
+
+@compiled
+def along_centres(p):
+    """Return the unit vector along p, or any where p is 0."""
+    n = unit(p)
+    return n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)
+
+
+@compiled
+def hint_of(out, p):
+    """Return (n, hinted): a unit vector out of A by the hint in a result row, else along p."""
+    n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
+    if dot(n, n) > 0.5:
+        return n, True
+    return along_centres(p), False
+
+
+@compiled
+def gap_along(pair, n):
+    """Return the gap between the supporting planes along n: at most the signed distance."""
+    a, b = support_points(pair, n, 0.0)
+    return dot(sub(b, a), n)
+
+
+@inlined
+def start_of_sums(difference, p, n, hinted):
+    """Return where to begin with the sums of a difference, from a hint n if that is good."""
+    terms, _, last, r_A, r_B = difference
+    line, radius = along_centres(p), r_A + r_B
+    if hinted and width(terms, last, radius, n) <= width(terms, last, radius, line):
+        return n
+    return likely_normal(difference, line)
+
+
+@inlined
+def start_of_hulls(pair, n, hinted, noise):
+    """Return (n, overlap): where to begin with hulls, and whether they seem to overlap there.
+
+    EPA looks at all of both hulls: before, the line of centres may show that they are apart.
+    """
+    overlap = hinted and gap_along(pair, n) < -noise
+    if overlap:
+        line = along_centres(pair.p_AB)
+        if gap_along(pair, line) > noise:
+            return line, False
+    return n, overlap
