@@ -169,7 +169,7 @@ def witnesses_of_depth(pair, n, depth, size, a, b, aside):
         _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
         if gap < aside:
             a, b, aside = x, add_scaled(y, -depth, n), 0.5 * gap
-    if aside > LOOSE_SLOPE * noise:
+    if aside > noise:
         on_edges = points_on_edges(pair, n, depth, noise, noise)
         x, y = on_edges.a, on_edges.b
         there = norm(sub(sub(x, y), scale(depth, n)))

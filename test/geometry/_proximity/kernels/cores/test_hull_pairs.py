@@ -8,7 +8,7 @@ from oracles.forms import hull_of
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.random_bodies import random_directions
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -149,6 +149,20 @@ def test_a_tiny_hull_at_the_axis_of_a_capsule():
         truth = widths(pair, circle(R_WA[:, 0], R_WA[:, 1], angles)).min()
         if truth > 0.2:  # the axis goes through it
             assert truth - 1e-3 * scale <= -out[DISTANCE] <= truth + promised
+
+
+@pytest.mark.parametrize('seed', [2, 3, 5, 6, 7])
+def test_the_points_of_a_tiny_hull_at_the_axis_have_their_digits(seed):
+    """EPA tells them by the weights of a sliver: that alone took three times what is promised."""
+    rng = np.random.default_rng(seed)
+    for _ in range(250):
+        scale = 10 ** rng.uniform(-7, -2)
+        _, hull = _hull(rng, scale)
+        R_WA = random_rotation(rng)
+        p = 0.2 * scale * rng.normal() * R_WA[:, 0] + rng.uniform(-0.4, 0.4) * R_WA[:, 2]
+        pair = core_pair(CAPSULE, [0.2, 0.9], R_WA, CONVEX, hull, random_rotation(rng), p)
+        out, promised = answer_of(pair)
+        assert out[ERROR_BOUND] <= promised
 
 
 def test_a_tiny_hull_just_beside_the_axis_of_a_capsule():
