@@ -25,8 +25,9 @@ class SourcePosePort:
 
     def FixValue(self, context: SceneGraphContext, value: FramePoseVector) -> None:
         """Pose all frames of the source in a context, or none: see ``SetFramePoses``."""
-        _checked_context(context, 'FixValue')
-        checked_type(value, FramePoseVector, 'FixValue: value')
+        if type(context) is not SceneGraphContext or type(value) is not FramePoseVector:
+            _checked_context(context, 'FixValue')
+            checked_type(value, FramePoseVector, 'FixValue: value')
         context.SetFramePoses(self._source_id, value)
 
 

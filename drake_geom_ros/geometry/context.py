@@ -14,7 +14,7 @@ from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.pose_rounding import TURN, shift_of, taken_roundings
 from drake_geom_ros.geometry._proximity.rehearsal import rehearse
 from drake_geom_ros.geometry._proximity.waiting import count_waiting_pairs
-from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, Named, World
 from drake_geom_ros.geometry._records import GeometryRecord
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
@@ -32,10 +32,10 @@ class _Built(NamedTuple):
 
 
 class _FramesOf(NamedTuple):
-    """The id values of sources' frames, as far as asked for, of a version of the frames."""
+    """The frames of sources, as far as asked for, and those that were posed last (None)."""
 
-    version: int
-    sources: dict[SourceId, Indices]
+    version: int  # of the frames, in which they were looked up
+    named: dict[SourceId | None, Named]
 
 
 class _WaitingPairs(NamedTuple):
@@ -136,13 +136,16 @@ class SceneGraphContext:
         Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
-        own, given = self._source_frames(source_id), poses._ids
+        world = self._up_to_date_world()
+        own, (given, X_PFs) = self._source_frames(world, source_id), poses._as_arrays()
+        if world.pose(own, given, X_PFs):
+            return
         # Mostly the frames come in the order of their ids.
-        if given.tobytes() != own.tobytes() and not np.array_equal(given := np.sort(given), own):
+        if not np.array_equal(given := np.sort(given), own.ids):
             problems = []
-            if missing := np.setdiff1d(own, given).tolist():
+            if missing := np.setdiff1d(own.ids, given).tolist():
                 problems.append(f'these frames of it have no pose: {self._describe(missing)}')
-            if foreign := np.setdiff1d(given, own).tolist():
+            if foreign := np.setdiff1d(given, own.ids).tolist():
                 problems.append(f'these frames are not its own: {self._describe(foreign)}')
             raise PoseError(
                 f"Poses for source '{self._model.source_name(source_id)}' were refused, nothing "
@@ -165,14 +168,20 @@ class SceneGraphContext:
         rows = world.frame_rows(values)
         return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
-    def _source_frames(self, source_id: SourceId) -> Indices:
-        """Return the ids of a source's frames, ascending; looked up once a version."""
-        if self._frames_of.version != self._model.versions.frames:
-            self._frames_of = _FramesOf(self._model.versions.frames, {})
-        known = self._frames_of.sources
+    def _named_frames(self) -> dict[SourceId | None, Named]:
+        """Return the frames that were looked up in this version of them."""
+        version = self._model.versions.frames
+        if self._frames_of.version != version:
+            self._frames_of = _FramesOf(version, {})
+        return self._frames_of.named
+
+    def _source_frames(self, world: World, source_id: SourceId) -> Named:
+        """Return a source's frames, by ascending ids."""
+        known = self._named_frames()
         if source_id not in known:
             values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
-            known[source_id] = np.array(sorted(values), dtype=np.int64)
+            ids = np.array(sorted(values), dtype=np.int64)
+            known[source_id] = Named(ids, world.frame_rows(ids))
         return known[source_id]
 
     def UpdateFramePoses(self, poses: FramePoseVector) -> None:
@@ -181,15 +190,19 @@ class SceneGraphContext:
         Raises PoseError when a frame does not exist; nothing changes then.
         """
         world = self._up_to_date_world()
-        ids, R_PFs, p_PFs = poses._as_arrays()
-        rows = world.rows_to_pose(ids)
-        if rows is None:
+        (ids, X_PFs), known = poses._as_arrays(), self._named_frames()
+        # Whoever poses frames names the same ones each time.
+        if None in known and world.pose(known[None], ids, X_PFs):
+            return
+        named = world.named(ids)
+        if named is None:
             unknown = ids[~world.has_frames(ids)]
             raise PoseError(
                 'Poses were refused, nothing was changed: these frames are not in this scene: '
                 f'{self._describe(sorted(unknown.tolist()))}.'
             )
-        world.set_poses(rows, R_PFs, p_PFs)
+        known[None] = named
+        world.pose(named, ids, X_PFs)
 
     def _describe(self, values: list[int]) -> str:
         """Name frames for an error message."""
@@ -202,7 +215,9 @@ class SceneGraphContext:
 
     def _posed_world(self) -> World:
         """Return the world for a query; raises PoseError if it lacks poses that it must have."""
-        world = self._up_to_date_world()
+        versions, built, world = self._model.versions, self._built, self._world
+        if built.frames != versions.frames or built.proximity != versions.proximity:
+            world = self._up_to_date_world()
         if not (world.is_whole or self._partial):
             waiting = world.unposed_frames().tolist()
             raise PoseError(

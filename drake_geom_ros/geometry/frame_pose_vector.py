@@ -3,30 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry._proximity.poses import read_frame_poses
+from drake_geom_ros.geometry._proximity.poses import (
+    POSE_WIDTH,
+    REFUSED,
+    RISING,
+    packed_poses,
+    positions_of,
+    read_frame_poses,
+    rotations_of,
+)
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.instances import checked_pose, checked_type
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
+from drake_geom_ros.math.tolerances import FARTHEST
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+_INT64, _FLOAT64 = np.dtype(np.int64), np.dtype(np.float64)
 
 
-class _Arrays(NamedTuple):
-    """Id values (n,) of frames, with their orientations (n, 3, 3) and positions (n, 3) [m]."""
-
-    ids: Indices
-    R_PFs: Floats
-    p_PFs: Floats
+# Id values (n,) of frames, and their poses (n, POSE_WIDTH): see ``_proximity.poses``.
+_Arrays: TypeAlias = tuple[Indices, Floats]
 
 
 class FramePoseVector:
@@ -60,9 +65,26 @@ class FramePoseVector:
         off unit length by more than 1e-3, a coordinate beyond 1e302 m, or a frame that is named
         twice.
         """
-        ids = _id_values(frame_ids)
         vector = cls.__new__(cls)
-        vector._values, vector._arrays = None, _Arrays(ids, *_matrices(ids, poses))
+        vector._values = None
+        # What a cycle hands over is looked at right here: in the first cycle after other work
+        # each further call costs a microsecond or two, for its code comes from memory.
+        if (
+            type(frame_ids) is np.ndarray
+            and frame_ids.dtype is _INT64
+            and frame_ids.ndim == 1
+            and type(poses) is np.ndarray
+            and poses.dtype is _FLOAT64
+            and poses.shape == (len(frame_ids), 7)
+            and poses.flags.carray
+        ):
+            ids: Indices = frame_ids.copy()  # type: ignore[assignment]
+            X_PFs = np.empty((len(poses), POSE_WIDTH))
+            if read_frame_poses(ids, poses, X_PFs) == RISING:
+                vector._arrays = ids, X_PFs
+                return vector
+        ids = _id_values(frame_ids)
+        vector._arrays = ids, _poses_of(ids, poses)
         return vector
 
     def set_value(self, id: FrameId, value: RigidTransform) -> None:
@@ -113,17 +135,17 @@ class FramePoseVector:
     @property
     def _ids(self) -> Indices:
         """Values of the frames' ids (n,)."""
-        return self._as_arrays().ids
+        return self._as_arrays()[0]
 
     @property
     def _R_PFs(self) -> Floats:
         """Orientations (n, 3, 3)."""
-        return self._as_arrays().R_PFs
+        return rotations_of(self._as_arrays()[1])
 
     @property
     def _p_PFs(self) -> Floats:
         """Positions (n, 3) [m]."""
-        return self._as_arrays().p_PFs
+        return positions_of(self._as_arrays()[1])
 
     def _by_id(self) -> dict[FrameId, RigidTransform]:
         """Return the poses as a dictionary, made of the arrays when there is none."""
@@ -139,38 +161,29 @@ class FramePoseVector:
         """Return the poses as arrays, made of the dictionary when there are none."""
         if self._arrays is None:
             X_PFs = list(self._by_id().values())
-            self._arrays = _Arrays(
-                _id_values(list(self._by_id())),
-                np.array([X.rotation().matrix() for X in X_PFs]).reshape(-1, 3, 3),
-                np.array([X.translation() for X in X_PFs]).reshape(-1, 3),
-            )
+            Rs = np.array([X.rotation().matrix() for X in X_PFs]).reshape(-1, 3, 3)
+            ps = np.array([X.translation() for X in X_PFs]).reshape(-1, 3)
+            self._arrays = _id_values(list(self._by_id())), packed_poses(Rs, ps)
         return self._arrays
 
 
-def _matrices(ids: Indices, poses: ArrayLike) -> tuple[Floats, Floats]:
-    """Return R (n, 3, 3) and p (n, 3) of the poses (n, 7) of as many different frames.
+def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:
+    """Return the rows (n, POSE_WIDTH) of the poses (n, 7) of as many different frames.
 
     Raises PoseError for what is no pose, another number of poses, and a frame that is there twice.
     """
-    known = False
-    if (
-        isinstance(poses, np.ndarray)
-        and poses.dtype == np.float64
-        and poses.shape == (len(ids), 7)
-    ):
-        Rs, ps = np.empty((len(ids), 3, 3)), np.empty((len(ids), 3))
-        known, rising = read_frame_poses(ids, poses, QUATERNION_NORM, FARTHEST, Rs, ps)
-        if known and rising:
-            return Rs, ps
-    if not known:  # whatever the compiled code does not take is named
-        Rs, ps = _read_slowly(poses)
-    if len(ids) != len(ps):
-        raise PoseError(f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(ps)} poses')
+    told, X_PFs = REFUSED, np.empty((len(ids), POSE_WIDTH))
+    if isinstance(poses, np.ndarray) and poses.shape == (len(ids), 7) and poses.dtype.kind == 'f':
+        told = read_frame_poses(ids, np.array(poses, dtype=np.float64, order='C'), X_PFs)
+    if told == REFUSED:  # whatever the compiled code does not take is named
+        X_PFs = packed_poses(*_read_slowly(poses))
+    if len(ids) != len(X_PFs):
+        raise PoseError(f'FramePoseVector.FromArrays: {len(ids)} frame_ids for {len(X_PFs)} poses')
     values, counts = np.unique(ids, return_counts=True)
     if len(values) != len(ids):
         twice = values[counts > 1][0]
         raise PoseError(f'FramePoseVector.FromArrays: frame {twice} is named more than once')
-    return Rs, ps
+    return X_PFs
 
 
 def _read_slowly(poses: ArrayLike) -> tuple[Floats, Floats]:

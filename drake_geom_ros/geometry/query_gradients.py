@@ -162,7 +162,7 @@ def _posed(moment: Moment | None) -> Posed:
             'Derivatives of results of many states were asked for, which keep no orientations: '
             'ask a QueryObject of the state in question.'
         )
-    return moment.posed()
+    return moment.keep()
 
 
 def _checked(J: ArrayLike, count: int, height: int = 6) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +27,21 @@ from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.tolerances import FARTHEST
 
 
+class _NoScene:
+    """The context of a query object that has none: whatever is asked of it is refused."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith('__'):
+            raise AttributeError(name)
+        raise GeometryError(
+            'A default QueryObject was asked a query, and it belongs to no scene: take one '
+            'from scene_graph.get_query_output_port().Eval(context).'
+        )
+
+
+_NO_SCENE = cast(SceneGraphContext, _NoScene())
+
+
 class QueryObject(ImageQueries):
     """Answers geometry queries about a context.
 
@@ -38,22 +54,13 @@ class QueryObject(ImageQueries):
     """
 
     def __init__(self, context: SceneGraphContext | None = None) -> None:
-        self._maybe_context = context
+        self._context: SceneGraphContext = _NO_SCENE if context is None else context
 
     def __copy__(self) -> QueryObject:
         return QueryObject(self._context.copy())
 
     def __deepcopy__(self, memo: dict[int, object]) -> QueryObject:
         return self.__copy__()
-
-    @property
-    def _context(self) -> SceneGraphContext:
-        if self._maybe_context is None:
-            raise GeometryError(
-                'A default QueryObject was asked a query, and it belongs to no scene: take one '
-                'from scene_graph.get_query_output_port().Eval(context).'
-            )
-        return self._maybe_context
 
     def inspector(self) -> SceneGraphInspector:
         """Return the inspector of this context's model."""
@@ -169,10 +176,9 @@ class QueryObject(ImageQueries):
         """
         context = self._context
         world = context._posed_world()
-        level, budget = self._level(accuracy), _checked_budget(time_budget)
-        batch = context._engine.signed_distances(
-            *(world, context._filters, level, 0.0, True), time_budget=budget
-        )
+        level = context._accuracy if accuracy is None else checked_accuracy(accuracy)
+        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
+        batch = context._engine.signed_distances(world, context._filters, level, 0.0, True, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
         unsure = level == 'bound' or budget > 0.0
         return PenetrationResults(batch.penetrating() if unsure else batch, world.moment())
@@ -186,7 +192,8 @@ class QueryObject(ImageQueries):
         """
         context = self._context
         world = context._posed_world()
-        return context._engine.has_overlap(world, context._filters, self._level(accuracy))
+        level = context._accuracy if accuracy is None else checked_accuracy(accuracy)
+        return context._engine.has_overlap(world, context._filters, level)
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self,
@@ -213,9 +220,10 @@ class QueryObject(ImageQueries):
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
         world = context._posed_world()
+        level = context._accuracy if accuracy is None else checked_accuracy(accuracy)
+        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         batch = context._engine.signed_distances(
-            *(world, context._filters, self._level(accuracy), reach),
-            time_budget=_checked_budget(time_budget),
+            world, context._filters, level, reach, False, budget
         )
         return SignedDistanceResults(batch, world.moment())
 

@@ -122,8 +122,7 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 
     def __init__(self, batch: PairBatch, moment: Moment | None = None) -> None:
         """Without a ``moment``, of pairs of many states, there are no derivatives."""
-        super().__init__(batch)
-        self._moment = moment
+        self._batch, self._rows, self._moment = batch, batch.rows, moment
 
     @property
     def id_A(self) -> NDArray[np.int64]:

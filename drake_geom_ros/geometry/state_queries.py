@@ -53,12 +53,13 @@ class PackedScene:
         not there or is there twice, and for other frames that never had a pose.
         """
         world = context._up_to_date_world().copy()
-        rows = world.rows_to_pose(frame_ids)
-        if rows is None or len(np.unique(frame_ids)) < len(frame_ids):
+        named = world.named(frame_ids)
+        if named is None or len(np.unique(frame_ids)) < len(frame_ids):
             known = world.has_frames(frame_ids)
             bad = frame_ids[~known].tolist() or sorted(frame_ids.tolist())
             problem = 'are not in this scene' if not known.all() else 'are not all different'
             raise PoseError(f'States were refused: these frames {problem}: {_few(context, bad)}.')
+        rows = named.rows
         world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows])
         if waiting := world.unposed_frames().tolist():
             raise PoseError(

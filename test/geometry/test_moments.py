@@ -38,7 +38,7 @@ def test_results_of_the_same_poses_share_one_copy(pair):
     world = pair.context._posed_world()
     held, shared = pair.ask(), pair.ask()
     assert held._moment is shared._moment
-    assert held._moment.posed().R_WGs is not world.R_WGs
+    assert held._moment.keep().R_WGs is not world.R_WGs
     pair.place(*AWAY)
     assert pair.ask()._moment is not held._moment
 
@@ -58,7 +58,7 @@ def test_one_thread_asks_while_another_moves(pair):
     for _ in range(50):
         results = pair.ask()
         asked = []
-        reader = threading.Thread(target=lambda r=results, a=asked: a.append(r._moment.posed()))
+        reader = threading.Thread(target=lambda r=results, a=asked: a.append(r._moment.keep()))
         reader.start()
         pair.poses, back = AWAY, pair.poses
         pair.place(*AWAY)

@@ -81,7 +81,13 @@ class Hands(NamedTuple):
     resting: HandleField
     filters: HandleField
     report: HandleField
+    kernels: HandleField  # the addresses of the pair table
+    asked: Reals  # (ASKED,)
 
+
+# Places of ``Hands.asked``: those of ``records.Query``, and what is asked for.
+GAP, CUTOFF, PENETRATING, MODE = range(4)
+ASKED = 4
 
 _hands_of = taker(Hands)
 _report_of = taker(ReportArrays)
@@ -103,29 +109,24 @@ def empty_report() -> ReportArrays:
 @compiled
 def run_cycle(  # type: ignore[no-untyped-def]
     hands,
-    kernels,
     lacking,
     stale,
     revision,
     version,
     placings,
-    gap,
-    cutoff,
-    penetrating,
-    mode,
     ids,
     rows,
 ):
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
-    ``hands`` is the handle of ``Hands``, ``kernels`` are addresses. What was ``lacking`` (0:
-    nothing) is there now, and the cycle goes on there. The world is updated to this ``revision``
-    if it is ``stale``; ``version`` and ``placings`` are those of the filters and the world,
-    ``gap``, ``cutoff`` and ``penetrating`` those of ``records.Query``, and ``mode`` is ANSWERS or
-    less. The numbers of the pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and
-    ``rows`` (k, BATCH_WIDTH) if there is room for all.
+    ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
+    cycle goes on there. The world is updated to this ``revision`` if it is ``stale``; ``version``
+    and ``placings`` are those of the filters and the world. The numbers of the pairs are written
+    to the list's ``hits``, and their ``ids`` (k, 2) and ``rows`` (k, BATCH_WIDTH) if there is room
+    for all.
     """
     hands = _hands_of(hands)
+    gap, cutoff, mode = hands.asked[GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), _report_of(hands.report)
     moments = report.moments
     if lacking == 0:
@@ -162,8 +163,8 @@ def run_cycle(  # type: ignore[no-untyped-def]
             near.numbers[HAS_KERNELS] = 1
     count = near.numbers[PAIRS]
     if mode > LIST:
-        query = gap, cutoff, penetrating
-        count = _answer(kernels, hands.world, near, report, revision, query, mode)
+        query = gap, cutoff, hands.asked[PENETRATING] != 0.0
+        count = _answer(hands.kernels, hands.world, near, report, revision, query, mode)
     if mode == ANSWERS and count <= ids.shape[0]:
         gather_rows(
             part(near.hits, 0, count),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     frozen,
     gathered,
 )
-from drake_geom_ros.geometry._proximity.buffers import Buffers
+from drake_geom_ros.geometry._proximity.buffers import SMALL, Buffers
 from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
@@ -25,8 +26,6 @@ from drake_geom_ros.geometry._proximity.cycle import (
     COMPILED,
     CONSIDERED,
     CONTACT,
-    CONTACT_A,
-    CONTACT_B,
     FILTERING,
     FRAMES_MOVED,
     KNOWING,
@@ -36,13 +35,11 @@ from drake_geom_ros.geometry._proximity.cycle import (
     LISTED,
     LISTED_PAIRS,
     POSED,
-    Hands,
     empty_report,
     run_cycle,
 )
 from drake_geom_ros.geometry._proximity.effects import Effects, seconds_by_step
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
-from drake_geom_ros.geometry._proximity.handing import Handle, handle_of
 from drake_geom_ros.geometry._proximity.kernel_table import (
     ADDRESSES,
     compile_rows,
@@ -64,6 +61,7 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     compile_point_kernels,
     point_phase,
 )
+from drake_geom_ros.geometry._proximity.prepared import LEAST_ROOM, Prepared, PreparedQueries
 from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.stepwise import Stepwise
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
@@ -77,7 +75,8 @@ ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
-_KEPT_PAIRS = 2**20  # of a list of all pairs, 130 bytes each: longer ones are made anew each time
+_NO_KERNELS = ()
+_SMALL = SMALL // (8 * BATCH_WIDTH)  # rows of an answer for which the allocator keeps the memory
 
 
 class Engine:
@@ -88,22 +87,14 @@ class Engine:
 
     def __init__(self) -> None:
         self.detailed = False  # tell the cache's seconds from those of the kernels, for some more
-        self._world: World | None = None
-        self._lists: dict[bool, NearList] = {}
-        self._hands: dict[bool, tuple[object, Handle]] = {}  # by list: of what, and the handle
         self._last: tuple[tuple[object, ...], PairBatch] | None = None
         self._buffers = Buffers()
-        self._rooms: dict[object, int] = {}  # rows made ready for an answer, by what is asked
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
-        self._report_handle = handle_of(self._report)
+        self._queries = PreparedQueries(self._report)
         self._steps = Stepwise(self._report)
         self._unrefined = 0
-        self._kernels: list[str] = []
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        self.__dict__.update(state)
-        self._report_handle, self._hands = handle_of(self._report), {}
+        self._kernels: Sequence[str] = _NO_KERNELS
 
     @property
     def _counts(self) -> Indices:
@@ -145,7 +136,9 @@ class Engine:
 
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
-        near, count = self._cycle(world, filters, (math.inf, distance, False), CANDIDATES)
+        prepared = self._queries.prepared(world, filters, math.inf, distance, False, CANDIDATES)
+        count = self._run(prepared, world, filters)
+        near = prepared.near
         pairs: Indices = near.arrays.pairs[near.arrays.hits[:count]]
         self._counts[FAR] = near.count - count
         return pairs
@@ -165,24 +158,23 @@ class Engine:
         spent its ``time_budget`` [s] (0: none), all that may be.
         """
         query = _GAPS[accuracy], cutoff, penetrating
-        moment = world.revision, world.placings, filters.version, query
-        stands = not world.is_stale and world is self._world
-        if stands and self._last is not None:
+        prepared = self._queries.prepared(world, filters, *query, ANSWERS)
+        if self._last is not None and not world.is_stale:
             answered, batch = self._last
-            if answered == moment:
+            if answered == (prepared, world.revision, world.placings, filters.version):
                 return self._as_before(batch)
         limited = time_budget > 0.0 and accuracy != 'bound'
         if self.detailed or limited:
             budget = time_budget if limited else 0.0
             batch = self._answer_in_steps(world, filters, query, budget)
         else:
-            batch = self._answer_at_once(world, filters, query)
+            batch = self._answer_at_once(prepared, world, filters)
+        moment = prepared, world.revision, world.placings, filters.version
         # What was left at its bounds is refined when somebody asks again.
-        moment = world.revision, *moment[1:]
         self._last = None if self._unrefined else (moment, batch)
-        if self._report.told[LISTED_PAIRS] > _KEPT_PAIRS:
+        if prepared.is_long:
             self._last = None
-            self._lists.pop(math.isinf(cutoff))
+            self._queries.forget_list(cutoff)
         return batch
 
     def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
@@ -190,8 +182,9 @@ class Engine:
 
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
-        _, count = self._cycle(world, filters, (_GAPS[accuracy], 0.0, True), CONTACT)
-        return count > 0
+        gap = _GAPS[accuracy]
+        prepared = self._queries.prepared(world, filters, gap, 0.0, True, CONTACT)
+        return self._run(prepared, world, filters) > 0
 
     def distance_of_pair(
         self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
@@ -259,7 +252,7 @@ class Engine:
         told = self._report.told
         told[FRAMES_MOVED], told[BODIES_MOVED] = world.update()
         told[LIST_MADE] = 0
-        self._kernels, self._unrefined = [], 0
+        self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[POSED] = time.perf_counter()
         self._moments[FILTERING] = self._moments[KNOWING] = 0.0
 
@@ -270,59 +263,34 @@ class Engine:
         told[FRAMES_MOVED] = told[BODIES_MOVED] = told[LIST_MADE] = 0
         self._counts[:] = 0
         self._counts[CACHED] = told[LISTED_PAIRS]
-        self._kernels, self._unrefined = [], 0
+        self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[FILTERING], self._moments[ANSWERED] = 0.0, time.perf_counter()
         self._moments[KNOWING] = self._moments[ANSWERED] - self._moments[COMPILED]
         return batch
 
-    def _cycle(
+    def _run(
         self,
+        prepared: Prepared,
         world: World,
         filters: FilterState,
-        query: tuple[float, float, bool],
-        mode: int,
         ids: Indices = _NO_IDS,
         rows: Floats = _NO_ROWS,
-    ) -> tuple[NearList, int]:
-        """Run a cycle of this mode; return the list of its pairs and how many it is about."""
-        # A list of all pairs would be a burden to the queries of near ones.
-        _, cutoff, _ = query
-        unlimited = cutoff == math.inf
-        near, hands = self._handed(world, filters, unlimited)
-        self._kernels, self._unrefined = [], 0
-        stale, lacking = world.is_stale, 0
-        revision = world.revision + stale
-        state = revision, filters.version, world.placings
-        while True:
-            count = run_cycle(hands, ADDRESSES, lacking, stale, *state, *query, mode, ids, rows)
-            if stale:
-                world.note_update(revision)
-            if count >= 0:
-                return near, count
-            lacking = -count
-            if lacking == LACKS_KERNELS:
-                self._compile_for(world, near)
+    ) -> int:
+        """Run a cycle; return how many pairs it is about."""
+        self._kernels, self._unrefined = _NO_KERNELS, 0
+        stale = world.is_stale
+        state = stale, world.revision + stale, filters.version, world.placings
+        count: int = run_cycle(prepared.hands, 0, *state, ids, rows)
+        if stale:
+            world.note_update(world.revision + 1)
+        while count < 0:
+            if -count == LACKS_KERNELS:
+                self._compile_for(world, prepared.near)
             else:
-                near.make_room(lacking)
-                near, hands = self._handed(world, filters, unlimited)
-
-    def _handed(
-        self, world: World, filters: FilterState, unlimited: bool
-    ) -> tuple[NearList, Handle]:
-        """Return the list for queries with or without a limit, and the handle of all it needs."""
-        if world is not self._world:
-            self._world, self._lists, self._last, self._hands = world, {}, None, {}
-            self._report.told[[CONTACT_A, CONTACT_B]] = -1
-        near = self._lists.get(unlimited)
-        if near is None:
-            near = self._lists[unlimited] = NearList(world)
-        near.look_at(world, filters)
-        known, hands = self._hands.get(unlimited, (None, None))
-        if known is not near.handles:
-            hands = handle_of(Hands(world.handle, *near.handles, self._report_handle))
-            # Who has the handle of handles keeps these, too.
-            self._hands[unlimited] = near.handles, hands
-        return near, hands
+                prepared.near.make_room(-count)
+                prepared.hand_over()
+            count = run_cycle(prepared.hands, -count, *state, ids, rows)
+        return count
 
     def _compile_for(self, world: World, near: NearList) -> None:
         """Compile the kernels of the pairs of a list."""
@@ -330,21 +298,22 @@ class Engine:
         near.know_kernels()
         self._moments[COMPILED] = time.perf_counter()
 
-    def _answer_at_once(
-        self, world: World, filters: FilterState, query: tuple[float, float, bool]
-    ) -> PairBatch:
+    def _answer_at_once(self, prepared: Prepared, world: World, filters: FilterState) -> PairBatch:
         """Return the answer, in one compiled call where its length is about as before."""
-        room = self._rooms.get(query[1:], 16)
-        self._last = None  # its arrays may be free
-        ids = self._buffers.empty((room, 2), np.int64)
-        rows = self._buffers.empty((room, BATCH_WIDTH))
-        near, count = self._cycle(world, filters, query, ANSWERS, ids, rows)
+        room = prepared.room
+        if room <= _SMALL:
+            ids, rows = np.empty((room, 2), np.int64), np.empty((room, BATCH_WIDTH))
+        else:
+            self._last = None  # its arrays may be free
+            ids = self._buffers.empty((room, 2), np.int64)
+            rows = self._buffers.empty((room, BATCH_WIDTH))
+        count = self._run(prepared, world, filters, ids, rows)
         if not room // 2 <= count <= room:
-            self._rooms[query[1:]] = max(16, count + count // 4)
+            prepared.room = max(LEAST_ROOM, count + count // 4)
         if count > room:
-            gap, _, _ = query
+            near = prepared.near
             hits = near.arrays.hits[:count]
-            batch = gathered(world, hits, near.pairs, near.slots, near.answers, gap)
+            batch = gathered(world, hits, near.pairs, near.slots, near.answers, prepared.gap)
             self._moments[ANSWERED] = time.perf_counter()
             return batch
         return frozen(ids[:count], rows[:count])
@@ -357,8 +326,9 @@ class Engine:
         budget: float,
     ) -> PairBatch:
         """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
-        near, _ = self._cycle(world, filters, query, LIST)
-        gap, _, _ = query
+        prepared = self._queries.prepared(world, filters, *query, LIST)
+        self._run(prepared, world, filters)
+        near, (gap, _, _) = prepared.near, query
         if not (math.isinf(gap) or near.has_kernels):
             self._compile_for(world, near)
         hits = self._steps.answer_list(world, near, query, budget)

@@ -24,23 +24,22 @@ from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs
 from drake_geom_ros.geometry._proximity.point_phase import point_phase
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
-from drake_geom_ros.geometry._proximity.poses import read_poses
+from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry._proximity.posing import set_poses, update
 from drake_geom_ros.geometry._proximity.records import Memory, world_of
 from drake_geom_ros.geometry._proximity.state_groups import Groups, collect, put_boxes
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
-from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 
 @compiled
-def _pose(poses, rows, Rs, ps, world):  # type: ignore[no-untyped-def]
+def _pose(poses, rows, Xs, world):  # type: ignore[no-untyped-def]
     """Pose the frames of rows (n,) by poses (n, 7); return whether all of these are poses.
 
-    The world is given by its handle; ``Rs`` (n, 3, 3) and ``ps`` (n, 3) are room.
+    The world is given by its handle; ``Xs`` (n, POSE_WIDTH) is room.
     """
-    if read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps) < rows.size:
+    if read_poses(poses, Xs) < rows.size:
         return False
-    if set_poses(rows, Rs, ps, world):
+    if set_poses(rows, Xs, world):
         update(world, 1)
     return True
 
@@ -129,7 +128,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
     posed, groups = world_of(world), Groups(*groups)
     gap, cutoff, _ = query
     total, most = pairs.shape[0], ids.shape[1]
-    Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
+    Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts = np.zeros(COUNTS, dtype=np.int64)
@@ -140,7 +139,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
     slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
     some_ids, full = np.empty((most, 2), dtype=np.int64), np.empty((most, BATCH_WIDTH))
     for s in range(poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
+        if stop[0] or not _pose(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
         below = _most_below(gap, posed)
@@ -194,12 +193,12 @@ def any_overlap(  # type: ignore[no-untyped-def]
     """
     posed, groups, known = world_of(world), Groups(*groups), Memory(*memory)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
-    Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
+    Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
     last = -1
     for s in range(poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
+        if stop[0] or not _pose(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
         everything = (0, groups.gaps.size, -1, 0.0)
@@ -244,12 +243,12 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     gap, cutoff, _ = query
     reach = max(cutoff, 0.0)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
-    Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
+    Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
     counts, some = np.zeros(COUNTS, dtype=np.int64), np.empty_like(pairs)
     some_ids, full = np.empty_like(pairs), np.empty((pairs.shape[0], BATCH_WIDTH))
     for s in range(first, poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
+        if stop[0] or not _pose(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
         everything = (0, groups.gaps.size, -1, reach)
@@ -294,12 +293,12 @@ def points_in_reach(  # type: ignore[no-untyped-def]
     (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
     """
     room = p_WQs.shape[0] * world_of(world).ids.size
-    Rs, ps = np.empty((rows.size, 3, 3)), np.empty((rows.size, 3))
+    Xs = np.empty((rows.size, POSE_WIDTH))
     counts = np.zeros(COUNTS, dtype=np.int64)
     full, there = np.empty((room, POINT_WIDTH)), np.zeros(room, dtype=np.bool_)
     some_points, some_ids = np.empty(room, dtype=np.uint32), np.empty(room, dtype=np.int64)
     for s in range(first, poses.shape[0]):
-        if stop[0] or not _pose(poses[s], rows, Rs, ps, world):
+        if stop[0] or not _pose(poses[s], rows, Xs, world):
             return s
         there[:] = False
         count = point_phase(

@@ -25,18 +25,24 @@ class Posed(NamedTuple):
 
 
 class Moment:
-    """What ``Posed`` tells of a world that moves on: of what moves, a copy.
+    """What ``Posed`` tells of a world that moves on: of what moves, a copy, once it is needed.
 
-    Hardly anybody asks for derivatives. But one copy for all queries between two updates takes
-    half a microsecond for 15 bodies and 5 for 1000: to look who still holds a result takes more.
+    Hardly anybody asks for derivatives, and most results are gone when the next poses come. So the
+    world has a copy made before anything moves, if a result still refers to this.
     """
 
-    __slots__ = ('_R_WGs', '_now', '_p_WFs')
+    __slots__ = ('_kept', '_now')
 
     def __init__(self, now: Posed) -> None:
-        """Copy where everything is; the tables of shapes never change."""
-        self._now, self._R_WGs, self._p_WFs = now, now.R_WGs.copy(), now.p_WFs.copy()
+        """Refer to where everything is; the tables of shapes never change."""
+        self._now = now
+        self._kept: Posed | None = None
 
-    def posed(self) -> Posed:
-        """Return the shapes as they were then."""
-        return self._now._replace(R_WGs=self._R_WGs, p_WFs=self._p_WFs)
+    def keep(self) -> Posed:
+        """Return the shapes as they are now, or were when this was first asked."""
+        if self._kept is None:
+            R_WGs, p_WFs = self._now.R_WGs.copy(), self._now.p_WFs.copy()
+            # Another thread may have done the same, before it let the world move.
+            if self._kept is None:
+                self._kept = self._now._replace(R_WGs=R_WGs, p_WFs=p_WFs)
+        return self._kept

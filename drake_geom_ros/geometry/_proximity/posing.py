@@ -1,10 +1,12 @@
 """Posing, compiled: the frames that moved, what hangs on them, and the geometry on either."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.handing import Integers, taker
 from drake_geom_ros.geometry._proximity.kernels.bounds import box_half_extents
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
@@ -18,6 +20,7 @@ from drake_geom_ros.geometry._proximity.pose_rounding import (
     make_orthogonal,
     shift_of,
 )
+from drake_geom_ros.geometry._proximity.poses import POSITION
 from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -34,9 +37,21 @@ PACE = 4  # [m] how far a point came lately in one update, fading
 FADING = 15 / 16  # of the pace in an update: a body that stops is still taken for slow a while
 
 
+class NamedFrames(NamedTuple):
+    """Frames that poses are given for, and where they are in a world."""
+
+    ids: Integers  # (n,)
+    rows: Integers  # (n,)
+
+
+_named_of = taker(NamedFrames)
+
+OTHERS = -1  # ``set_named_poses``: poses are for other frames than those named
+
+
 @compiled
-def set_poses(rows, R_news, p_news, world):  # type: ignore[no-untyped-def]
-    """Copy the poses that differ and mark their frames; return whether one did.
+def set_poses(rows, X_news, world):  # type: ignore[no-untyped-def]
+    """Copy the poses (n, POSE_WIDTH) that differ and mark their frames; return whether one did.
 
     The world is given by its handle, the frames by their rows.
     """
@@ -47,15 +62,31 @@ def set_poses(rows, R_news, p_news, world):  # type: ignore[no-untyped-def]
         f = rows[k]
         same = True
         for i in range(3):
-            same &= p_news[k, i] == p_PFs[f, i]
-            p_PFs[f, i] = p_news[k, i]
+            same &= X_news[k, POSITION + i] == p_PFs[f, i]
+            p_PFs[f, i] = X_news[k, POSITION + i]
             for j in range(3):
-                same &= R_news[k, i, j] == R_PFs[f, i, j]
-                R_PFs[f, i, j] = R_news[k, i, j]
+                same &= X_news[k, 3 * i + j] == R_PFs[f, i, j]
+                R_PFs[f, i, j] = X_news[k, 3 * i + j]
         if not same:
             moved[f] = True
             any_moved = True
     return any_moved
+
+
+@compiled
+def set_named_poses(named, ids, X_news, world):  # type: ignore[no-untyped-def]
+    """Do what ``set_poses`` does with frames named by a handle of ``NamedFrames``.
+
+    Return OTHERS, and do nothing, where ``ids`` (n,) are not those, in their order; else 1 if a
+    frame moved, and 0.
+    """
+    named = _named_of(named)
+    if ids.size != named.ids.size:
+        return OTHERS
+    for k in range(ids.size):
+        if ids[k] != named.ids[k]:
+            return OTHERS
+    return 1 if set_poses(named.rows, X_news, world) else 0
 
 
 @inlined

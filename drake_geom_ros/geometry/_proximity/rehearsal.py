@@ -22,8 +22,8 @@ from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, bound_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, POINT_KERNELS
 from drake_geom_ros.geometry._proximity.point_phase import compile_point_kernels
-from drake_geom_ros.geometry._proximity.poses import read_frame_poses
-from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, read_frame_poses
+from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, Named, World
 
 
 def compile_everything(tell: Tell | None = None) -> list[str]:
@@ -68,12 +68,12 @@ def _rehearse() -> tuple[World, Engine]:
     filters.explain(1, 2)
     filters.filtered(1, 2)
     filters.remove_declaration(1)
-    rows = np.arange(1, count)
+    named = Named(frames.ids[1:], np.arange(1, count))
     for step in (0.1, 0.2, 0.2, 50.0):
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
-        Rs, ps = np.empty((count - 1, 3, 3)), np.empty((count - 1, 3))
-        read_frame_poses(rows, poses, 0.1, math.inf, Rs, ps)
-        world.set_poses(rows, Rs, ps)
+        X_PFs = np.empty((count - 1, POSE_WIDTH))
+        read_frame_poses(named.ids, poses, X_PFs)
+        world.pose(named, named.ids, X_PFs)
         for reach in (0.0, math.inf):
             engine.signed_distances(world, filters, 'bound', reach)
         engine.has_overlap(world, filters, 'bound')

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -12,11 +13,22 @@ from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.moment import Moment, Posed
 from drake_geom_ros.geometry._proximity.plain_contacts import balls_inside
-from drake_geom_ros.geometry._proximity.posing import PACE, set_poses, update
+from drake_geom_ros.geometry._proximity.poses import packed_poses
+from drake_geom_ros.geometry._proximity.posing import (
+    OTHERS,
+    PACE,
+    NamedFrames,
+    set_named_poses,
+    update,
+)
 from drake_geom_ros.geometry._proximity.records import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+
+_KEPT_ALONE = [object()]
+_UNHELD = sys.getrefcount(_KEPT_ALONE[0])  # of what one place alone holds: interpreters differ
 
 
 class FrameTable(NamedTuple):
@@ -37,6 +49,19 @@ class GeometryTable(NamedTuple):
     types: Indices  # (n,) shape type numbers
     starts: Indices  # (n + 1,) shape k's parameters are pool[starts[k] : starts[k + 1]]
     pool: Floats
+
+
+class Named:
+    """Frames of a world that poses are given for, looked up once: ids and rows (n,)."""
+
+    __slots__ = ('handle', 'ids', 'rows')
+
+    def __init__(self, ids: Indices, rows: Indices) -> None:
+        self.ids, self.rows = ids, rows
+        self.handle = handle_of(NamedFrames(ids, rows))
+
+    def __reduce__(self) -> tuple[type[Named], tuple[Indices, Indices]]:
+        return Named, (self.ids, self.rows)  # the arrays of a copy are elsewhere
 
 
 class World:
@@ -60,9 +85,8 @@ class World:
         self._frame_roundings = np.zeros((count, 2))
         self._order = np.argsort(frames.ids)
         self._sorted_ids = frames.ids[self._order]
-        self._last_named = b'', np.zeros(0, dtype=np.int64)
         self._moved = np.ones(count, dtype=np.bool_)
-        self._stale = True
+        self.is_stale = True  # world poses and bounds have to be brought up to date
         self._posed = np.zeros(count, dtype=np.bool_)
         self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
         self._allocate_geometries()
@@ -186,17 +210,9 @@ class World:
         """Return the rows of FrameId values, all of which are in this world."""
         return self._order[np.searchsorted(self._sorted_ids, ids)]
 
-    def rows_to_pose(self, ids: Indices) -> Indices | None:
-        """Return the rows of FrameId values, or None when not all of them can be posed."""
-        # Whoever poses frames names the same ones each time.
-        text = ids.tobytes()
-        known, rows = self._last_named
-        if text != known:
-            if not self.has_frames(ids).all():
-                return None
-            rows = self.frame_rows(ids)
-            self._last_named = text, rows
-        return rows
+    def named(self, ids: Indices) -> Named | None:
+        """Return the frames of FrameId values (n,), or None when not all of them can be posed."""
+        return Named(ids.copy(), self.frame_rows(ids)) if self.has_frames(ids).all() else None
 
     def _place(self, rows: Indices) -> None:
         """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
@@ -222,11 +238,27 @@ class World:
         return found
 
     def set_poses(self, rows: Indices, R_PFs: Floats, p_PFs: Floats) -> None:
-        """Set X_PF of the frames in ``rows`` (n,); a pose that did not change is not a move."""
-        if not self.is_whole and not self._posed[rows].all():
-            self._place(rows)
-        if set_poses(rows, R_PFs, p_PFs, self.handle):
-            self._stale = True
+        """Set X_PF of the frames in ``rows`` (n,), as ``pose`` does."""
+        named = Named(self.frames.ids[rows], np.asarray(rows, dtype=np.int64))
+        self.pose(named, named.ids, packed_poses(R_PFs, p_PFs))
+
+    def pose(self, named: Named, ids: Indices, X_PFs: Floats) -> bool:
+        """Set X_PF (n, POSE_WIDTH) of frames; a pose that did not change is not a move.
+
+        Return False, and do nothing, where ``ids`` (n,) are not those named, in their order.
+        """
+        told = set_named_poses(named.handle, ids, X_PFs, self.handle)
+        if told == OTHERS:
+            return False
+        if not self.is_whole and not self._posed[named.rows].all():
+            self._place(named.rows)
+        if told:
+            self.is_stale = True
+            # Results that are still held have to remember where things were.
+            if self._moment is not None and sys.getrefcount(self._moment) > _UNHELD:
+                self._moment.keep()
+                self._moment = None
+        return True
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
@@ -234,18 +266,13 @@ class World:
             self._moment = Moment(self._posed_now)
         return self._moment
 
-    @property
-    def is_stale(self) -> bool:
-        """Whether world poses and bounds have to be brought up to date."""
-        return self._stale
-
     def note_update(self, revision: int) -> None:
         """Note that a cycle has brought everything up to date."""
-        self.revision, self._stale, self._moment = revision, False, None
+        self.revision, self.is_stale = revision, False
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
-        if not self._stale:
+        if not self.is_stale:
             return 0, 0
         counts = update(self.handle, self.revision + 1)
         self.note_update(self.revision + 1)

@@ -4,10 +4,19 @@ import numpy as np
 import pytest
 from oracles.poses import mp, rotation_of_quaternion
 
-from drake_geom_ros.geometry._proximity.poses import read_frame_poses, read_poses
+from drake_geom_ros.geometry._proximity.poses import (
+    POSE_WIDTH,
+    READ,
+    REFUSED,
+    RISING,
+    positions_of,
+    read_frame_poses,
+    read_poses,
+    rotations_of,
+)
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_TAKEN
 from drake_geom_ros.math.batched import matrices_from_poses
-from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
+from drake_geom_ros.math.tolerances import FARTHEST
 
 
 def random_poses(n):
@@ -21,20 +30,20 @@ def random_poses(n):
 @pytest.mark.parametrize('n', [0, 1, 200])
 def test_the_same_as_in_numpy(n):
     poses = random_poses(n)
-    Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
-    assert read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps) == n
+    Xs = np.empty((n, POSE_WIDTH))
+    assert read_poses(poses, Xs) == n
     expected_Rs, expected_ps = matrices_from_poses(poses)
-    np.testing.assert_allclose(Rs, expected_Rs, atol=1e-15)
-    np.testing.assert_array_equal(ps, expected_ps)
+    np.testing.assert_allclose(rotations_of(Xs), expected_Rs, atol=1e-15)
+    np.testing.assert_array_equal(positions_of(Xs), expected_ps)
 
 
 def test_rotations_are_those_of_the_quaternions_normalised_exactly():
     poses = random_poses(300)
     poses[::3, 6] *= 1e-3  # about half a turn rounding costs most
     poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1)[:, None]
-    Rs, ps = np.empty((300, 3, 3)), np.empty((300, 3))
-    read_poses(poses, QUATERNION_NORM, FARTHEST, Rs, ps)
-    for R, pose in zip(Rs, poses, strict=True):
+    Xs = np.empty((300, POSE_WIDTH))
+    read_poses(poses, Xs)
+    for R, pose in zip(rotations_of(Xs), poses, strict=True):
         error = mp.matrix(R.tolist()) - rotation_of_quaternion(pose[3:])
         assert mp.mnorm(error, 'f') <= ROTATION_TAKEN / 2
 
@@ -44,7 +53,7 @@ def test_rotations_are_those_of_the_quaternions_normalised_exactly():
 def test_the_first_bad_row_is_named(value, column):
     poses = random_poses(9)
     poses[4:, 3:], poses[4:, column] = 0.0, value
-    assert read_poses(poses, QUATERNION_NORM, FARTHEST, np.empty((9, 3, 3)), np.empty((9, 3))) == 4
+    assert read_poses(poses, np.empty((9, POSE_WIDTH))) == 4
 
 
 @pytest.mark.parametrize('column', [0, 1, 2])
@@ -52,7 +61,7 @@ def test_the_first_bad_row_is_named(value, column):
 def test_positions_must_be_finite_and_not_too_far(column, value):
     poses = random_poses(3)
     poses[1, column] = value
-    assert read_poses(poses, QUATERNION_NORM, FARTHEST, np.empty((3, 3, 3)), np.empty((3, 3))) == 1
+    assert read_poses(poses, np.empty((3, POSE_WIDTH))) == 1
 
 
 @pytest.mark.parametrize(
@@ -60,11 +69,9 @@ def test_positions_must_be_finite_and_not_too_far(column, value):
 )
 def test_ids_that_rise_are_told_from_others_beside_the_poses(ids, rise):
     n, poses = len(ids), random_poses(3)[: len(ids)]
-    Rs, ps = np.empty((n, 3, 3)), np.empty((n, 3))
-    told = read_frame_poses(np.array(ids, np.int64), poses, QUATERNION_NORM, FARTHEST, Rs, ps)
-    assert told == (True, rise)
-    assert (ps == poses[:, :3]).all()
+    values, Xs = np.array(ids, np.int64), np.empty((n, POSE_WIDTH))
+    assert read_frame_poses(values, poses, Xs) == (RISING if rise else READ)
+    assert (positions_of(Xs) == poses[:, :3]).all()
     if n:
         poses[1, 6] = 5.0
-        told = read_frame_poses(np.array(ids, np.int64), poses, QUATERNION_NORM, FARTHEST, Rs, ps)
-        assert told == (False, rise)
+        assert read_frame_poses(values, poses, Xs) == REFUSED
