@@ -31,11 +31,14 @@ class _Built(NamedTuple):
     proximity: int
 
 
+_LAST = 0  # no source's value
+
+
 class _FramesOf(NamedTuple):
-    """The frames of sources, as far as asked for, and those that were posed last (None)."""
+    """The frames of sources by the values of their ids, and by _LAST those posed without one."""
 
     version: int  # of the frames, in which they were looked up
-    named: dict[SourceId | None, Named]
+    named: dict[int, Named]
 
 
 class _WaitingPairs(NamedTuple):
@@ -137,7 +140,8 @@ class SceneGraphContext:
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
         world = self._up_to_date_world()
-        own, (given, X_PFs) = self._source_frames(world, source_id), poses._as_arrays()
+        own = self._named_frames().get(source_id._value) or self._source_frames(source_id)
+        given, X_PFs = poses._arrays or poses._as_arrays()
         if world.pose(own, given, X_PFs):
             return
         # Mostly the frames come in the order of their ids.
@@ -168,31 +172,31 @@ class SceneGraphContext:
         rows = world.frame_rows(values)
         return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
-    def _named_frames(self) -> dict[SourceId | None, Named]:
+    def _named_frames(self) -> dict[int, Named]:
         """Return the frames that were looked up in this version of them."""
         version = self._model.versions.frames
         if self._frames_of.version != version:
             self._frames_of = _FramesOf(version, {})
         return self._frames_of.named
 
-    def _source_frames(self, world: World, source_id: SourceId) -> Named:
-        """Return a source's frames, by ascending ids."""
-        known = self._named_frames()
-        if source_id not in known:
-            values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
-            ids = np.array(sorted(values), dtype=np.int64)
-            known[source_id] = Named(ids, world.frame_rows(ids))
-        return known[source_id]
+    def _source_frames(self, source_id: SourceId) -> Named:
+        """Return a source's frames, by ascending ids, and note them."""
+        values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
+        ids = np.array(sorted(values), dtype=np.int64)
+        named = Named(ids, self._up_to_date_world().frame_rows(ids))
+        self._named_frames()[source_id.get_value()] = named
+        return named
 
     def UpdateFramePoses(self, poses: FramePoseVector) -> None:
         """Pose the frames that ``poses`` names, of any source; the others keep their poses.
 
         Raises PoseError when a frame does not exist; nothing changes then.
         """
-        world = self._up_to_date_world()
-        (ids, X_PFs), known = poses._as_arrays(), self._named_frames()
+        world, known = self._up_to_date_world(), self._named_frames()
+        ids, X_PFs = poses._arrays or poses._as_arrays()
         # Whoever poses frames names the same ones each time.
-        if None in known and world.pose(known[None], ids, X_PFs):
+        last = known.get(_LAST)
+        if last is not None and world.pose(last, ids, X_PFs):
             return
         named = world.named(ids)
         if named is None:
@@ -201,7 +205,7 @@ class SceneGraphContext:
                 'Poses were refused, nothing was changed: these frames are not in this scene: '
                 f'{self._describe(sorted(unknown.tolist()))}.'
             )
-        known[None] = named
+        known[_LAST] = named
         world.pose(named, ids, X_PFs)
 
     def _describe(self, values: list[int]) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._proximity.batches import (
+    DEPTH,
     P_ACA,
     P_BCB,
     P_FACA,
@@ -178,7 +179,7 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
     @property
     def depth(self) -> Floats:
         """Penetration depths (k,) [m], positive."""
-        return -self._rows[:, DISTANCE]
+        return self._rows[:, DEPTH]
 
     @property
     def gradients(self) -> Floats:

@@ -34,7 +34,8 @@ P_FACA = P_BCB + 3  # 3: from the origin of A's frame, in World axes [m]
 P_FBCB = P_FACA + 3  # 3: from the origin of B's frame, in World axes [m]
 OVERLAPS = P_FBCB + 3  # 1 where the pair overlaps, or by its bounds may, by more than touching
 PROMISED = OVERLAPS + 1  # the largest error bound that keeps the level's promise [m]
-BATCH_WIDTH = PROMISED + 1
+DEPTH = PROMISED + 1  # minus the distance [m]: to negate it costs as much as to read three columns
+BATCH_WIDTH = DEPTH + 1
 
 
 class PairBatch(NamedTuple):
@@ -61,6 +62,7 @@ class PairBatch(NamedTuple):
             some[:, ERROR_BOUND] = (most[unsure] - some[:, DISTANCE]) * (1.0 + 4.0 * EPS)
             spans = some[:, DISTANCE : DISTANCE + 1] * some[:, NORMAL : NORMAL + 3]
             some[:, WITNESS_B : WITNESS_B + 3] = some[:, WITNESS_A : WITNESS_A + 3] - spans
+            some[:, DEPTH] = -some[:, DISTANCE]
             rows[unsure] = some
         return PairBatch(ids, rows)
 
@@ -115,6 +117,7 @@ def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ig
         for c in range(PAIR_WIDTH):
             rows[k, c] = answers[s, c]
         least = answers[s, DISTANCE]
+        rows[k, DEPTH] = -least
         promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
         if answers[s, METHOD] == BOUND_ONLY:
             least, promised = least - answers[s, ERROR_BOUND], math.inf

@@ -14,7 +14,7 @@ found twice.
 Whoever looks at each body's neighbours makes no call with ``Boxes`` for each: to hand their arrays
 over takes as long as the look (127 instead of 18 ns a body).
 
-A pair is told by its code, ``i n + j`` for rows i < j of a world of n geometries.
+A pair is told by its code, ``i 2^32 + j`` for rows i < j of the world.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ STEP = 4.0  # from grid to grid
 ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
 MOST_BUCKETS = 2**21
+ROW_BITS, SECOND_ROW = 32, 2**32 - 1  # of a code
 GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number those of grid 0
 BODIES, GRIDS, MASK, STEP_Y, STEP_Z = 0, 1, 2, 3, 4  # of ``counts``
 LOWER, UPPER = 0, 3  # columns of ``bounds``, 3 each
@@ -104,14 +105,26 @@ def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def put_code(codes, count, i, j, n, kept):  # type: ignore[no-untyped-def]
+def code_of(i, j):  # type: ignore[no-untyped-def]
+    """Return the code of a pair of rows."""
+    return (min(i, j) << ROW_BITS) | max(i, j)
+
+
+@inlined
+def rows_of(code):  # type: ignore[no-untyped-def]
+    """Return the rows i < j of a code."""
+    return code >> ROW_BITS, code & SECOND_ROW
+
+
+@inlined
+def put_code(codes, count, i, j, kept):  # type: ignore[no-untyped-def]
     """Append the code of a pair if it is ``kept``; return how many there are then.
 
     There is no branch, which for a pair of neighbours would be guessed wrong too often. So the
     last place of the codes, of which there is one at least, is for those that are not kept, and
     for those that there is no room for.
     """
-    codes[np.uint64(min(count, codes.size - 1))] = min(i, j) * n + max(i, j)
+    codes[np.uint64(min(count, codes.size - 1))] = code_of(i, j)
     return count + kept
 
 
@@ -241,34 +254,34 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
 
 
 @inlined
-def _put_pair(A, a, B, b, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+def _put_pair(A, a, B, b, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Append the pair of two boxes if they overlap, are not of one body, and b is not skipped."""
     i, j = A.rows[np.uint64(a)], B.rows[np.uint64(b)]
     kept = _overlap(A.bounds, a, B.bounds, b) & (i != j)
     if skipped.size > 0:
         kept = kept & (not skipped[j])
-    return put_code(codes, count, i, j, n, kept)
+    return put_code(codes, count, i, j, kept)
 
 
 @inlined
-def _among(A, a, B, first, last, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+def _among(A, a, B, first, last, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B from the first up to the last, without it."""
     for b in range(first, last):
-        count = _put_pair(A, a, B, b, skipped, n, codes, count)
+        count = _put_pair(A, a, B, b, skipped, codes, count)
     return count
 
 
 @inlined
-def _in_row(A, a, B, bucket, cells, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+def _in_row(A, a, B, bucket, cells, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in some cells along x, the first of which has a bucket."""
     over = bucket + cells - 1 - B.counts[MASK]
     if over <= 0:
         first, last = B.starts[np.uint64(bucket)], B.starts[np.uint64(bucket + cells)]
-        return _among(A, a, B, first, last, skipped, n, codes, count)
+        return _among(A, a, B, first, last, skipped, codes, count)
     # The row goes on at the first bucket.
     first, last = B.starts[np.uint64(bucket)], B.counts[BODIES]
-    count = _among(A, a, B, first, last, skipped, n, codes, count)
-    return _among(A, a, B, 0, B.starts[np.uint64(over)], skipped, n, codes, count)
+    count = _among(A, a, B, first, last, skipped, codes, count)
+    return _among(A, a, B, 0, B.starts[np.uint64(over)], skipped, codes, count)
 
 
 @inlined
@@ -282,7 +295,7 @@ def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+def _in_grid(A, a, B, grid, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in a grid."""
     width = _width_of(B, grid)
     x_0, x_1 = _cells_along(A, a, 0, width)
@@ -292,17 +305,17 @@ def _in_grid(A, a, B, grid, skipped, n, codes, count):  # type: ignore[no-untype
     if not (x_1 - x_0 + 1.0) * (y_1 - y_0 + 1.0) * (z_1 - z_0 + 1.0) <= bodies:
         for b in range(bodies):
             if B.cells[b, GRID] == grid:
-                count = _put_pair(A, a, B, b, skipped, n, codes, count)
+                count = _put_pair(A, a, B, b, skipped, codes, count)
         return count
     for y in range(int(y_0), int(y_1) + 1):
         for z in range(int(z_0), int(z_1) + 1):
             bucket, cells = _bucket(B.counts, int(x_0), y, z, grid), int(x_1 - x_0) + 1
-            count = _in_row(A, a, B, bucket, cells, skipped, n, codes, count)
+            count = _in_row(A, a, B, bucket, cells, skipped, codes, count)
     return count
 
 
 @compiled
-def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def]
+def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
     """Append the pairs of boxes that overlap to the codes; return how many there are then.
 
     ``nobody`` is empty, and handed over: as a constant it would be of another type than
@@ -315,26 +328,26 @@ def pairs_within(boxes, nobody, n, codes, count):  # type: ignore[no-untyped-def
         bucket = _bucket(counts, cells[a, 0], cells[a, 1], cells[a, 2], grid)
         # Those behind it in its own cell, and the next cell, which begins where that one ends.
         last = starts[np.uint64(min(bucket + 2, mask + 1))]
-        count = _among(boxes, a, boxes, a + 1, last, nobody, n, codes, count)
+        count = _among(boxes, a, boxes, a + 1, last, nobody, codes, count)
         if bucket == mask:
-            count = _among(boxes, a, boxes, 0, starts[1], nobody, n, codes, count)
+            count = _among(boxes, a, boxes, 0, starts[1], nobody, codes, count)
         for k in range(FORWARD.shape[0]):
             aside = FORWARD[k, 0] * counts[STEP_Y] + FORWARD[k, 1] * counts[STEP_Z]
             row = (bucket - 1 + aside) & mask
-            count = _in_row(boxes, a, boxes, row, 3, nobody, n, codes, count)
+            count = _in_row(boxes, a, boxes, row, 3, nobody, codes, count)
         for k in range(counts[GRIDS]):
             if boxes.grids[k] > grid:
-                count = _in_grid(boxes, a, boxes, boxes.grids[k], nobody, n, codes, count)
+                count = _in_grid(boxes, a, boxes, boxes.grids[k], nobody, codes, count)
     return count
 
 
 @compiled
-def pairs_between(some, others, skipped, n, codes, count):  # type: ignore[no-untyped-def]
+def pairs_between(some, others, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Append the pairs of one of some boxes and one of others; return how many there are then.
 
     Those of ``others`` for which ``skipped`` (n,) holds are left out; none if it is empty.
     """
     for a in range(some.counts[BODIES]):
         for k in range(others.counts[GRIDS]):
-            count = _in_grid(some, a, others, others.grids[k], skipped, n, codes, count)
+            count = _in_grid(some, a, others, others.grids[k], skipped, codes, count)
     return count

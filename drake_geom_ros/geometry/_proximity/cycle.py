@@ -14,7 +14,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity import kernel_table, list_making
 from drake_geom_ros.geometry._proximity.batches import gather_rows
-from drake_geom_ros.geometry._proximity.broadphase import Boxes
+from drake_geom_ros.geometry._proximity.broadphase import Boxes, code_of
 from drake_geom_ros.geometry._proximity.clock import now
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.handing import (
@@ -198,11 +198,11 @@ def _is_plain_contact(world, filters, report, gap):  # type: ignore[no-untyped-d
 @inlined
 def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
     """Return the number of the pair in which the last contact was, or of the one after it."""
-    a, b, n = report.told[CONTACT_A], report.told[CONTACT_B], near.is_plane.size
+    a, b = report.told[CONTACT_A], report.told[CONTACT_B]
     low, high = 0, near.numbers[PAIRS]
     while low < high:
         middle = (low + high) // 2
-        if near.codes[middle] < a * n + b:
+        if near.codes[middle] < code_of(a, b):
             low = middle + 1
         else:
             high = middle

@@ -278,19 +278,21 @@ class Engine:
     ) -> int:
         """Run a cycle; return how many pairs it is about."""
         self._kernels, self._unrefined = _NO_KERNELS, 0
-        stale = world.is_stale
-        state = stale, world.revision + stale, filters.version, world.placings
-        count: int = run_cycle(prepared.hands, 0, *state, ids, rows)
-        if stale:
-            world.note_update(world.revision + 1)
-        while count < 0:
-            if -count == LACKS_KERNELS:
+        stale, lacking = world.is_stale, 0
+        revision, version, placings = world.revision + stale, filters.version, world.placings
+        while True:
+            count: int = run_cycle(
+                prepared.hands, lacking, stale, revision, version, placings, ids, rows
+            )
+            world.revision, world.is_stale = revision, False
+            if count >= 0:
+                return count
+            lacking = -count
+            if lacking == LACKS_KERNELS:
                 self._compile_for(world, prepared.near)
             else:
-                prepared.near.make_room(-count)
-                prepared.hand_over()
-            count = run_cycle(prepared.hands, -count, *state, ids, rows)
-        return count
+                prepared.near.make_room(lacking)
+                prepared.hand_over(filters)
 
     def _compile_for(self, world: World, near: NearList) -> None:
         """Compile the kernels of the pairs of a list."""

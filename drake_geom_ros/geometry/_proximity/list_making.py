@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.broadphase import (
     pairs_within,
     put_code,
     put_in,
+    rows_of,
 )
 from drake_geom_ros.geometry._proximity.clock import now
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
@@ -83,7 +84,7 @@ class ListArrays(NamedTuple):
     tally: Integers  # (n + 1,)
     planes: Integers  # (p,) rows
     nobody: Flags  # (0,)
-    # Codes, ``i n + j``: as they were found (c,), room to sort them, and of those that rest. The
+    # Codes of pairs: as they were found (c,), room to sort them, and of those that rest. The
     # last place is none (see ``broadphase.put_code``).
     found: Integers
     sorting: Integers
@@ -236,7 +237,7 @@ def _look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
             if near_enough | near.is_plane[i] | near.is_plane[j]:
                 fixed = world.frames[i] == 0 and world.frames[j] == 0
                 if not (fixed or (near.is_plane[i] and near.is_plane[j])):
-                    count = put_code(near.found, count, i, j, n, True)
+                    count = put_code(near.found, count, i, j, True)
     return count
 
 
@@ -244,19 +245,19 @@ def _look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
 def _find(near, world, boxes, resting):  # type: ignore[no-untyped-def]
     """Do what ``_look_at_all`` does by grids; codes come in any order, some of them twice."""
     n, found = near.is_plane.size, near.found
-    count = pairs_within(boxes, near.nobody, n, found, 0)
+    count = pairs_within(boxes, near.nobody, found, 0)
     # Who woke up since the resting ones were put into their cells is in both.
-    count = pairs_between(boxes, resting, near.active, n, found, count)
+    count = pairs_between(boxes, resting, near.active, found, count)
     for k in range(near.numbers[RESTING]):
-        i, j = near.resting[k] // n, near.resting[k] % n
+        i, j = rows_of(near.resting[k])
         if not (near.active[i] or near.active[j]):
-            count = put_code(found, count, i, j, n, True)
+            count = put_code(found, count, i, j, True)
     for k in range(near.planes.size):
         plane = near.planes[k]
         for g in range(n):
             fixed = world.frames[plane] == 0 and world.frames[g] == 0
             if not (near.is_plane[g] or fixed):
-                count = put_code(found, count, plane, g, n, True)
+                count = put_code(found, count, plane, g, True)
     return count
 
 
@@ -293,8 +294,8 @@ def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no
             fixed += 1
     # Two that are anchored are no pair.
     put_in(resting, part(near.rows, 0, fixed), *posed)
-    count = pairs_within(boxes, near.nobody, n, near.resting, 0)
-    count = pairs_between(boxes, resting, near.nobody, n, near.resting, count)
+    count = pairs_within(boxes, near.nobody, near.resting, 0)
+    count = pairs_between(boxes, resting, near.nobody, near.resting, count)
     if count >= near.resting.size:
         numbers[NEEDED], near.lengths[RESTING_WITHIN] = count, -1.0  # to be done again
         return False
@@ -322,19 +323,20 @@ def _sort(near, n, count):  # type: ignore[no-untyped-def]
         )
         near.tally[:] = 0
         for k in range(count):
-            near.tally[_digit(codes[k], n, turn) + 1] += 1
+            near.tally[_digit(codes[k], turn) + 1] += 1
         for g in range(n):
             near.tally[g + 1] += near.tally[g]
         for k in range(count):
-            digit = _digit(codes[k], n, turn)
+            digit = _digit(codes[k], turn)
             sorted_codes[near.tally[digit]] = codes[k]
             near.tally[digit] += 1
 
 
 @inlined
-def _digit(code, n, turn):  # type: ignore[no-untyped-def]
+def _digit(code, turn):  # type: ignore[no-untyped-def]
     """Return the row that a turn of ``_sort`` goes by."""
-    return code % n if turn == 0 else code // n
+    first, second = rows_of(code)
+    return second if turn == 0 else first
 
 
 @inlined
@@ -343,12 +345,12 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
 
     Those that stand there twice, or wait for a pose, are not counted.
     """
-    n, considered, count, last = near.is_plane.size, 0, 0, -1
+    considered, count, last = 0, 0, -1
     for k in range(codes.size):
         if codes[k] == last:
             continue
         last = codes[k]
-        i, j = last // n, last % n
+        i, j = rows_of(last)
         if world.waiting[i] or world.waiting[j]:
             continue
         considered += 1
@@ -361,7 +363,7 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
 @inlined
 def _carry(near, codes):  # type: ignore[no-untyped-def]
     """Make these codes the list; each pair keeps its former slot or gets a free one."""
-    numbers, slots, n = near.numbers, near.new_slots, near.is_plane.size
+    numbers, slots = near.numbers, near.new_slots
     before, old, free = numbers[PAIRS], 0, numbers[FREE]
     for k in range(codes.size):
         slots[k] = -1
@@ -384,5 +386,5 @@ def _carry(near, codes):  # type: ignore[no-untyped-def]
             for c in range(near.answers.shape[1]):
                 near.answers[slot, c] = 0.0
         near.slots[k], near.codes[k] = slots[k], codes[k]
-        near.pairs[k, 0], near.pairs[k, 1] = codes[k] // n, codes[k] % n
+        near.pairs[k, 0], near.pairs[k, 1] = rows_of(codes[k])
     numbers[PAIRS], numbers[FREE] = codes.size, free

@@ -155,14 +155,10 @@ class NearList:
             self.make_room(told)
         return bool(told == MADE)
 
-    def knows(self, filters: FilterState) -> bool:
-        """Tell whether the filters were handed over as they are now."""
-        known, version = self._told
-        return known is filters and version == filters.version
-
     def look_at(self, world: World, filters: FilterState) -> None:
         """Have the filters handed over as they are now."""
-        if self.knows(filters):
+        known, version = self._told
+        if known is filters and version == filters.version:
             return
         slots = np.ascontiguousarray(filters.slots(world.geometries.ids), dtype=np.int64)
         self._filters = FilterArrays(slots, *filters.matrix)

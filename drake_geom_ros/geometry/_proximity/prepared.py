@@ -50,13 +50,17 @@ class Prepared:
         '_asked',
         '_report',
         '_world',
+        'filters',
         'gap',
         'handles',
         'hands',
         'is_long',
         'near',
         'room',
+        'version',
     )
+    filters: FilterState
+    version: int  # of the filters
 
     def __init__(self, asked: Asked, world: World, near: NearList, report: Handle) -> None:
         self.gap, self._asked = asked.gap, np.zeros(ASKED)
@@ -66,18 +70,15 @@ class Prepared:
         )
         self._world, self._report, self.near = world, report, near
         self.room = LEAST_ROOM
-        self.hand_over()
 
-    def hand_over(self) -> None:
-        """Take the arrays of the list that are there now."""
+    def hand_over(self, filters: FilterState) -> None:
+        """Take the arrays that are there now."""
+        self.near.look_at(self._world, filters)
+        self.filters, self.version = filters, filters.version
         self.handles = self.near.handles  # who has the handle of handles keeps these, too
         hands = Hands(self._world.handle, *self.handles, self._report, ADDRESSES, self._asked)
         self.hands = handle_of(hands)
         self.is_long = len(self.near.arrays.slots) > _LONG
-
-    def stands(self, filters: FilterState) -> bool:
-        """Tell whether the arrays and the filters are those that were handed over."""
-        return self.handles is self.near.handles and self.near.knows(filters)
 
 
 class PreparedQueries:
@@ -105,7 +106,12 @@ class PreparedQueries:
         """Return a query of this world under these filters."""
         if world is self._world:
             known = self._known.get((gap, cutoff, penetrating, mode))
-            if known is not None and known.stands(filters):
+            if (
+                known is not None
+                and known.handles is known.near.handles
+                and known.filters is filters
+                and known.version == filters.version
+            ):
                 return known
         return self._prepare(world, filters, Asked(gap, cutoff, penetrating, mode))
 
@@ -124,11 +130,10 @@ class PreparedQueries:
         near = self._lists.get(unlimited)
         if near is None:
             near = self._lists[unlimited] = NearList(world)
-        near.look_at(world, filters)
         known = self._known.get(asked)
         if known is None:
             if len(self._known) == _MOST:
                 del self._known[next(iter(self._known))]
             known = self._known[asked] = Prepared(asked, world, near, self._report_handle)
-        known.hand_over()
+        known.hand_over(filters)
         return known

@@ -266,14 +266,10 @@ class World:
             self._moment = Moment(self._posed_now)
         return self._moment
 
-    def note_update(self, revision: int) -> None:
-        """Note that a cycle has brought everything up to date."""
-        self.revision, self.is_stale = revision, False
-
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self.is_stale:
             return 0, 0
         counts = update(self.handle, self.revision + 1)
-        self.note_update(self.revision + 1)
+        self.revision, self.is_stale = self.revision + 1, False
         return counts  # type: ignore[no-any-return]

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.broadphase import (
     pairs_within,
     put_in,
     room_for,
+    rows_of,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
@@ -29,22 +30,22 @@ def filled(rows, p, half, paddings=None):
     return boxes
 
 
-def found(search, n):
+def found(search):
     """Return the pairs that a search appends, the smaller first, and how many are there twice."""
     count = search(np.zeros(1, dtype=np.int64))
     codes = np.full(count + 1, -1)  # the last place is none
     assert search(codes) == count
-    pairs = {divmod(code, n) for code in codes[:count].tolist()}
+    pairs = {rows_of(code) for code in codes[:count].tolist()}
     assert all(i < j for i, j in pairs)
     return pairs, count - len(pairs)
 
 
-def within(boxes, n):
-    return found(lambda codes: pairs_within(boxes, NOBODY, n, codes, 0), n)
+def within(boxes):
+    return found(lambda codes: pairs_within(boxes, NOBODY, codes, 0))
 
 
-def between(some, others, n, skipped=NOBODY):
-    return found(lambda codes: pairs_between(some, others, skipped, n, codes, 0), n)
+def between(some, others, skipped=NOBODY):
+    return found(lambda codes: pairs_between(some, others, skipped, codes, 0))
 
 
 def overlapping(rows_a, rows_b, p, half, slack=0.0):
@@ -82,10 +83,10 @@ def test_all_that_overlaps_is_found_whatever_the_sizes(scene):
     p = scale * (offset + spread * rng.normal(size=(count, 3)))
     rows = range(count)
     some, others = [*rows][::3], [k for k in rows if k % 3]
-    pairs, _ = within(filled(some, p, half), count)
+    pairs, _ = within(filled(some, p, half))
     assert is_all_that_overlaps(pairs, some, some, p, half)
     for a, b in ((some, others), (others, some)):
-        pairs, _ = between(filled(a, p, half), filled(b, p, half), count)
+        pairs, _ = between(filled(a, p, half), filled(b, p, half))
         assert is_all_that_overlaps(pairs, a, b, p, half)
 
 
@@ -95,7 +96,7 @@ def test_neighbours_along_every_direction_are_found(touching, place):
     """27 cubes in a block, on and off the borders of cells; each touches all of its neighbours."""
     side = np.array(list(np.ndindex(3, 3, 3)), dtype=float)
     half = np.full((27, 3), 0.5 if touching else 0.4375)
-    pairs, _ = within(filled(range(27), side + place, half), 27)
+    pairs, _ = within(filled(range(27), side + place, half))
     assert pairs == overlapping(range(27), range(27), side, half)
     assert bool(pairs) == touching
 
@@ -105,28 +106,28 @@ def test_padded_by_any_number_all_are_found(padding):
     rng = np.random.default_rng(5)
     p, half, paddings = rng.normal(size=(9, 3)), np.ones((9, 3)), np.full(9, padding)
     some, others = filled(range(4), p, half, paddings), filled(range(4, 9), p, half, paddings)
-    assert len(within(some, 9)[0]) == 6
-    assert len(between(some, others, 9)[0]) == 20
+    assert len(within(some)[0]) == 6
+    assert len(between(some, others)[0]) == 20
 
 
 def test_who_is_skipped_is_not_found():
     rng = np.random.default_rng(2)
     p, half = rng.uniform(-1, 1, (40, 3)), np.full((40, 3), 0.3)
     skipped = np.arange(40) >= 30
-    pairs, _ = between(filled(range(20), p, half), filled(range(20, 40), p, half), 40, skipped)
+    pairs, _ = between(filled(range(20), p, half), filled(range(20, 40), p, half), skipped)
     assert pairs == overlapping(range(20), range(20, 30), p, half)
 
 
 def test_a_body_that_is_in_both_is_no_pair():
     p, half = np.zeros((2, 3)), np.ones((2, 3))
     both = filled([0, 1], p, half)
-    assert between(both, both, 2) == ({(0, 1)}, 1)
+    assert between(both, both) == ({(0, 1)}, 1)
 
 
 def test_beyond_the_room_pairs_are_counted_only():
     p, half = np.zeros((30, 3)), np.ones((30, 3))
     codes = np.full(10, -1)
-    assert pairs_within(filled(range(30), p, half), NOBODY, 30, codes, 0) == 435
+    assert pairs_within(filled(range(30), p, half), NOBODY, codes, 0) == 435
     assert (codes >= 0).all()
     assert len(set(codes[:-1].tolist())) == 9
 
@@ -144,7 +145,7 @@ def test_cells_stand_in_order_where_all_of_the_room_fits(far):
     in_order = [extent[0], extent[0] * extent[1]]
     assert ([step_y, step_z] == in_order) == (far == 0.0)
     assert (extent.prod() <= mask + 1) == (far == 0.0)
-    pairs, twice = within(boxes, 60)
+    pairs, twice = within(boxes)
     assert pairs == overlapping(range(60), range(60), p, half)
     assert far > 0.0 or not twice
 
@@ -156,7 +157,7 @@ def test_boxes_are_used_again_and_forget():
         p, half = rng.uniform(-1, 1, (50, 3)), rng.uniform(0.01, 0.3, (50, 3))
         put_in(boxes, np.arange(count), p, half, np.zeros(50))
         assert Boxes(*boxes).counts[BODIES] == count
-        assert within(boxes, 50)[0] == overlapping(range(count), range(count), p, half)
+        assert within(boxes)[0] == overlapping(range(count), range(count), p, half)
 
 
 def test_ordinary_sizes_share_a_grid_and_a_floor_has_its_own():
