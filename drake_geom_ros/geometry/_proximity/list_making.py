@@ -1,6 +1,6 @@
 """The making of a near list, compiled: who may be near whom, less the filtered, with the slots.
 
-Where few move among few, every pair of boxes is looked at; else boxes go into hashed grids
+Of few bodies every pair of boxes is looked at (``all_pairs``); else boxes go into hashed grids
 (``broadphase``), and those that rest are put there, and paired among themselves, once. The pairs
 come in the order of their codes whichever way they were found.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from drake_geom_ros.geometry._proximity.all_pairs import look_at_all
 from drake_geom_ros.geometry._proximity.broadphase import (
     pairs_between,
     pairs_within,
@@ -32,13 +33,12 @@ from drake_geom_ros.geometry._proximity.handing import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
 from drake_geom_ros.geometry._proximity.posing import PACE
-from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 UPDATES_AHEAD = 16.0  # that a margin is made for; fewer lists, more pairs to look at
 WIDEST_MARGIN = 0.5  # of a body's radius
 LEAST_AHEAD = 4.0  # updates that a margin has to last: it costs as much as a list or two
 PATIENCE = 64  # updates without a move after which a body counts as resting
-MOST_LOOKS = 4096  # movable bodies times all: up to here every pair of boxes is looked at
+FEW = 128  # bodies; of these every pair of boxes is looked at
 
 # What ``bring_up_to_date`` tells.
 STANDS = 0
@@ -82,6 +82,9 @@ class ListArrays(NamedTuple):
     rows: Integers
     rest_paddings: Reals  # [m]
     tally: Integers  # (n + 1,)
+    sides: Rows  # (6, n) [m]
+    flags: Flags  # (n + WORD,)
+    words: Integers  # the same memory, WORD flags each
     planes: Integers  # (p,) rows
     nobody: Flags  # (0,)
     # Codes of pairs: as they were found (c,), room to sort them, and of those that rest. The
@@ -134,8 +137,8 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
     lengths[REACH] = -1.0  # until it is made
     reach, n = lengths[WANTED], near.is_plane.size
     active, idle = _set_boxes(near, world, revision, reach)
-    if math.isinf(reach) or world.movable.size * n <= MOST_LOOKS:
-        count = _look_at_all(near, world, reach)
+    if math.isinf(reach) or n <= FEW:
+        count = look_at_all(near, world, reach)
     else:
         changed = _many_have_changed(numbers, n, revision, active, idle)
         if reach > lengths[RESTING_WITHIN] or changed:
@@ -209,36 +212,6 @@ def _set_boxes(near, world, revision, distance):  # type: ignore[no-untyped-def]
             near.lowers[g, c], near.uppers[g, c] = p - side, p + side
     near.numbers[MADE_AT] = near.numbers[CHECKED_AT] = revision
     return count, idle
-
-
-@inlined
-def _look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
-    """Fill in the codes of all near pairs, in order, by a look at each pair of boxes.
-
-    Return how many there are, beyond the room too. Those of two anchored bodies, or of two
-    planes, are left out; every body is paired with every plane, so that these may move freely.
-    """
-    lowers, uppers, n, count = near.lowers, near.uppers, near.is_plane.size, 0
-    # Corners are rounded, and the sums of them and the distance: each by half a spacing at most.
-    for i in range(n):
-        x_0, y_0, z_0 = lowers[i, 0], lowers[i, 1], lowers[i, 2]
-        x_1, y_1, z_1 = uppers[i, 0], uppers[i, 1], uppers[i, 2]
-        far = abs(x_0) + abs(x_1) + abs(y_0) + abs(y_1) + abs(z_0) + abs(z_1) + distance
-        reach = distance + 8.0 * EPS * far
-        for j in range(i + 1, n):
-            near_enough = (
-                (lowers[j, 0] - reach <= x_1)
-                & (x_0 <= uppers[j, 0] + reach)
-                & (lowers[j, 1] - reach <= y_1)
-                & (y_0 <= uppers[j, 1] + reach)
-                & (lowers[j, 2] - reach <= z_1)
-                & (z_0 <= uppers[j, 2] + reach)
-            )
-            if near_enough | near.is_plane[i] | near.is_plane[j]:
-                fixed = world.frames[i] == 0 and world.frames[j] == 0
-                if not (fixed or (near.is_plane[i] and near.is_plane[j])):
-                    count = put_code(near.found, count, i, j, True)
-    return count
 
 
 @inlined

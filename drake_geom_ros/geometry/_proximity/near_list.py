@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity import list_making
+from drake_geom_ros.geometry._proximity.all_pairs import WORD
 from drake_geom_ros.geometry._proximity.broadphase import Boxes, room_for
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
@@ -56,6 +57,7 @@ class NearList:
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
         codes = np.zeros(64 + 8 * n, dtype=np.int64)
+        words = np.zeros(n // WORD + 1, dtype=np.int64)
         rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
         self.arrays = ListArrays(
             numbers=np.zeros(list_making.NUMBERS, dtype=np.int64),
@@ -68,6 +70,9 @@ class NearList:
             rest_paddings=np.zeros(n),
             rows=rows,
             tally=np.zeros(n + 1, dtype=np.int64),
+            sides=np.zeros((6, n)),
+            flags=words.view(np.bool_),
+            words=words,
             planes=np.flatnonzero(is_plane),
             nobody=np.zeros(0, dtype=np.bool_),
             found=codes,

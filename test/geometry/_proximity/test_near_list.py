@@ -7,7 +7,7 @@ import pytest
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.list_making import MOST_LOOKS, PATIENCE
+from drake_geom_ros.geometry._proximity.list_making import FEW, PATIENCE
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
@@ -61,7 +61,7 @@ def test_boxes_without_margins_are_padded_by_the_distance_and_no_more(count, anc
     """Whoever came from afar just now, or rests, gets no margin."""
     rng = np.random.default_rng(anchored)
     world = random_world(rng, count, anchored=anchored)
-    assert (world.movable.size * count > MOST_LOOKS) == (count == 90)
+    assert (count > FEW) == (count == 140)
     filters = filters_of(world)
     i, j = np.triu_indices(count, k=1)
     for updates in (0, PATIENCE, 1):
