@@ -40,6 +40,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_o
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
     nearby_minimum,
+    nowhere,
     set_shares,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
@@ -113,23 +114,26 @@ class Bounds(NamedTuple):
 def by_newton(difference, n, noise, tolerance, cutoff):
     """Return the gap of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
 
-    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative.
+    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative. The
+    second result is the minimum that the gap is of.
     """
     terms, _, last, r_A, r_B = difference
     lower = -width(terms, last, r_A + r_B, n)
     if lower > cutoff:
         set_shares(terms, last, n)
         a, b = witness_points(difference, n)
-        return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b)
-    kind, n, h, _ = nearby_minimum(difference, n, noise)
+        return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b), nowhere(n)
+    found = nearby_minimum(difference, n, noise)
+    kind, n, h, _ = found
     if kind == NOTHING:
-        return Gap(OVERLAP, np.inf, np.inf, n, vector_in(terms, 0), vector_in(terms, 0))
+        p = vector_in(terms, 0)
+        return Gap(OVERLAP, np.inf, np.inf, n, p, p), found
     a, b = witness_points(difference, n)
     upper = norm(sub(a, b))
-    if -h > cutoff:
-        return Gap(BEYOND_CUTOFF, upper, -h, n, a, b)
     end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
-    return Gap(end, upper, -h, n, a, b)
+    if -h > cutoff:
+        end = BEYOND_CUTOFF
+    return Gap(end, upper, -h, n, a, b), found
 
 
 @compiled
@@ -206,7 +210,8 @@ def sharpened(pair, difference, n, found, noise, tolerance):
     hulls = difference.last == 0
     if hulls:
         difference = difference_of_edges(pair, n)
-    end, distance, lower, n, a, b = by_newton(difference, n, noise, tolerance, np.inf)
+    gap, _ = by_newton(difference, n, noise, tolerance, np.inf)
+    end, distance, lower, n, a, b = gap
     if hulls:
         lower = min(lower, gap_along(pair, n))
         if distance - lower > max(found, noise):
@@ -243,7 +248,8 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
     difference = difference_of(pair)
     if difference.last > 0:
         n = start_of_sums(difference, pair.p_AB, n, hinted)
-        end, upper, lower, n, a, b = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+        gap, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+        end, upper, lower, n, a, b = gap
         if end == BEYOND_CUTOFF:
             return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
         if end == CLOSED:
@@ -254,10 +260,11 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         overlap = lower < 0.0
     else:
         n, overlap = start_of_hulls(pair, n, hinted, noise)
+        newton = nowhere(n)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
         depth, least, n_in, a, b, aside, unique = depth_and_bounds(
-            pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
+            pair, difference, newton, overlap, size, SHARPER_DEPTH * depth_tolerance
         )
         overlap = least > 0.0
         if overlap:
@@ -278,7 +285,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
             return Bounds(CLOSED, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-        pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
+        pair, difference, nowhere(n), overlap, size, SHARPER_DEPTH * depth_tolerance
     )
     gap, upper, miss = upper - lower, min(upper, -least), 0.0
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter

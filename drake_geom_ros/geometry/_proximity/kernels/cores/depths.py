@@ -78,13 +78,14 @@ MANY_VERTICES = 3000
 
 
 @compiled
-def depth_and_bounds(pair, difference, n, near, size, tolerance):
+def depth_and_bounds(pair, difference, newton, near, size, tolerance):
     """Return the depth of two cores; where its bounds are far apart, axes may do better.
 
-    That is the case in symmetric positions and where the difference has no volume.
+    That is the case in symmetric positions and where the difference has no volume. ``newton`` is
+    what ``nearby_minimum`` of the difference has just found, or its direction alone.
     """
     noise = ROUNDING * EPS * size
-    found = iterated_depth(pair, difference, n, near, size, tolerance)
+    found = iterated_depth(pair, difference, newton, near, size, tolerance)
     if found.upper - found.lower <= 4.0 * max(tolerance, noise):
         return found
     h, m, a, b = least_along_axes(pair, found.upper)
@@ -96,25 +97,24 @@ def depth_and_bounds(pair, difference, n, near, size, tolerance):
 
 
 @compiled
-def iterated_depth(pair, difference, n, near, size, tolerance):
+def iterated_depth(pair, difference, newton, near, size, tolerance):
     """Return the depth of two cores, by the cheapest way there is for the pair."""
-    kind_A, kind_B = pair.kind_A, pair.kind_B
+    kind_A, kind_B, n = pair.kind_A, pair.kind_B, newton.n
     u, move = common_axis(pair)
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     if move <= 0.5 * enough:
         h, floor, n, a, b, aside, unique = depth_of_revolution(pair, u, move, size, tolerance)
         return Depth(h, guarded(difference, floor, noise), n, a, b, aside, unique)
-    if kind_B != CONVEX:  # of a hull no closed form tells how deep a point is
+    if newton.kind == NOTHING:  # from where that came to an end it may get on
         newton = nearby_minimum(difference, n, noise)
-        if newton.kind != NOTHING and newton.h > 0.0:
-            a, b = witness_points(difference, newton.n)
-            depth, unique, _ = depth_between(pair, a, b, enough)
-            if unique and newton.h - depth <= enough:
-                return Depth(newton.h, min(depth, newton.h) - noise, newton.n, a, b, 0.0, True)
+    if newton.kind != NOTHING and newton.h > 0.0:
+        a, b = witness_points(difference, newton.n)
+        depth, unique, _ = depth_between(pair, a, b, enough)
+        if unique and newton.h - depth <= enough:
+            return Depth(newton.h, min(depth, newton.h) - noise, newton.n, a, b, 0.0, True)
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
         complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
-        floor = guarded(difference, floor, noise)
         if complete and h > 0.0:
             n, h, a, b, aside = points_at(difference, n, h, enough, noise)
             if share_a_point(pair, a, b):

@@ -12,7 +12,7 @@ foot of the origin.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -57,6 +57,12 @@ ZERO = (0.0, 0.0, 0.0)
 LONGEST_STEP = 0.5  # tangent of the angle
 TURNS = 4  # two are enough for two segments
 INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
+
+
+@inlined
+def nowhere(n):
+    """Return no minimum, but a direction to start from."""
+    return Minimum(NOTHING, n, math.inf, 0.0)
 
 
 @compiled

@@ -166,6 +166,8 @@ def difference_of_edges(pair, n):
 @inlined
 def _stretch(terms, axes, n):
     """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
+    if terms[axes, LENGTH] == 0.0:  # none, as in most cores
+        return 0.0
     x, y, z = (
         dot(vector_in(terms, axes), n),
         dot(vector_in(terms, axes + 1), n),
@@ -222,6 +224,8 @@ def curvature(terms, axes, n, e, f):
     ``(|E e x E n|^2, (E e x E n) . (E f x E n), |E f x E n|^2) / y^3`` [m]. At the axis of a disk,
     where y has no derivative, all are 0.
     """
+    if terms[axes, LENGTH] == 0.0:
+        return Curvature(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
     u = (dot(a, n), dot(b, n), dot(c, n))
     y = math.sqrt(dot(u, u))
@@ -244,6 +248,8 @@ def curvature(terms, axes, n, e, f):
 @inlined
 def ellipsoid_support(terms, axes, n):
     """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
+    if terms[axes, LENGTH] == 0.0:
+        return 0.0, 0.0, 0.0
     a, b, c = vector_in(terms, axes), vector_in(terms, axes + 1), vector_in(terms, axes + 2)
     u = (dot(a, n), dot(b, n), dot(c, n))
     y = math.sqrt(dot(u, u))

@@ -62,9 +62,9 @@ BORDER = 0.01  # [rad]
 # Columns of an arc: its two directions and its two support points.
 START, END, START_POINT, END_POINT = 0, 3, 6, 9
 ARC_WIDTH = 12
-# Of a kink, after its direction: where it is among the others.
-TURN = 3
-KINK_WIDTH = 4
+# Of a kink, after its direction: where it is among the others, and the ellipsoids' point there.
+TURN, ROUND_POINT = 3, 4
+KINK_WIDTH = 7
 
 
 @compiled
@@ -162,16 +162,17 @@ def first_arcs(terms, last, e, reach, noise, arcs, kinks):
     count = kinks_on_circle(terms, last, e, kinks)
     arc = 0
     for k in range(count):
-        start, end = vector_at(kinks[k], 0), vector_at(kinks[(k + 1) % count], 0)
+        point = point_on_arc(terms, (0.0, 0.0, 0.0), vector_at(kinks[k], 0))
+        for c in range(3):
+            kinks[k, ROUND_POINT + c] = point[c]
+    for k in range(count):
+        this, after = kinks[k], kinks[(k + 1) % count]
+        start, end = vector_at(this, 0), vector_at(after, 0)
         if may_reach(start, end, e, q, reach, noise):
             base = ends_at(terms, last, add(start, end))
-            put_arc(
-                arcs[arc],
-                start,
-                end,
-                point_on_arc(terms, base, start),
-                point_on_arc(terms, base, end),
-            )
+            u = add(base, vector_at(this, ROUND_POINT))
+            v = add(base, vector_at(after, ROUND_POINT))
+            put_arc(arcs[arc], start, end, u, v)
             arc += 1
     return arc
 
@@ -307,21 +308,28 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         away = is_away(from_n, to_n, norm(sub(end, start)))
         if from_n < SAME_DIRECTION and dot(u, start) - radius <= h + 2.0 * enough:
             unique = False
-        m = chord_normal(arc, e)
-        ends = min(dot(u, start), dot(v, end)) - radius
+        at_start, at_end = dot(u, start) - radius, dot(v, end) - radius
+        ends = min(at_start, at_end)
         if ends < h - noise:
-            m = start if dot(u, start) < dot(v, end) else end
+            m = start if at_start < at_end else end
             n, h, chord = improved(difference, m, ends, enough, noise)
             unique = unique and not away
             waiting += 1  # once more, with what is known now
-            continue
-        if dot(m, m) == 0.0:  # the least of the arc is at an end
-            floor = min(floor, ends)
             continue
         # Where no cap is known the minimum is so flat that only its tolerance can be proven.
         limit = h - (enough if chord == NO_CAP else noise)
         if unique and away:
             limit = h + 2.0 * enough
+        # An n of the arc is a start + b end, a + b >= 1: along it no point is lower than along the
+        # lower end, if it is high at both. That is enough for most arcs.
+        crude = max(min(at_start, dot(u, end) - radius), min(at_end, dot(v, start) - radius))
+        if crude > 0.0 and crude >= limit:
+            floor = min(floor, crude)
+            continue
+        m = chord_normal(arc, e)
+        if dot(m, m) == 0.0:  # the least of the arc is at an end
+            floor = min(floor, ends)
+            continue
         least = least_on_arc(arc, m, radius, rho)
         if least >= limit:
             floor = min(floor, least)

@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     ARC_WIDTH,
+    KINK_WIDTH,
     MOST_ARCS,
     MOST_KINKS,
     Best,
@@ -54,11 +55,16 @@ def least_on_creases(difference, n, enough, noise):
 
     ``n`` is any direction to start from, and ``floor`` what no h is below. Not complete where the
     splitting of arcs did not come to an end. It is the depth if the cores overlap: h is positive
-    then.
+    then. No plane that ``depths.guarded`` looks at is below it.
     """
     terms, first, last, r_A, r_B = difference
     inner = inner_radius(terms, SEGMENT, first, AXES_A) + inner_radius(terms, first, last, AXES_B)
-    arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, 4))
+    arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, KINK_WIDTH))
+    across = unit(vector_in(terms, 0))
+    if dot(across, across) > 0.5 and width(terms, last, r_A + r_B, across) < width(
+        terms, last, r_A + r_B, n
+    ):
+        n = across
     n = likely_normal(difference, n)
     n, h, chord = improved(difference, n, width(terms, last, r_A + r_B, n), enough, noise)
     best = Best(n, h, chord, True, h)

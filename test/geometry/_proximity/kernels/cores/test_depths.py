@@ -47,7 +47,7 @@ def test_axes_are_tried_where_bounds_are_left_apart_and_taken_where_less(
     found = Depth(upper, lower, n, (7.0, 0.0, 0.0), (2.0, 0.0, 0.0), 0.5, True)
     monkeypatch.setattr(depths, 'iterated_depth', lambda *_: found)
     difference = sums.difference_of(pair)
-    depth = _python(depths.depth_and_bounds)(pair, difference, X, False, 2.0, 1e-9)
+    depth = _python(depths.depth_and_bounds)(pair, difference, nowhere(X), False, 2.0, 1e-9)
     if not axes:
         assert depth == found
         return
@@ -87,7 +87,7 @@ def test_creases_are_asked_about_boxes_and_capsules_in_cylinders_only(
         ('depth_of_cores', epa),
     ):
         monkeypatch.setattr(depths, name, lambda *_, told=told: told)
-    depth = _python(depths.iterated_depth)(pair, sums.difference_of(pair), X, False, 2.0, 1e-9)
+    depth = _python(depths.iterated_depth)(pair, sums.difference_of(pair), nowhere(X), False, 2.0, 1e-9)
     assert depth == (Depth(0.25, 0.0625, Z, a, b, 0.03125, False) if by_creases else epa)
 
 
@@ -201,6 +201,6 @@ def test_a_ring_that_contradicts_a_proven_depth_is_not_believed(monkeypatch):
 
     monkeypatch.setattr(depths, 'least_of_ring', of_ring)
     size = 1.5
-    found = _python(depths.iterated_depth)(pair, difference, X, False, size, 1e-15)
+    found = _python(depths.iterated_depth)(pair, difference, nowhere(X), False, size, 1e-15)
     assert asked
     assert found.upper == pytest.approx(0.3, abs=1e-3)

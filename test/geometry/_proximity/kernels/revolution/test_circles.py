@@ -22,7 +22,7 @@ ALL_AROUND = np.linspace(0, 2 * np.pi, 20001)
 def _search(pair, e, n):
     h = core_widths(pair, n)
     arcs = np.empty((circles.MOST_ARCS, circles.ARC_WIDTH))
-    kinks = np.empty((circles.MOST_KINKS, 4))
+    kinks = np.empty((circles.MOST_KINKS, circles.KINK_WIDTH))
     best = tuple(n), h, circles.NO_CAP, True, h
     return circles.least_on_circle(
         sums.difference_of(pair), tuple(e), best, 0.0, ENOUGH, NOISE, arcs, kinks
@@ -72,7 +72,7 @@ def test_kinks_come_in_turn():
     R = np.eye(3)[[1, 2, 0]]
     pair = core_pair(BOX, np.ones(3), np.eye(3), CYLINDER, np.ones(2), R, np.ones(3))
     terms, _, last, _, _ = sums.difference_of(pair)
-    kinks = np.empty((circles.MOST_KINKS, 4))
+    kinks = np.empty((circles.MOST_KINKS, circles.KINK_WIDTH))
     count = circles.kinks_on_circle(terms, last, (0.0, 0.0, 1.0), kinks)
     turns = np.arctan2(kinks[:count, 1], kinks[:count, 0])
     steps = np.diff(np.append(turns, turns[0])) % (2 * np.pi)
@@ -86,7 +86,7 @@ def test_no_arc_is_wider_than_a_right_angle(tilt):
     for kind, size in ((CAPSULE, [0.1, 1.0]), (CYLINDER, [0.1, 1.0]), (BOX, [1.0, 2.0, 3.0])):
         pair = core_pair(kind, size, np.eye(3), CYLINDER, [0.2, 1.0], R, (0, 0, 0))
         terms, _, last, _, _ = sums.difference_of(pair)
-        kinks = np.empty((circles.MOST_KINKS, 4))
+        kinks = np.empty((circles.MOST_KINKS, circles.KINK_WIDTH))
         count = circles.kinks_on_circle(terms, last, tuple(R[:, 2]), kinks)
         ns = kinks[:count, :3]
         assert (abs(np.linalg.norm(ns, axis=1) - 1) < 1e-15).all()
@@ -158,7 +158,7 @@ def test_only_arcs_on_the_side_of_p_are_taken_and_none_where_p_is_short(height):
         BOX, [1.0, 1.0, 1.0], np.eye(3), CYLINDER, [0.5, 1.0], np.eye(3), (0.25, 0.0, height)
     ))  # fmt: skip
     arcs = np.full((circles.MOST_ARCS, circles.ARC_WIDTH), np.nan)
-    kinks = np.empty((circles.MOST_KINKS, 4))
+    kinks = np.empty((circles.MOST_KINKS, circles.KINK_WIDTH))
     for reach, taken in ((-1.0, 4), (0.1, 2), (0.2, 2), (0.3, 0)):
         count = circles.first_arcs(
             difference[0], difference[2], (0.0, 0.0, 1.0), reach, NOISE, arcs, kinks
