@@ -1,4 +1,4 @@
-"""Which boxes are near, by a look at each pair of them: for few bodies, or where all are asked for.
+"""Which boxes are near, by a look at each pair of them: for few bodies, or if all are asked for.
 
 One body's box is compared with eight others' at a time, without a branch: which boxes are near is
 new in each cycle, and a branch that is guessed wrong costs as much as the looks at ten.

@@ -5,7 +5,8 @@ Where two cores are apart or overlap least, the support function h of their Mink
 extreme along n is on the line of n itself; what it is aside of it is the gradient of h, and
 ``M - h`` is the Hessian, where M are the radii of curvature of D. Newton's method doubles the
 digits of n at each step. Kinks are followed: a step that would cross one stops on it, and goes on
-along it until the subgradient says that the minimum is not there. Three kinds of minima remain:
+along it until the subgradient says that the minimum is not there. Where h is not convex no minimum
+comes before the next kink, and the step goes down the slope to that. Three kinds of minima remain:
 SMOOTH; CREASE, with parallel segments held and n on a circle; FLAT, on a face of D that holds the
 foot of the origin.
 """
@@ -260,6 +261,15 @@ def slope_and_curvature(terms, last, radius, n, e, f):
     return h, x, z, m11 + k11 - radius - h, m12 + k12, m22 + k22 - radius - h
 
 
+@inlined
+def newton_step(x, z, m11, m12, m22, e, f, held):
+    """Return the step to where the slopes x along e and z along f vanish; held, that along f."""
+    if held:
+        return scale(-z / m22, f)
+    det = m11 * m22 - m12 * m12
+    return add_scaled(scale((m12 * z - m22 * x) / det, e), (m12 * x - m11 * z) / det, f)
+
+
 @compiled
 def descend(difference, n, noise):
     """Return what ``nearby_minimum`` does, with h by the shares."""
@@ -293,24 +303,28 @@ def descend(difference, n, noise):
             if abs(x) > reach + noise:
                 free_segments(terms, last, e, x)
                 continue
-            if m22 <= 0.0:
-                return Minimum(NOTHING, n, h, 0.0)
-            if abs(z) <= noise or (length <= LAST_STEP and abs(z) <= LOOSE_SLOPE * noise):
-                share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
-                return Minimum(CREASE, n, h, max(reach - abs(x), 0.0))
-            step = scale(-z / m22, f)
+            is_convex, aside = m22 > 0.0, abs(z)
         else:
-            det = m11 * m22 - m12 * m12
-            if m11 <= 0.0 or det <= 0.0:
+            is_convex, aside = m11 > 0.0 and m11 * m22 - m12 * m12 > 0.0, abs(x) + abs(z)
+        if aside <= noise or (length <= LAST_STEP and aside <= LOOSE_SLOPE * noise):
+            if not is_convex:
                 return Minimum(NOTHING, n, h, 0.0)
-            aside = abs(x) + abs(z)
-            if aside <= noise or (length <= LAST_STEP and aside <= LOOSE_SLOPE * noise):
+            if reach == 0.0:
                 return Minimum(SMOOTH, n, h, 0.0)
-            step = add_scaled(scale((m12 * z - m22 * x) / det, e), (m12 * x - m11 * z) / det, f)
+            share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
+            return Minimum(CREASE, n, h, max(reach - abs(x), 0.0))
+        if is_convex:
+            step = newton_step(x, z, m11, m12, m22, e, f, reach > 0.0)
+        else:
+            step = scale(
+                -LONGEST_STEP / aside, add_scaled(scale(0.0 if reach > 0.0 else x, e), z, f)
+            )
         length = norm(step)
         if length > LONGEST_STEP:
             step = scale(LONGEST_STEP / length, step)
         part, crossed = part_before_kink(terms, last, n, step)
+        if not (is_convex or crossed):
+            return Minimum(NOTHING, n, h, 0.0)
         n = unit(add_scaled(n, part, step))
         if crossed:
             length = math.inf

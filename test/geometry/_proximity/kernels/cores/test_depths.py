@@ -47,7 +47,9 @@ def test_axes_are_tried_where_bounds_are_left_apart_and_taken_where_less(
     found = Depth(upper, lower, n, (7.0, 0.0, 0.0), (2.0, 0.0, 0.0), 0.5, True)
     monkeypatch.setattr(depths, 'iterated_depth', lambda *_: found)
     difference = sums.difference_of(pair)
-    depth = _python(depths.depth_and_bounds)(pair, difference, nowhere(X), False, 2.0, 1e-9)
+    depth = _python(depths.depth_and_bounds)(
+        pair, difference, normals.nowhere(X), False, 2.0, 1e-9
+    )
     if not axes:
         assert depth == found
         return
@@ -81,14 +83,15 @@ def test_creases_are_asked_about_boxes_and_capsules_in_cylinders_only(
     for name, told in (
         ('nearby_minimum', nothing),
         ('least_on_creases', least),
-        ('guarded', 0.0625),
         ('points_at', (Z, 0.25, a, b, 0.03125)),
         ('share_a_point', True),
         ('depth_of_cores', epa),
     ):
         monkeypatch.setattr(depths, name, lambda *_, told=told: told)
-    depth = _python(depths.iterated_depth)(pair, sums.difference_of(pair), nowhere(X), False, 2.0, 1e-9)
-    assert depth == (Depth(0.25, 0.0625, Z, a, b, 0.03125, False) if by_creases else epa)
+    depth = _python(depths.iterated_depth)(
+        pair, sums.difference_of(pair), normals.nowhere(X), False, 2.0, 1e-9
+    )
+    assert depth == (Depth(0.25, 0.125, Z, a, b, 0.03125, False) if by_creases else epa)
 
 
 def test_points_are_sought_at_right_angles_to_each_segment(monkeypatch):
@@ -201,6 +204,8 @@ def test_a_ring_that_contradicts_a_proven_depth_is_not_believed(monkeypatch):
 
     monkeypatch.setattr(depths, 'least_of_ring', of_ring)
     size = 1.5
-    found = _python(depths.iterated_depth)(pair, difference, nowhere(X), False, size, 1e-15)
+    found = _python(depths.iterated_depth)(
+        pair, difference, normals.nowhere(X), False, size, 1e-15
+    )
     assert asked
     assert found.upper == pytest.approx(0.3, abs=1e-3)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
-from drake_geom_ros.geometry._proximity.kernels.cores import sums
+from drake_geom_ros.geometry._proximity.kernels.cores import depths, sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
@@ -42,9 +42,20 @@ def test_overlapping_cores_are_as_deep_as_the_oracle_says(kind):
 def test_the_start_does_not_matter():
     rng = np.random.default_rng(4)
     for pair in random_pairs(rng, (BOX, CYLINDER), COUNT):
-        depths = [_least(pair, tuple(n))[1] for n in np.vstack([np.eye(3), -np.eye(3)])]
-        if min(depths) > 0:
-            assert max(depths) - min(depths) <= 1e-14
+        found = [_least(pair, tuple(n))[1] for n in np.vstack([np.eye(3), -np.eye(3)])]
+        if min(found) > 0:
+            assert max(found) - min(found) <= 1e-14
+
+
+def test_planes_that_no_search_chose_are_looked_at_too():
+    """As ``depths.guarded`` does with the floors of other searches: here it would change nothing."""
+    rng = np.random.default_rng(5)
+    for pair in random_pairs(rng, (BOX, CYLINDER), COUNT):
+        found = _least(pair)
+        difference = sums.difference_of(
+            core_pair(*pair.a.form, pair.a.R, *pair.b.form, pair.b.R, pair.b.p)
+        )
+        assert depths.guarded(difference, found.floor, NOISE) == found.floor
 
 
 @pytest.mark.parametrize(
