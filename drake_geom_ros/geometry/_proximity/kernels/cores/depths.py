@@ -18,10 +18,9 @@ from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import (
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
     nearby_minimum,
-    settle,
-    settle_by_turns,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Touch
+from drake_geom_ros.geometry._proximity.kernels.cores.settling import settle, settle_by_turns
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,

@@ -233,6 +233,20 @@ def chord_normal(arc, e):
     return m
 
 
+@inlined
+def values_at_ends(arc, radius):
+    """Return h at the start and the end of an arc [m], and, where positive, a lower bound on it.
+
+    An n of the arc is a start + b end for a + b >= 1: so no point of D is less far along n than
+    along the end where it is less far, if it is positive there.
+    """
+    start, end = vector_at(arc, START), vector_at(arc, END)
+    u, v = vector_at(arc, START_POINT), vector_at(arc, END_POINT)
+    at_start, at_end = dot(u, start) - radius, dot(v, end) - radius
+    crude = max(min(at_start, dot(u, end) - radius), min(at_end, dot(v, start) - radius))
+    return at_start, at_end, crude
+
+
 @compiled
 def least_on_arc(arc, m, radius, rho):
     """Return a lower bound of h [m] on an arc with the chord's normal m (see *chord*, *bend*).
@@ -306,9 +320,9 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         if max(norm(sub(start, n)), norm(sub(end, n))) <= chord:
             continue
         away = is_away(from_n, to_n, norm(sub(end, start)))
-        if from_n < SAME_DIRECTION and dot(u, start) - radius <= h + 2.0 * enough:
+        at_start, at_end, crude = values_at_ends(arc, radius)
+        if from_n < SAME_DIRECTION and at_start <= h + 2.0 * enough:
             unique = False
-        at_start, at_end = dot(u, start) - radius, dot(v, end) - radius
         ends = min(at_start, at_end)
         if ends < h - noise:
             m = start if at_start < at_end else end
@@ -320,10 +334,7 @@ def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
         limit = h - (enough if chord == NO_CAP else noise)
         if unique and away:
             limit = h + 2.0 * enough
-        # An n of the arc is a start + b end, a + b >= 1: along it no point is lower than along the
-        # lower end, if it is high at both. That is enough for most arcs.
-        crude = max(min(at_start, dot(u, end) - radius), min(at_end, dot(v, start) - radius))
-        if crude > 0.0 and crude >= limit:
+        if crude > 0.0 and crude >= limit:  # most arcs
             floor = min(floor, crude)
             continue
         m = chord_normal(arc, e)

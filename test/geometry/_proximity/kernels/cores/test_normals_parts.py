@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.geometry._proximity.kernels.cores import normals, sums
+from drake_geom_ros.geometry._proximity.kernels.cores import normals, settling, sums
 
 X, Y, Z = np.eye(3)
 
@@ -157,7 +157,7 @@ def test_parallel_segments_balance_by_turns_and_are_held_still(x, shares):
     """Of no area, so none are solved for together; a share of 1 would say that one is not held."""
     terms, last = _terms(0.3 * X, 0.2 * X)
     terms[0, :3] = -x * X
-    normals.settle_by_turns((terms, last, last, 0.0, 0.0), tuple(Z), 0.0)
+    settling.settle_by_turns((terms, last, last, 0.0, 0.0), tuple(Z), 0.0)
     assert terms[1:3, sums.SHARE] == pytest.approx(shares, abs=1e-15)
     assert (abs(terms[1:3, sums.SHARE]) < 1.0).all()
 
@@ -170,7 +170,7 @@ def test_an_edge_as_high_at_both_ends_is_free_and_a_disk_takes_the_rest():
     terms[0, :3] = -2523.0 * X - 5000.0 * np.array([0.0, 1.0, 0.0])
     difference = sums.Difference(terms, last, last, 0.0, 0.0)
     for noise, aside in ((0.0, math.hypot(3773.0, 5000.0)), (1e-10, 0.0)):
-        normals.settle_by_turns(difference, tuple(Z), noise)
+        settling.settle_by_turns(difference, tuple(Z), noise)
         a, b = sums.witness_points(difference, tuple(Z))
         assert math.hypot(a[0] - b[0], a[1] - b[1]) == pytest.approx(aside, abs=1e-9)
 

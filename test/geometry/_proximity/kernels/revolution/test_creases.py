@@ -48,7 +48,7 @@ def test_the_start_does_not_matter():
 
 
 def test_planes_that_no_search_chose_are_looked_at_too():
-    """As ``depths.guarded`` does with the floors of other searches: here it would change nothing."""
+    """As ``depths.guarded`` does with other searches' floors: here it would change nothing."""
     rng = np.random.default_rng(5)
     for pair in random_pairs(rng, (BOX, CYLINDER), COUNT):
         found = _least(pair)
