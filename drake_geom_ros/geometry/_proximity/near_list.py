@@ -25,8 +25,8 @@ from drake_geom_ros.geometry._proximity.broadphase import Boxes, room_for
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.handing import handle_of, taker
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.list_making import (
     CONSIDERED,
     FREE,
@@ -55,6 +55,7 @@ class NearList:
     def __init__(self, world: World) -> None:
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
+        has_hulls = np.count_nonzero(world.geometries.types == CONVEX) > 1
         codes = np.zeros(64 + 8 * n, dtype=np.int64)
         rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
         self.arrays = ListArrays(
@@ -79,7 +80,7 @@ class NearList:
             new_slots=none,
             free=none,
             hits=none,
-            answers=np.zeros((0, PAIR_WIDTH)),
+            answers=np.zeros((0, PAIR_WIDTH + (MEMORY_WIDTH if has_hulls else 0))),
             slacks=np.zeros(0),
             seen=none,
             gaps=np.zeros(0),

@@ -22,8 +22,11 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    MEMORY_WIDTH,
+    PAIR_WIDTH,
     write,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.depths import (
     depth_and_bounds,
@@ -43,6 +46,10 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     set_shares,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.remembered import (
+    is_where_it_was,
+    remembered_depth,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
     along_centres,
     gap_along,
@@ -235,10 +242,23 @@ def beside_an_axis(pair, difference, found, noise, tolerance):
     return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
 
 
+@inlined
+def bounds_of_depth(pair, depth, size):
+    """Return the bounds of two cores whose depth is certain to be above 0."""
+    upper, lower, n, a, b, aside, unique = depth
+    a, b, miss = witnesses_of_depth(pair, n, upper, size, a, b, aside)
+    return Bounds(CLOSED, -upper, -lower, -upper, n, a, b, miss, unique)
+
+
 @allocating
-def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
-    """Return the bounds of the signed distance of two cores."""
+def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
+    """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
     noise = ROUNDING * EPS * size
+    remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
+    if remembers and is_where_it_was(memory, pair.p_AB, size):
+        sure, depth = remembered_depth(pair, memory, size, noise)
+        if sure:
+            return bounds_of_depth(pair, depth, size)
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
     if difference.last > 0:
@@ -256,13 +276,12 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         n, overlap = start_of_hulls(pair, n, hinted, noise)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
-        depth, least, n_in, a, b, aside, unique = depth_and_bounds(
-            pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
+        found = depth_and_bounds(
+            pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance, memory
         )
-        overlap = least > 0.0
+        overlap = found.lower > 0.0
         if overlap:
-            a, b, miss = witnesses_of_depth(pair, n_in, depth, size, a, b, aside)
-            return Bounds(CLOSED, -depth, -least, -depth, n_in, a, b, miss, unique)
+            return bounds_of_depth(pair, found, size)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     distance, unique = upper, True
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
@@ -278,7 +297,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
             return Bounds(CLOSED, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-        pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance
+        pair, difference, n, overlap, size, SHARPER_DEPTH * depth_tolerance, memory
     )
     gap, upper, miss = upper - lower, min(upper, -least), 0.0
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
@@ -323,20 +342,20 @@ def width_of(found):
 
 
 @inlined
-def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
+def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory):
     """Return the bounds of the signed distance of two cores, from another start if one is bad.
 
     A bad hint can lead where nothing better is found than bounds that are far apart, and so can
     the line of centres of a needle; the normal that was found there is as a rule a good hint.
     """
-    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff)
+    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
     enough = max(tolerance, ROUNDING * EPS * size)
     for again in range(2):
         if not is_loose(found, enough):
             break
         cold = hinted and again == 0
         start = along_centres(pair.p_AB) if cold else found.n
-        other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff)
+        other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff, memory)
         if width_of(other) < width_of(found):
             found = other
     return found
@@ -353,11 +372,15 @@ def signed_distance_of_cores(
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
     pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
-    found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
+    both_hulls = kind_A == CONVEX and kind_B == CONVEX
+    memory = part(out, PAIR_WIDTH if both_hulls else out.size, out.size)
+    found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B, memory)
     end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
+    if memory.size >= MEMORY_WIDTH and distance >= 0.0:
+        memory[0] = 0.0
     error_bound = max(upper - distance, distance - lower) + noise
     if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
