@@ -209,49 +209,37 @@ def pop_living(faces, planes, heap, waiting):
     return least, waiting
 
 
-@inlined
-def shorter_edges(a, b, c):
-    """Return the two shorter edges of a triangle, in turn, by choices instead of branches."""
-    ab, bc, ca = sub(b, a), sub(c, b), sub(a, c)
-    x, y, z = dot(ab, ab), dot(bc, bc), dot(ca, ca)
-    without_bc = (y >= x) & (y >= z)
-    without_ca = (z >= x) & (not without_bc)
-    first = chosen(without_bc, ca, chosen(without_ca, ab, bc))
-    return first, chosen(without_bc, ab, chosen(without_ca, bc, ca))
-
-
-@inlined
-def chosen(which, u, v):
-    """Return u where ``which`` holds, else v."""
-    return (u[0] if which else v[0]), (u[1] if which else v[1]), (u[2] if which else v[2])
-
-
 @compiled
 def set_planes(points, faces, planes, first, total, size):
     """Set the planes of the faces from first to total; return the least offset of them [m].
 
-    All in one loop take a third of the time of as many calls of ``set_plane``, which does the
-    slivers, and triangles so tiny or huge that their squares may vanish or overflow.
+    All in one loop without choices take a quarter of the time of as many calls of ``set_plane``,
+    which is left what would lose digits so: thin faces, and those so tiny or huge that their
+    squares may vanish or overflow.
     """
-    least = np.inf
+    least, unset = np.inf, False
     for f in range(np.uint64(first), np.uint64(total)):
         a, b, c = (
             vector_in(points, faces[f, 0]),
             vector_in(points, faces[f, 1]),
             vector_in(points, faces[f, 2]),
         )
-        u, v = shorter_edges(a, b, c)
-        n = cross(u, v)
+        n = cross(sub(b, a), sub(c, b))
         squared = dot(n, n)
         area = math.sqrt(squared)
         n = scale(1.0 / area if area > 0.0 else 0.0, n)
         x, y, z = dot(n, a), dot(n, b), dot(n, c)
         offset = min(x, y, z)
-        planes[f, 0], planes[f, 1], planes[f, 2], planes[f, OFFSET] = n[0], n[1], n[2], offset
-        usual = SMALL_SQUARE < squared < LARGE_SQUARE
-        if not (usual and max(x, y, z) - offset <= SLIVER * size):
-            set_plane(faces, planes, points, f, size)
-        least = min(least, planes[f, OFFSET])
+        level = max(x, y, z) - offset <= COPLANAR * EPS * size
+        usual = (squared > SMALL_SQUARE) & (squared < LARGE_SQUARE) & level
+        offset = offset if usual else np.inf
+        planes[f, 0], planes[f, 1], planes[f, 2], planes[f, OFFSET] = (n[0], n[1], n[2], offset)
+        least, unset = min(least, offset), unset | (not usual)
+    if unset:
+        for f in range(np.uint64(first), np.uint64(total)):
+            if planes[f, OFFSET] == np.inf:
+                set_plane(faces, planes, points, f, size)
+                least = min(least, planes[f, OFFSET])
     return least
 
 

@@ -27,15 +27,9 @@ from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
     ball_in_difference,
     is_in_ball_cap,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.epa import (
-    growth_arrays,
-    witness,
-)
+from drake_geom_ros.geometry._proximity.kernels.cores.epa import growth_arrays, witness
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
-    farthest,
-    vertex_at,
-)
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest, vertex_at
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
     ACROSS,
     ALIVE,
@@ -109,7 +103,7 @@ def named_support(pair, n):
     i = farthest(shape_A, x, y, z)
     x, y, z = unrotate(R_WB, scale(-1.0, n))
     j = farthest(shape_B, x, y, z)
-    a, b = rotate(R_WA, vertex_at(shape_A, i)), add(p, rotate(R_WB, vertex_at(shape_B, j)))
+    a, b = (rotate(R_WA, vertex_at(shape_A, i)), add(p, rotate(R_WB, vertex_at(shape_B, j))))
     return a, b, float(i + NAMES * j)
 
 
@@ -119,15 +113,18 @@ def is_closed(faces, count, total):
 
     Then each side has another one across it, which goes to and fro between the same vertices.
     """
+    one, two = np.uint64(1), np.uint64(2)
     for f in range(total):
         for k in range(3):
-            start, end = faces[f, k], faces[f, (k + 1) % 3]
-            g, q = faces[f, ACROSS + k] >> 2, faces[f, ACROSS + k] & 3
-            if start >= count or start == end or g >= total or q > 2:
+            here = np.uint64(f)
+            start, end, side = (faces[here, k], faces[here, (k + 1) % 3], faces[here, ACROSS + k])
+            g, q = np.uint64(side >> 2), np.uint64(side & 3)
+            if start >= count or start == end or side >= 4 * total or q > two:
                 return False
-            if faces[g, q] != end or faces[g, (q + 1) % 3] != start:
+            after = q + one if q < two else np.uint64(0)
+            if faces[g, q] != end or faces[g, after] != start:
                 return False
-            if faces[g, ACROSS + q] != 4 * f + k:
+            if faces[g, q + np.uint64(ACROSS)] != 4 * f + k:
                 return False
     return True
 
@@ -143,13 +140,13 @@ def recall(memory, pair, points, faces):
         number = memory[FIRST_FACE + f]
         if not 0.0 <= number < FACE_NUMBERS:
             return 0, 0
-        bits = int(number)
+        bits, here = int(number), np.uint64(f)
         for k in range(6):
-            faces[f, k] = (bits >> (8 * k)) & 255
-        faces[f, ALIVE] = 1
+            faces[here, k] = (bits >> (8 * k)) & 255
+        faces[here, ALIVE] = 1
     if not is_closed(faces, count, total):
         return 0, 0
-    for f in range(total):
+    for f in range(np.uint64(total)):
         for k in range(3):
             faces[f, ACROSS + k] >>= 2
     for k in range(count):
@@ -159,7 +156,7 @@ def recall(memory, pair, points, faces):
         i, j = int(name) % NAMES, int(name) // NAMES
         if not (1 <= i <= shape_A[VERTEX_COUNT] and 1 <= j <= shape_B[VERTEX_COUNT]):
             return 0, 0
-        a, b = rotate(R_WA, vertex_at(shape_A, i)), add(p, rotate(R_WB, vertex_at(shape_B, j)))
+        a, b = (rotate(R_WA, vertex_at(shape_A, i)), add(p, rotate(R_WB, vertex_at(shape_B, j))))
         put(points, k, a, b)
         points[k, NAME] = float(i + NAMES * j)
     return count, total
@@ -173,32 +170,35 @@ def keep(memory, points, faces, total, vertex_numbers, face_numbers):
     """
     memory[0] = 0.0
     count, living = 0, 0
-    for f in range(total):
+    for f in range(np.uint64(total)):
         if faces[f, ALIVE] != 0:
             face_numbers[f] = living
             living += 1
             for k in range(3):
-                vertex_numbers[faces[f, k]] = -1
+                vertex_numbers[np.uint64(faces[f, k])] = -1
     if living > MOST_FACES:
         return
-    for f in range(total):
+    for f in range(np.uint64(total)):
         if faces[f, ALIVE] == 0:
             continue
         bits = 0
         for k in range(3):
-            v, end, g, side = faces[f, k], faces[f, (k + 1) % 3], faces[f, ACROSS + k], 0
+            v, end, g = (
+                np.uint64(faces[f, k]),
+                faces[f, (k + 1) % 3],
+                np.uint64(faces[f, ACROSS + k]),
+            )
             if vertex_numbers[v] < 0:
                 if count == MOST_VERTICES:
                     return
                 vertex_numbers[v] = count
                 memory[FIRST_NAME + count] = points[v, NAME]
                 count += 1
-            for q in range(3):
-                if faces[g, q] == end and faces[g, ACROSS + q] == f:
-                    side = q
+            # The side that begins where this one ends.
+            side = 0 if faces[g, 0] == end else (1 if faces[g, 1] == end else 2)
             bits |= int(vertex_numbers[v]) << (8 * k)
             bits |= (4 * int(face_numbers[g]) + side) << (24 + 8 * k)
-        memory[FIRST_FACE + face_numbers[f]] = float(bits)
+        memory[FIRST_FACE + int(face_numbers[f])] = float(bits)
     memory[0], memory[1] = float(count), float(living)
 
 
@@ -221,7 +221,7 @@ def double_pyramid(pair, n, points, faces):
     f = cross(n, e)
     least = min(put_named(pair, n, points, 0), put_named(pair, scale(-1.0, n), points, 1))
     for k in range(SIDES):
-        turn, after, before = 2.0 * math.pi / SIDES * k, (k + 1) % SIDES, (k - 1) % SIDES
+        turn, after, before = (2.0 * math.pi / SIDES * k, (k + 1) % SIDES, (k - 1) % SIDES)
         aside = add_scaled(scale(math.cos(turn), e), math.sin(turn), f)
         m = add_scaled(scale(math.cos(TILT), n), math.sin(TILT), aside)
         least = min(least, put_named(pair, m, points, 2 + k))
