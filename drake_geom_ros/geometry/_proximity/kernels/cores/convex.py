@@ -254,11 +254,6 @@ def bounds_of_depth(pair, depth, size):
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
     """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
     noise = ROUNDING * EPS * size
-    remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
-    if remembers and is_where_it_was(memory, pair.p_AB, size):
-        sure, depth = remembered_depth(pair, memory, size, noise)
-        if sure:
-            return bounds_of_depth(pair, depth, size)
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
     if difference.last > 0:
@@ -348,8 +343,14 @@ def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory):
     A bad hint can lead where nothing better is found than bounds that are far apart, and so can
     the line of centres of a needle; the normal that was found there is as a rule a good hint.
     """
+    noise = ROUNDING * EPS * size
+    remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
+    if remembers and is_where_it_was(memory, pair.p_AB, size):
+        sure, depth = remembered_depth(pair, memory, size, noise)
+        if sure:
+            return bounds_of_depth(pair, depth, size)
     found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
-    enough = max(tolerance, ROUNDING * EPS * size)
+    enough = max(tolerance, noise)
     for again in range(2):
         if not is_loose(found, enough):
             break
