@@ -27,6 +27,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
+from drake_geom_ros.geometry._proximity.kernels.cores import remembered
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.depths import (
     depth_and_bounds,
@@ -46,10 +47,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     set_shares,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
-from drake_geom_ros.geometry._proximity.kernels.cores.remembered import (
-    is_where_it_was,
-    remembered_depth,
-)
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
     along_centres,
     gap_along,
@@ -245,9 +242,9 @@ def beside_an_axis(pair, difference, found, noise, tolerance):
 @inlined
 def bounds_of_depth(pair, depth, size):
     """Return the bounds of two cores whose depth is certain to be above 0."""
-    upper, lower, n, a, b, aside, unique = depth
-    a, b, miss = witnesses_of_depth(pair, n, upper, size, a, b, aside)
-    return Bounds(CLOSED, -upper, -lower, -upper, n, a, b, miss, unique)
+    h, lower, n, a, b, aside, unique = depth
+    a, b, miss = witnesses_of_depth(pair, n, h, size, a, b, aside)
+    return Bounds(CLOSED, -h, -lower, -h, n, a, b, miss, unique)
 
 
 @allocating
@@ -345,8 +342,8 @@ def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory):
     """
     noise = ROUNDING * EPS * size
     remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
-    if remembers and is_where_it_was(memory, pair.p_AB, size):
-        sure, depth = remembered_depth(pair, memory, size, noise)
+    if remembers and remembered.is_where_it_was(memory, pair.p_AB, size):
+        sure, depth = remembered.remembered_depth(pair, memory, size, noise)
         if sure:
             return bounds_of_depth(pair, depth, size)
     found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
@@ -373,8 +370,8 @@ def signed_distance_of_cores(
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
     pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
-    both_hulls = kind_A == CONVEX and kind_B == CONVEX
-    memory = part(out, PAIR_WIDTH if both_hulls else out.size, out.size)
+    hulls = kind_A == CONVEX and kind_B == CONVEX
+    memory = part(out, PAIR_WIDTH if hulls else out.size, out.size)
     found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B, memory)
     end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
