@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.handing import (
     Vectors,
     taker,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
 from drake_geom_ros.geometry._proximity.posing import PACE
 
@@ -356,7 +357,8 @@ def _carry(near, codes):  # type: ignore[no-untyped-def]
             slot = near.free[free]
             slots[k] = slot
             near.slacks[slot], near.seen[slot] = -math.inf, -1
-            for c in range(near.answers.shape[1]):
+            # The first number of what kernels remember tells whether there is anything.
+            for c in range(min(near.answers.shape[1], PAIR_WIDTH + 1)):
                 near.answers[slot, c] = 0.0
         near.slots[k], near.codes[k] = slots[k], codes[k]
         near.pairs[k, 0], near.pairs[k, 1] = rows_of(codes[k])

@@ -26,8 +26,8 @@ from drake_geom_ros.geometry._proximity.broadphase import Boxes, room_for
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.handing import handle_of, taker
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.list_making import (
     CONSIDERED,
     FREE,
@@ -49,13 +49,18 @@ Indices = NDArray[np.int64]
 
 _boxes_of = taker(Boxes)
 
+MOST_REMEMBERED = 128  # geometries, all pairs of which have room to remember a polytope
+
 
 class NearList:
     """The unfiltered pairs of a world within ``reach``, sorted, with a slot each."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, unlimited: bool = False) -> None:
         n = world.geometry_count
         is_plane = world.geometries.types == HALF_SPACE
+        hulls = np.count_nonzero(world.geometries.types == CONVEX)
+        # Of all pairs that there are, in a large scene, few overlap, and most are no hulls.
+        remembers = hulls > 1 and (n <= MOST_REMEMBERED or not unlimited)
         codes = np.zeros(64 + 8 * n, dtype=np.int64)
         words = np.zeros(n // WORD + 1, dtype=np.int64)
         rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
@@ -84,7 +89,7 @@ class NearList:
             new_slots=none,
             free=none,
             hits=none,
-            answers=np.zeros((0, PAIR_WIDTH)),
+            answers=np.zeros((0, PAIR_WIDTH + (MEMORY_WIDTH if remembers else 0))),
             slacks=np.zeros(0),
             seen=none,
             gaps=np.zeros(0),

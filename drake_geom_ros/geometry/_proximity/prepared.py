@@ -129,7 +129,7 @@ class PreparedQueries:
         unlimited = asked.cutoff == math.inf
         near = self._lists.get(unlimited)
         if near is None:
-            near = self._lists[unlimited] = NearList(world)
+            near = self._lists[unlimited] = NearList(world, unlimited)
         known = self._known.get(asked)
         if known is None:
             if len(self._known) == _MOST:

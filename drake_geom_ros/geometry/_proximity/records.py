@@ -70,7 +70,7 @@ world_of = taker(WorldArrays)
 class Memory(NamedTuple):
     """The slots (m,) of ``NearList``: what is known of a pair."""
 
-    answers: Floats  # (m, PAIR_WIDTH) the last answer; A is the first of the pair
+    answers: Floats  # (m, PAIR_WIDTH, or more) the last answer; A is the first of the pair
     slacks: Floats  # [m] certified distance plus travels, both of the same time
     seen: Indices  # revision of the answer; -1: none yet
     gaps: Floats  # [m] the gap that the answer was computed for

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
     LISTS,
-    _farthest,
+    farthest,
     hull_defect,
     vertex_at,
 )
@@ -146,7 +146,7 @@ def _of_ellipsoid(shape, n, u, v):
 @compiled
 def _of_hull(shape, n, u, v):
     """Return the vertex, edge or face of a hull, by the edges that leave an extreme vertex."""
-    here = _farthest(shape, n[0], n[1], n[2])
+    here = farthest(shape, n[0], n[1], n[2])
     end = 3 * int(shape[VERTEX_COUNT])
     first, last, listed = 1, end // 3 + 1, False
     if hull_defect(shape) > 0.0:

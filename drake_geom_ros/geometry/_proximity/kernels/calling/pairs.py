@@ -26,6 +26,8 @@ ERROR_BOUND = 10  # |distance - phi| <= error_bound
 UNIQUE = 11  # 1 where nhat_BA_W is unique, else 0
 METHOD = 12  # a number of ``kinds.Method``
 PAIR_WIDTH = 13
+# Columns that a row may have beyond, for what a kernel of two hulls remembers (``remembered``).
+MEMORY_WIDTH = 73
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]

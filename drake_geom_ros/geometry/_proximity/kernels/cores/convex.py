@@ -16,14 +16,16 @@ bounds exclude every direction more than 8 degrees away, so with a loose toleran
 an answer that is unique.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    MEMORY_WIDTH,
+    PAIR_WIDTH,
     write,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part
+from drake_geom_ros.geometry._proximity.kernels.cores import remembered
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.depths import (
     depth_and_bounds,
@@ -43,7 +45,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     nowhere,
     set_shares,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Bounds, Gap, Pair
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
     along_centres,
     gap_along,
@@ -65,7 +67,6 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
     least_of_hull_in_barrel,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     add_scaled,
     norm,
@@ -90,24 +91,6 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     SHARPER,
     SHARPER_DEPTH,
 )
-
-
-class Bounds(NamedTuple):
-    """Bounds of the signed distance phi of two cores: ``lower <= phi <= upper`` [m].
-
-    ``distance`` [m] is the answer; ``b - a = distance n`` for points a of A and b of B, on the
-    surface if it is negative, each to within ``miss`` [m].
-    """
-
-    end: int
-    distance: float
-    upper: float
-    lower: float
-    n: Vector
-    a: Vector
-    b: Vector
-    miss: float
-    unique: bool
 
 
 @compiled
@@ -240,9 +223,17 @@ def beside_an_axis(pair, difference, found, noise, tolerance):
     return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
 
 
+@inlined
+def bounds_of_depth(pair, depth, size):
+    """Return the bounds of two cores whose depth is certain to be above 0."""
+    h, lower, n, a, b, aside, unique = depth
+    a, b, miss = witnesses_of_depth(pair, n, h, size, a, b, aside)
+    return Bounds(CLOSED, -h, -lower, -h, n, a, b, miss, unique)
+
+
 @allocating
-def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
-    """Return the bounds of the signed distance of two cores."""
+def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
+    """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
     noise = ROUNDING * EPS * size
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
@@ -263,13 +254,12 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         newton = nowhere(n)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
-        depth, least, n_in, a, b, aside, unique = depth_and_bounds(
-            pair, difference, newton, overlap, size, SHARPER_DEPTH * depth_tolerance
+        found = depth_and_bounds(
+            pair, difference, newton, overlap, size, SHARPER_DEPTH * depth_tolerance, memory
         )
-        overlap = least > 0.0
+        overlap = found.lower > 0.0
         if overlap:
-            a, b, miss = witnesses_of_depth(pair, n_in, depth, size, a, b, aside)
-            return Bounds(CLOSED, -depth, -least, -depth, n_in, a, b, miss, unique)
+            return bounds_of_depth(pair, found, size)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     distance, unique = upper, True
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
@@ -285,7 +275,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff):
         if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
             return Bounds(CLOSED, distance, upper, lower, n, a, b, 0.0, True)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-        pair, difference, nowhere(n), overlap, size, SHARPER_DEPTH * depth_tolerance
+        pair, difference, nowhere(n), overlap, size, SHARPER_DEPTH * depth_tolerance, memory
     )
     gap, upper, miss = upper - lower, min(upper, -least), 0.0
     if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
@@ -330,20 +320,26 @@ def width_of(found):
 
 
 @inlined
-def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff):
+def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory):
     """Return the bounds of the signed distance of two cores, from another start if one is bad.
 
     A bad hint can lead where nothing better is found than bounds that are far apart, and so can
     the line of centres of a needle; the normal that was found there is as a rule a good hint.
     """
-    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff)
-    enough = max(tolerance, ROUNDING * EPS * size)
+    noise = ROUNDING * EPS * size
+    remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
+    if remembers and remembered.is_where_it_was(memory, pair.p_AB, size):
+        sure, depth = remembered.remembered_depth(pair, memory, size, noise)
+        if sure:
+            return bounds_of_depth(pair, depth, size)
+    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
+    enough = max(tolerance, noise)
     for again in range(2):
         if not is_loose(found, enough):
             break
         cold = hinted and again == 0
         start = along_centres(pair.p_AB) if cold else found.n
-        other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff)
+        other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff, memory)
         if width_of(other) < width_of(found):
             found = other
     return found
@@ -360,11 +356,15 @@ def signed_distance_of_cores(
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
     pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
-    found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B)
+    hulls = kind_A == CONVEX and kind_B == CONVEX
+    memory = part(out, PAIR_WIDTH if hulls else out.size, out.size)
+    found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B, memory)
     end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:
         method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
+    if memory.size >= MEMORY_WIDTH and distance >= 0.0:
+        memory[0] = 0.0
     error_bound = max(upper - distance, distance - lower) + noise
     if miss > error_bound:
         error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))

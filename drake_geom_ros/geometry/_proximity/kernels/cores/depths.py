@@ -1,10 +1,11 @@
 """Depth of two overlapping cores, by the cheapest way that is certain.
 
-In this order, each only where the one before could not certify its answer: ``revolution`` for
-parallel axes; Newton's method (``normals``), whose minimum is proven by balls within both cores
-(``inner_balls``); ``creases`` for a box or capsule in a cylinder; ``epa`` with few vertices;
-``barrels`` and ``slices`` where a ring of directions is almost as good; ``epa`` with many. What is
-left open then, in symmetric positions and where the difference has no volume, ``axes`` may close.
+In this order, each only where the one before could not certify its answer: ``remembered`` for two
+hulls; ``revolution`` for parallel axes; Newton's method (``normals``), whose minimum is proven by
+balls within both cores (``inner_balls``); ``creases`` for a box or capsule in a cylinder; ``epa``
+with few vertices; ``barrels`` and ``slices`` where a ring of directions is almost as good; ``epa``
+with many. What is left open then, in symmetric positions and where the difference has no volume,
+``axes`` may close.
 """
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
@@ -20,6 +21,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     nearby_minimum,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Touch
+from drake_geom_ros.geometry._proximity.kernels.cores.remembered import depth_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.cores.settling import settle, settle_by_turns
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -77,14 +79,14 @@ MANY_VERTICES = 3000
 
 
 @compiled
-def depth_and_bounds(pair, difference, newton, near, size, tolerance):
+def depth_and_bounds(pair, difference, newton, near, size, tolerance, memory):
     """Return the depth of two cores; where its bounds are far apart, axes may do better.
 
     That is the case in symmetric positions and where the difference has no volume. ``newton`` is
     what ``nearby_minimum`` of the difference has just found, or its direction alone.
     """
     noise = ROUNDING * EPS * size
-    found = iterated_depth(pair, difference, newton, near, size, tolerance)
+    found = iterated_depth(pair, difference, newton, near, size, tolerance, memory)
     if found.upper - found.lower <= 4.0 * max(tolerance, noise):
         return found
     h, m, a, b = least_along_axes(pair, found.upper)
@@ -96,9 +98,13 @@ def depth_and_bounds(pair, difference, newton, near, size, tolerance):
 
 
 @compiled
-def iterated_depth(pair, difference, newton, near, size, tolerance):
+def iterated_depth(pair, difference, newton, near, size, tolerance, memory):
     """Return the depth of two cores, by the cheapest way there is for the pair."""
     kind_A, kind_B, n = pair.kind_A, pair.kind_B, newton.n
+    if kind_A == CONVEX and kind_B == CONVEX:
+        sure, found = depth_of_hulls(pair, n, memory, size, ROUNDING * EPS * size)
+        if sure:
+            return found
     u, move = common_axis(pair)
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)

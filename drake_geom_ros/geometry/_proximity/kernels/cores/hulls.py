@@ -132,7 +132,7 @@ def _climbed(shape, end, x, y, z):
 
 
 @inlined
-def _farthest(shape, x, y, z):
+def farthest(shape, x, y, z):
     """Return the place of the vertex that is extreme along the unit vector (x, y, z)."""
     if hull_defect(shape) > 0.0:
         return _climbed(shape, 3 * int(shape[VERTEX_COUNT]), x, y, z)
@@ -142,7 +142,7 @@ def _farthest(shape, x, y, z):
 @compiled
 def farthest_vertex(shape, x, y, z):
     """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
-    return vertex_at(shape, _farthest(shape, x, y, z))
+    return vertex_at(shape, farthest(shape, x, y, z))
 
 
 @inlined
@@ -177,7 +177,7 @@ def farthest_edge(shape, x, y, z):
     hull, and where a turn of the direction brings another vertex to the fore, the first one. So
     only neighbours are looked at where they are listed.
     """
-    here = _farthest(shape, x, y, z)
+    here = farthest(shape, x, y, z)
     end = 3 * int(shape[VERTEX_COUNT])
     place, listed = end + LISTS + here - 1, hull_defect(shape) > 0.0
     if not listed or shape[place] < 0.0:

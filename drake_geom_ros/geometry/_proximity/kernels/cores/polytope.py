@@ -7,6 +7,8 @@ of its vertices along it). Dead faces keep their row. Vertices are the rows of `
 Rows are taken by unsigned numbers: the test for negative ones costs a tenth of EPA.
 """
 
+import math
+
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
@@ -24,7 +26,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.tolerances import COPLANAR, EPS, SLIVER
+from drake_geom_ros.geometry._proximity.tolerances import (
+    COPLANAR,
+    EPS,
+    LARGE_SQUARE,
+    SLIVER,
+    SMALL_SQUARE,
+)
 
 ACROSS = 3
 ALIVE = 6
@@ -104,7 +112,7 @@ def link_tetrahedron(points, faces):
         faces[f, ALIVE] = 1
 
 
-@compiled
+@inlined
 def cut_visible(faces, planes, f, w, thickness, stack, horizon):
     """Kill the faces that see w, from f outwards, and fill in their horizon; return its length.
 
@@ -134,7 +142,7 @@ def cut_visible(faces, planes, f, w, thickness, stack, horizon):
     return edges
 
 
-@compiled
+@inlined
 def link_cone(faces, horizon, edges, apex, total, starting_at):
     """Link a new face from each horizon edge to the vertex apex; return the new number of faces.
 
@@ -202,10 +210,44 @@ def pop_living(faces, planes, heap, waiting):
 
 
 @compiled
+def set_planes(points, faces, planes, first, total, size):
+    """Set the planes of the faces from first to total; return the least offset of them [m].
+
+    All in one loop without choices take a quarter of the time of as many calls of ``set_plane``,
+    which is left what would lose digits so: thin faces, and those so tiny or huge that their
+    squares may vanish or overflow.
+    """
+    least, unset = np.inf, False
+    for f in range(np.uint64(first), np.uint64(total)):
+        a, b, c = (
+            vector_in(points, faces[f, 0]),
+            vector_in(points, faces[f, 1]),
+            vector_in(points, faces[f, 2]),
+        )
+        n = cross(sub(b, a), sub(c, b))
+        squared = dot(n, n)
+        area = math.sqrt(squared)
+        n = scale(1.0 / area if area > 0.0 else 0.0, n)
+        x, y, z = dot(n, a), dot(n, b), dot(n, c)
+        offset = min(x, y, z)
+        level = max(x, y, z) - offset <= COPLANAR * EPS * size
+        usual = (squared > SMALL_SQUARE) & (squared < LARGE_SQUARE) & level
+        offset = offset if usual else np.inf
+        planes[f, 0], planes[f, 1], planes[f, 2], planes[f, OFFSET] = (n[0], n[1], n[2], offset)
+        least, unset = min(least, offset), unset | (not usual)
+    if unset:
+        for f in range(np.uint64(first), np.uint64(total)):
+            if planes[f, OFFSET] == np.inf:
+                set_plane(faces, planes, points, f, size)
+                least = min(least, planes[f, OFFSET])
+    return least
+
+
+@compiled
 def add_faces(points, faces, planes, heap, first, total, waiting, size):
     """Set the planes of the faces from first to total and add them to the heap."""
+    set_planes(points, faces, planes, first, total, size)
     for f in range(first, total):
-        set_plane(faces, planes, points, f, size)
         push(heap, waiting, planes, f)
         waiting += 1
     return waiting

@@ -109,3 +109,21 @@ class Least(NamedTuple):
     floor: float
     n: Vector
     unique: bool
+
+
+class Bounds(NamedTuple):
+    """Bounds of the signed distance phi of two cores: ``lower <= phi <= upper`` [m].
+
+    ``distance`` [m] is the answer; ``b - a = distance n`` for points a of A and b of B, on the
+    surface if it is negative, each to within ``miss`` [m].
+    """
+
+    end: int
+    distance: float
+    upper: float
+    lower: float
+    n: Vector
+    a: Vector
+    b: Vector
+    miss: float
+    unique: bool

@@ -84,7 +84,7 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED):
         return lambda *_: asked.append(found) or found
 
     pair = Pair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
-    asked_for = pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf
+    asked_for = pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf, np.zeros(0)
     convex.bounds_of_cores(*asked_for)  # what is not replaced cannot be compiled any more below
     monkeypatch.setattr(convex, 'distance_of_cores', told(walked))
     monkeypatch.setattr(convex, 'depth_and_bounds', told(depth))
@@ -179,7 +179,7 @@ def test_bounds_that_stay_loose_are_sought_from_elsewhere(
     monkeypatch.setattr(convex, 'bounds_of_cores', bounds_of_cores)
     pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (0.0, 4.0, 0.0))
     search = getattr(convex.bounds_of_best_start, 'py_func', convex.bounds_of_best_start)
-    found = search(pair, (1.0, 0.0, 0.0), hinted, 6.0, 1e-9, math.inf)
+    found = search(pair, (1.0, 0.0, 0.0), hinted, 6.0, 1e-9, math.inf, np.zeros(0))
     assert seen == starts
     assert found.n == (0.0, float(kept), 1.0)
 
@@ -192,9 +192,9 @@ def test_a_hint_of_poses_long_past_costs_hulls_that_are_apart_no_search_for_a_de
         raise AssertionError
 
     pair = Pair(CONVEX, HULL, np.eye(3), CONVEX, HULL, np.eye(3), (2.5, 0.5, 0.0))
-    convex.bounds_of_cores(pair, hint, True, 6.0, 1e-9, math.inf)  # compiles the rest
+    convex.bounds_of_cores(pair, hint, True, 6.0, 1e-9, math.inf, np.zeros(0))  # compiles the rest
     monkeypatch.setattr(convex, 'depth_and_bounds', search_for_depth)
     search = getattr(convex.bounds_of_cores, 'py_func', convex.bounds_of_cores)
-    found = search(pair, hint, True, 6.0, 1e-9, math.inf)
+    found = search(pair, hint, True, 6.0, 1e-9, math.inf, np.zeros(0))
     assert found.distance == pytest.approx(0.5, abs=1e-15)
     assert found.n == pytest.approx((1.0, 0.0, 0.0), abs=1e-15)

@@ -22,6 +22,7 @@ SIZES = {
     CONVEX: [4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1],
 }
 TURNED = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+NO_MEMORY = np.zeros(0)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
@@ -48,7 +49,7 @@ def test_axes_are_tried_where_bounds_are_left_apart_and_taken_where_less(
     monkeypatch.setattr(depths, 'iterated_depth', lambda *_: found)
     difference = sums.difference_of(pair)
     depth = _python(depths.depth_and_bounds)(
-        pair, difference, normals.nowhere(X), False, 2.0, 1e-9
+        pair, difference, normals.nowhere(X), False, 2.0, 1e-9, NO_MEMORY
     )
     if not axes:
         assert depth == found
@@ -89,7 +90,7 @@ def test_creases_are_asked_about_boxes_and_capsules_in_cylinders_only(
     ):
         monkeypatch.setattr(depths, name, lambda *_, told=told: told)
     depth = _python(depths.iterated_depth)(
-        pair, sums.difference_of(pair), normals.nowhere(X), False, 2.0, 1e-9
+        pair, sums.difference_of(pair), normals.nowhere(X), False, 2.0, 1e-9, NO_MEMORY
     )
     assert depth == (Depth(0.25, 0.125, Z, a, b, 0.03125, False) if by_creases else epa)
 
@@ -205,7 +206,7 @@ def test_a_ring_that_contradicts_a_proven_depth_is_not_believed(monkeypatch):
     monkeypatch.setattr(depths, 'least_of_ring', of_ring)
     size = 1.5
     found = _python(depths.iterated_depth)(
-        pair, difference, normals.nowhere(X), False, size, 1e-15
+        pair, difference, normals.nowhere(X), False, size, 1e-15, NO_MEMORY
     )
     assert asked
     assert found.upper == pytest.approx(0.3, abs=1e-3)

@@ -1,0 +1,73 @@
+"""Directions in which two hulls are certain to overlap by no less than a depth that is known.
+
+A ball in A and one in B make a ball in D = A - B, about c of radius R, so that h(u) is at least
+``c . u + R`` for any unit u: where ``c . u >= rival - R`` the overlap is at least ``rival`` wide.
+That is a cap of directions (see ``caps``), of more than half of them as a rule, for the balls are
+behind the contact: EPA need not grow there.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import ball_in_hull
+from drake_geom_ros.geometry._proximity.kernels.cores.polytope import OFFSET
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
+    add,
+    dot,
+    norm,
+    rotate,
+    sub,
+    vector_in,
+)
+
+
+class Ball(NamedTuple):
+    """A ball in a difference of hulls: its centre, how far that is away, its radius [m]."""
+
+    centre: Vector
+    away: float
+    radius: float
+
+
+@compiled
+def ball_in_difference(pair):
+    """Return the ball that balls in two hulls make; of radius -infinity where one is not known."""
+    _, shape_A, R_WA, _, shape_B, R_WB, p = pair
+    a, r_A = ball_in_hull(shape_A)
+    b, r_B = ball_in_hull(shape_B)
+    c = sub(rotate(R_WA, a), add(p, rotate(R_WB, b)))
+    return Ball(c, norm(c), r_A + r_B if min(r_A, r_B) > 0.0 else -math.inf)
+
+
+@inlined
+def is_in_ball_cap(points, faces, planes, f, ball, rival):
+    """Tell whether h is at least ``rival`` wherever face f is nearer than that, by the ball.
+
+    Of a point x of the face that is true if ``c . x >= (rival - R) |x|``. The corners tell it of
+    the whole face, or its offset, for it is nearer only within an angle y of its normal, ``cos y =
+    offset / rival``, and the cap goes as far as z from c, ``cos z = (rival - R) / |c|``. Of a face
+    that has the origin before it nothing is told.
+    """
+    f, edge, away = np.uint64(f), rival - ball.radius, ball.away
+    offset = planes[f, OFFSET]
+    if offset <= 0.0 or edge >= away:
+        return False
+    c = ball.centre
+    least = min(
+        dot(c, vector_in(points, faces[f, 0])),
+        dot(c, vector_in(points, faces[f, 1])),
+        dot(c, vector_in(points, faces[f, 2])),
+    )
+    if least >= edge * (min(offset, rival) if edge <= 0.0 else rival):
+        return True
+    near = offset / rival
+    if near >= 1.0:
+        return True
+    if edge > near * away or edge <= -away:
+        return False
+    sines = math.sqrt((away - edge) * (away + edge) * (1.0 - near) * (1.0 + near))
+    return dot(c, vector_in(planes, f)) >= edge * near + sines

@@ -1,0 +1,232 @@
+"""Whatever two hulls remember, the answer is the certified one of hulls that remember nothing."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import config
+from oracles.core_pairs import core_pair, turned
+from oracles.forms import signed_distance
+
+from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.geometry import Convex, MeshData
+from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    MEMORY_WIDTH,
+    NORMAL,
+    PAIR_WIDTH,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores import ball_caps, convex, epa, remembered
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+
+COUNT = 3 if config.DISABLE_JIT else 60
+X = (1.0, 0.0, 0.0)
+
+
+def _hull(rng, count=24):
+    vertices = random_directions(rng, count) * rng.uniform(0.08, 0.15, 3)
+    return hull_parameters(*Convex.FromMeshData(MeshData(vertices)).hull_surface())
+
+
+def _overlapping(rng):
+    """Return a pair of hulls with a depth of some centimetres."""
+    shapes = _hull(rng), _hull(rng, int(rng.integers(8, 60)))
+    p = random_directions(rng, 1)[0] * rng.uniform(0.02, 0.14)
+    return core_pair(
+        CONVEX, shapes[0], random_rotation(rng), CONVEX, shapes[1], random_rotation(rng), p
+    )
+
+
+def _moved(rng, pair, step):
+    """Return the pair with B moved by about ``step`` [m] and as many tenths of a radian."""
+    R = turned(rng.normal(size=3), 10.0 * step * rng.normal()) @ pair.R_WB
+    p = np.array(pair.p_AB) + step * rng.normal(size=3)
+    return core_pair(*pair[:5], R, p)
+
+
+def _answer(pair, row):
+    """Have the kernel answer in a row, which holds what is known of last time; return the row."""
+    convex.signed_distance_of_cores(*pair, 1e-9, math.inf, row)
+    assert np.isfinite(row[:PAIR_WIDTH]).all()
+    return row
+
+
+def _wide():
+    return np.zeros(PAIR_WIDTH + MEMORY_WIDTH)
+
+
+def _size(pair):
+    radii = [bounding_radius(*pair[k : k + 2]) for k in (0, 3)]
+    return sum(radii) + float(np.linalg.norm(pair.p_AB))
+
+
+def _assert_same(row, alone):
+    """Both are certified, so they are as near as their bounds; the normal is the same too."""
+    bound = row[ERROR_BOUND] + alone[ERROR_BOUND]
+    assert row[ERROR_BOUND] <= 1e-14
+    assert row[DISTANCE] == pytest.approx(alone[DISTANCE], abs=bound)
+    span = row[DISTANCE] * row[NORMAL : NORMAL + 3]
+    apart = row[WITNESS_A : WITNESS_A + 3] - row[WITNESS_B : WITNESS_B + 3]
+    np.testing.assert_allclose(apart, span, atol=bound)
+
+
+@pytest.mark.parametrize('step', [0.0, 1e-4, 1e-3, 1e-2, 0.1])
+def test_the_answer_of_hulls_that_move_is_that_of_each_pose_alone(step):
+    rng = np.random.default_rng([5, int(1e6 * step)])
+    kept = 0
+    for _ in range(COUNT):
+        pair, row = _overlapping(rng), _wide()
+        for _ in range(6):
+            _assert_same(_answer(pair, row), _answer(pair, np.zeros(PAIR_WIDTH)))
+            kept += row[PAIR_WIDTH] > 0.0
+            pair = _moved(rng, pair, step)
+    assert kept > 0  # otherwise nothing was tested
+
+
+def test_hulls_that_do_not_move_need_no_more_than_what_is_remembered():
+    rng = np.random.default_rng(2)
+    pair, row = _overlapping(rng), _wide()
+    for _ in range(3):  # the first tells where they are, the second keeps
+        first = _answer(pair, row).copy()
+    memory = row[PAIR_WIDTH:].copy()
+    assert memory[0] >= 4.0
+    sure, depth = remembered.remembered_depth(pair, memory, _size(pair), 1e-15)
+    assert sure
+    assert -first[DISTANCE] == pytest.approx(depth.upper, abs=1e-15)
+    np.testing.assert_array_equal(memory, row[PAIR_WIDTH:])
+
+
+def test_the_depth_is_the_true_one():
+    rng = np.random.default_rng(3)
+    for _ in range(4):
+        pair, row = _overlapping(rng), _wide()
+        for _ in range(3):
+            phi, _ = signed_distance(
+                (CONVEX, pair.shape_A),
+                (pair.R_WA, np.zeros(3)),
+                (CONVEX, pair.shape_B),
+                (pair.R_WB, np.array(pair.p_AB)),
+            )
+            assert _answer(pair, row)[DISTANCE] == pytest.approx(phi, abs=1e-11)
+            pair = _moved(rng, pair, 3e-3)
+
+
+def test_hulls_that_part_forget():
+    rng = np.random.default_rng(4)
+    pair, row = _overlapping(rng), _wide()
+    for _ in range(2):
+        _answer(pair, row)
+    assert row[PAIR_WIDTH] > 0.0
+    _answer(core_pair(*pair[:6], (0.5, 0.0, 0.0)), row)
+    assert row[DISTANCE] > 0.0
+    assert row[PAIR_WIDTH] == 0.0
+
+
+_strange = st.floats(allow_nan=True, allow_infinity=True)
+_numbers = st.one_of(_strange, st.integers(-2, 300).map(float), st.integers(0, 2**53).map(float))
+
+
+@settings(max_examples=10 if config.DISABLE_JIT else 300, deadline=None)
+@given(seed=st.integers(0, 2**16), data=st.data())
+def test_no_numbers_in_the_memory_can_spoil_an_answer(seed, data):
+    """Some, or all, of what is remembered is anything; what lies behind the row is left alone."""
+    rng = np.random.default_rng(seed)
+    pair, room = _overlapping(rng), np.zeros(PAIR_WIDTH + MEMORY_WIDTH + 64)
+    row = room[: PAIR_WIDTH + MEMORY_WIDTH]
+    for _ in range(2):
+        alone = _answer(pair, row)[:PAIR_WIDTH].copy()
+    changed = data.draw(st.lists(st.integers(0, MEMORY_WIDTH - 1), max_size=MEMORY_WIDTH))
+    for k in changed:
+        row[PAIR_WIDTH + k] = data.draw(_numbers)
+    if data.draw(st.booleans()):
+        row[PAIR_WIDTH + remembered.POSITION :][:3] = pair.p_AB
+    room[row.size :] = 7.0
+    _assert_same(_answer(pair, row), alone)
+    assert (room[row.size :] == 7.0).all()
+
+
+def _closed_surface(rng, count):
+    """Return a memory of a closed surface whose vertices are any pairs of vertices."""
+    memory = np.zeros(MEMORY_WIDTH)
+    growth = epa.growth_arrays(remembered.MOST_GROWN)
+    points, faces = growth[:2]
+    pair = _overlapping(rng)
+    remembered.double_pyramid(pair, X, points, faces)
+    remembered.keep(memory, points, faces, 2 * remembered.SIDES, growth[5], growth[4])
+    i, j = rng.integers(1, 8, (2, count))
+    memory[remembered.FIRST_NAME :][:count] = i + remembered.NAMES * j
+    return memory
+
+
+@pytest.mark.parametrize('few', [1, 2, 3, 8])
+def test_a_closed_surface_of_any_vertices_leads_to_the_same_answer(few):
+    """Flat ones, and such that hold the origin twice or not at all."""
+    rng = np.random.default_rng([6, few])
+    for _ in range(20 * COUNT):
+        pair, row = _overlapping(rng), _wide()
+        alone = _answer(pair, row)[:PAIR_WIDTH].copy()
+        memory = _closed_surface(rng, 2 + remembered.SIDES)
+        names = rng.choice(memory[remembered.FIRST_NAME :][: 2 + remembered.SIDES], few)
+        memory[remembered.FIRST_NAME :][: 2 + remembered.SIDES] = rng.choice(
+            names, 2 + remembered.SIDES
+        )
+        memory[remembered.POSITION :][:3] = pair.p_AB
+        row[PAIR_WIDTH:] = memory
+        _assert_same(_answer(pair, row), alone)
+
+
+def test_what_is_kept_is_recalled_as_it_was():
+    rng = np.random.default_rng(8)
+    pair, memory = _overlapping(rng), np.zeros(MEMORY_WIDTH)
+    points, faces, *_ = growth = epa.growth_arrays(remembered.MOST_GROWN)
+    assert remembered.double_pyramid(pair, X, points, faces) > 0.0
+    total = 2 * remembered.SIDES
+    remembered.keep(memory, points, faces, total, growth[5], growth[4])
+    again, its_faces, *_ = epa.growth_arrays(remembered.MOST_GROWN)
+    assert remembered.recall(memory, pair, again, its_faces) == (2 + remembered.SIDES, total)
+    triangles = [
+        np.asarray(p)[f[:total, :3], :9] for p, f in ((points, faces), (again, its_faces))
+    ]
+    np.testing.assert_allclose(triangles[1], triangles[0], atol=1e-15)
+    np.testing.assert_array_equal(its_faces[:total, 3:], faces[:total, 3:])
+
+
+@pytest.mark.parametrize('column', range(6))
+def test_a_surface_with_one_link_or_corner_wrong_is_not_closed(column):
+    rng = np.random.default_rng(9)
+    memory = _closed_surface(rng, 2 + remembered.SIDES)
+    pair = _overlapping(rng)
+    points, faces, *_ = epa.growth_arrays(remembered.MOST_GROWN)
+    total = 2 * remembered.SIDES
+    assert remembered.recall(memory, pair, points, faces) == (2 + remembered.SIDES, total)
+    bits = int(memory[remembered.FIRST_FACE])
+    memory[remembered.FIRST_FACE] = float(bits ^ (1 << (8 * column)))
+    assert remembered.recall(memory, pair, points, faces) == (0, 0)
+
+
+def test_no_direction_in_the_cap_of_a_ball_is_narrower():
+    """Of faces that are told to be nowhere nearer than a rival, by rays through them."""
+    rng, told = np.random.default_rng(10), 0
+    for _ in range(5 * COUNT):
+        ball = ball_caps.Ball((-0.1, 0.0, 0.0), 0.1, float(rng.uniform(0.05, 0.15)))
+        points = np.zeros((3, 10))
+        points[:, :3] = 0.1 * rng.normal(size=(3, 3))
+        faces, planes = np.array([[0, 1, 2]], dtype=np.int32), np.zeros((1, 4))
+        n = np.cross(points[1, :3] - points[0, :3], points[2, :3] - points[0, :3])
+        n *= np.sign(n @ points[0, :3]) / np.linalg.norm(n)
+        planes[0] = [*n, (points[:, :3] @ n).min()]
+        rival = float(rng.uniform(0.01, 0.12))
+        if ball_caps.is_in_ball_cap(points, faces, planes, 0, ball, rival):
+            told += 1
+            x = rng.dirichlet(np.ones(3), 400) @ points[:, :3]
+            away = np.linalg.norm(x, axis=1)
+            widths = x @ ball.centre / away + ball.radius
+            assert np.maximum(away, widths).min() >= rival - 1e-12
+    assert told > 0
