@@ -43,6 +43,26 @@ def test_results_of_the_same_poses_share_one_copy(pair):
     assert pair.ask()._moment is not held._moment
 
 
+def test_what_was_asked_of_results_that_are_gone_does_not_stay(pair):
+    """Nobody holds the results, whose copy of the poses was made and serves no others."""
+    before = pair.ask().gradients
+    pair.place(*AWAY)
+    after = pair.ask().gradients
+    assert not np.array_equal(after, before)
+    pair.ask()
+    assert np.array_equal(pair.ask().gradients, after)
+
+
+def test_results_that_nobody_holds_cost_no_copy(pair):
+    home = pair.poses
+    pair.ask()
+    pair.place(*AWAY)
+    held = pair.ask()
+    assert not held._moment.is_kept()
+    pair.place(*home)
+    assert held._moment.is_kept()
+
+
 def test_a_copy_of_a_context_shares_no_moment(pair):
     held = pair.ask()
     expected, copy = told(pair.ask()), pair.context.copy()

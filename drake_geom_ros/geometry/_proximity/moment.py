@@ -38,6 +38,10 @@ class Moment:
         self._now = now
         self._kept: Posed | None = None
 
+    def is_kept(self) -> bool:
+        """Tell whether there is a copy, which later poses do not change."""
+        return self._kept is not None
+
     def keep(self) -> Posed:
         """Return the shapes as they are now, or were when this was first asked."""
         if self._kept is None:

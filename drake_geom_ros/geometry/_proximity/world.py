@@ -27,8 +27,14 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-_KEPT_ALONE = [object()]
-_UNHELD = sys.getrefcount(_KEPT_ALONE[0])  # of what one place alone holds: interpreters differ
+def _count_of_unheld() -> int:
+    """Return the count of references to what one place holds and a name: interpreters differ."""
+    places = [object()]
+    name = places[0]
+    return sys.getrefcount(name)
+
+
+_UNHELD = _count_of_unheld()
 
 
 class FrameTable(NamedTuple):
@@ -254,11 +260,16 @@ class World:
             self._place(named.rows)
         if told:
             self.is_stale = True
-            # Results that are still held have to remember where things were.
-            if self._moment is not None and sys.getrefcount(self._moment) > _UNHELD:
-                self._moment.keep()
-                self._moment = None
+            self._leave_moment()
         return True
+
+    def _leave_moment(self) -> None:
+        """Have results that are still held remember where things were, before anything moves."""
+        moment = self._moment
+        # One that nobody refers to, nor ever asked, serves the next results as well.
+        if moment is not None and (sys.getrefcount(moment) > _UNHELD or moment.is_kept()):
+            moment.keep()
+            self._moment = None
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
