@@ -20,8 +20,10 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from numba import config, njit, types
+from numba import config, njit
 from numba.core import event
+
+from drake_geom_ros.geometry._proximity.intermediate import for_compiled_callers
 
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
@@ -162,24 +164,7 @@ def _compiled(
         '_nrt': counted,  # else inherited from whoever asks for the function first
     }
     try:
-        return _for_all_numbers(njit(cache=bool(CACHE_FOLDER), **options)(function))
+        dispatcher = njit(cache=bool(CACHE_FOLDER), **options)(function)
+        return for_compiled_callers(dispatcher, constants=False)
     finally:
         config.CACHE_DIR = before
-
-
-def _for_all_numbers(dispatcher: Any) -> Any:
-    """Return the dispatcher, which takes a constant number that it is called with for any number.
-
-    Numba makes a version of a function for each constant that compiled code calls it with, which
-    took half of the time to compile everything. LLVM knows the constants where it inlines.
-    """
-    if config.DISABLE_JIT:
-        return dispatcher
-    template = dispatcher.get_call_template
-
-    def get_call_template(args: Any, kws: Any) -> Any:
-        kws = {name: types.unliteral(kind) for name, kind in kws.items()}
-        return template(tuple(map(types.unliteral, args)), kws)
-
-    dispatcher.get_call_template = get_call_template
-    return dispatcher
