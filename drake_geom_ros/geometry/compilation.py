@@ -14,7 +14,7 @@ from drake_geom_ros.geometry.mesh_shapes import Mesh
 from drake_geom_ros.geometry.mesh_source import MeshData
 from drake_geom_ros.geometry.properties import PerceptionProperties, ProximityProperties
 from drake_geom_ros.geometry.render.camera_properties import CameraProperties
-from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
+from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact, RenderEngineExactParams
 from drake_geom_ros.geometry.scene_graph import SceneGraph
 from drake_geom_ros.geometry.shapes import Sphere
 from drake_geom_ros.geometry.state_queries import PackedScene, StateQueries
@@ -39,16 +39,19 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
 
 
 def _take_an_image() -> None:
-    """Take an image of one pixel of a mesh, which runs all of the renderer that is compiled."""
+    """Take images of one pixel of a mesh, which runs all of the renderer that is compiled."""
     scene_graph = SceneGraph()
-    scene_graph.AddRenderer('exact', MakeRenderEngineExact())
+    for samples in (1, 2):
+        params = RenderEngineExactParams(color_samples=samples)
+        scene_graph.AddRenderer(str(samples), MakeRenderEngineExact(params))
     tetrahedron = MeshData(np.vstack((np.zeros(3), np.eye(3))), _FACES)
     instance = GeometryInstance(RigidTransform(), Mesh.FromMeshData(tetrahedron), 'tetrahedron')
     instance.set_perception_properties(PerceptionProperties())
     scene_graph.RegisterAnchoredGeometry(scene_graph.RegisterSource('images'), instance)
     query = scene_graph.get_query_output_port().Eval(scene_graph.CreateDefaultContext())
-    camera = CameraProperties(1, 1, 1.0, 'exact')
-    query.render_images(camera, scene_graph.world_frame_id(), RigidTransform())
+    for renderer in ('1', '2'):
+        camera = CameraProperties(1, 1, 1.0, renderer)
+        query.render_images(camera, scene_graph.world_frame_id(), RigidTransform())
 
 
 def _answer_for_states() -> None:

@@ -20,11 +20,12 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from numba import config, njit, types
+from numba import config, njit, types, version_info
 from numba.core import event
 
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
+_TRIED = (0, 68)  # the Numba whose inside ``intermediate`` relies on; others compile for longer
 _KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
 
 
@@ -162,24 +163,38 @@ def _compiled(
         '_nrt': counted,  # else inherited from whoever asks for the function first
     }
     try:
-        return _for_all_numbers(njit(cache=bool(CACHE_FOLDER), **options)(function))
+        dispatcher = njit(cache=bool(CACHE_FOLDER), **options)(function)
+        return for_compiled_callers(dispatcher, constants=False)
     finally:
         config.CACHE_DIR = before
 
 
-def _for_all_numbers(dispatcher: Any) -> Any:
-    """Return the dispatcher, which takes a constant number that it is called with for any number.
+def for_compiled_callers(dispatcher: Any, *, constants: bool) -> Any:
+    """Return the dispatcher, which has compiled code call what ``intermediate`` tells of.
 
-    Numba makes a version of a function for each constant that compiled code calls it with, which
-    took half of the time to compile everything. LLVM knows the constants where it inlines.
+    With ``constants`` there is one version for each constant that it is called with. Else there is
+    one for all numbers: one for each took half of the time to compile everything, and LLVM knows
+    the constants where it inlines.
     """
     if config.DISABLE_JIT:
         return dispatcher
-    template = dispatcher.get_call_template
+    template, overload = dispatcher.get_call_template, dispatcher.get_overload
+    if version_info.short == _TRIED:
+
+        @functools.cache  # made when first called for: it takes time that an import need not
+        def called() -> Any:
+            from drake_geom_ros.geometry._proximity import intermediate
+
+            return intermediate.version_for_compiled_callers(dispatcher)
+
+        template = lambda *types: called().get_call_template(*types)  # noqa: E731
+        overload = lambda signature: called().get_overload(signature)  # noqa: E731
 
     def get_call_template(args: Any, kws: Any) -> Any:
-        kws = {name: types.unliteral(kind) for name, kind in kws.items()}
-        return template(tuple(map(types.unliteral, args)), kws)
+        if not constants:
+            kws = {name: types.unliteral(kind) for name, kind in kws.items()}
+            args = tuple(map(types.unliteral, args))
+        return template(args, kws)
 
-    dispatcher.get_call_template = get_call_template
+    dispatcher.get_call_template, dispatcher.get_overload = get_call_template, overload
     return dispatcher

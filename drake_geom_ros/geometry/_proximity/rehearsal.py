@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, bound_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, POINT_KERNELS
 from drake_geom_ros.geometry._proximity.point_phase import compile_point_kernels
+from drake_geom_ros.geometry._proximity.pose_rounding import shift_of
 from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, read_frame_poses
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, Named, World
 
@@ -79,6 +80,10 @@ def _rehearse() -> tuple[World, Engine]:
         engine.has_overlap(world, filters, 'bound')
         engine.candidates(world, filters, 0.0)
     _leave_at_bounds(world, filters)
+    engine.detailed = True  # then Python calls what else only compiled code does
+    engine.signed_distances(world, filters, 'bound', 1.0)
+    engine.detailed = False
+    shift_of(0.0, 0.0, 0.0, 0.0)
     return world, engine
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from numba import config, njit
 
-from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER
+from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER, for_compiled_callers
 
 
 def _cache_folder() -> str:
@@ -42,12 +42,13 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = _FOLDER
     try:
-        return njit(
+        dispatcher = njit(
             cache=bool(_FOLDER),
             nogil=True,
             error_model='numpy',
             forceinline=forceinline,
             _nrt=False,
         )(function)
+        return for_compiled_callers(dispatcher, constants=True)
     finally:
         config.CACHE_DIR = before

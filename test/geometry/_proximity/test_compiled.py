@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from numba import config
+from numba.core import event
 
 import drake_geom_ros
 from drake_geom_ros.geometry._proximity import compiled
@@ -114,8 +115,43 @@ def test_a_constant_makes_no_version_of_its_own():
     def several(x):
         return product(x, 1) + product(x, k=2) + product(x, len((x, x, x)))
 
-    assert several(1.0) == 6.0
-    assert len(product.signatures) == 1
+    with event.install_recorder('numba:compile') as recorder:
+        assert several(1.0) == 6.0
+    ended = [e.data['dispatcher'].py_func for _, e in recorder.buffer if e.is_end]
+    assert ended.count(product.py_func) == 1
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+@pytest.mark.parametrize('decorator', [compiled.compiled, compiled.inlined, compiled.allocating])
+def test_what_compiled_code_calls_has_no_version_for_python_until_that_calls_it(decorator):
+    @decorator
+    def inner(x):
+        return x * x
+
+    @compiled.allocating
+    def outer(x):
+        return inner(x) + inner(x + 1.0)
+
+    assert outer(2.0) == 13.0
+    assert inner.signatures == []
+    assert inner(3.0) == 9.0
+    assert len(inner.signatures) == 1
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_another_numba_compiles_in_its_own_way(monkeypatch):
+    monkeypatch.setattr(compiled, '_TRIED', (0, 1))
+
+    @compiled.compiled
+    def inner(x, k):
+        return x * k
+
+    @compiled.compiled
+    def outer(x):
+        return inner(x, 2) + inner(x, k=3)
+
+    assert outer(2.0) == 10.0
+    assert len(inner.signatures) == 1
 
 
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
