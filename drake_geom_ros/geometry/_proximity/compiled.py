@@ -23,9 +23,13 @@ from typing import Any, TypeAlias
 from numba import config, njit, types, version_info
 from numba.core import event
 
+if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
+    from drake_geom_ros.geometry._proximity import intermediate
+else:
+    intermediate = None  # type: ignore[assignment]
+
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
-_TRIED = (0, 68)  # the Numba whose inside ``intermediate`` relies on; others compile for longer
 _KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
 
 
@@ -163,10 +167,15 @@ def _compiled(
         '_nrt': counted,  # else inherited from whoever asks for the function first
     }
     try:
-        dispatcher = njit(cache=bool(CACHE_FOLDER), **options)(function)
+        dispatcher = njit(cache=bool(CACHE_FOLDER), **options, **entry_options())(function)
         return for_compiled_callers(dispatcher, constants=False)
     finally:
         config.CACHE_DIR = before
+
+
+def entry_options() -> dict[str, Any]:
+    """Return the options of a function that Python calls: see ``intermediate``."""
+    return {} if intermediate is None else {'pipeline_class': intermediate.EntryPipeline}
 
 
 def for_compiled_callers(dispatcher: Any, *, constants: bool) -> Any:
@@ -179,12 +188,10 @@ def for_compiled_callers(dispatcher: Any, *, constants: bool) -> Any:
     if config.DISABLE_JIT:
         return dispatcher
     template, overload = dispatcher.get_call_template, dispatcher.get_overload
-    if version_info.short == _TRIED:
+    if intermediate is not None:
 
         @functools.cache  # made when first called for: it takes time that an import need not
         def called() -> Any:
-            from drake_geom_ros.geometry._proximity import intermediate
-
             return intermediate.version_for_compiled_callers(dispatcher)
 
         template = lambda *types: called().get_call_template(*types)  # noqa: E731

@@ -13,7 +13,11 @@ from typing import Any
 
 from numba import config, njit
 
-from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER, for_compiled_callers
+from drake_geom_ros.geometry._proximity.compiled import (
+    CACHE_FOLDER,
+    entry_options,
+    for_compiled_callers,
+)
 
 
 def _cache_folder() -> str:
@@ -48,6 +52,7 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
             error_model='numpy',
             forceinline=forceinline,
             _nrt=False,
+            **entry_options(),
         )(function)
         return for_compiled_callers(dispatcher, constants=True)
     finally:
