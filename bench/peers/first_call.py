@@ -27,7 +27,7 @@ def measure(name: str) -> dict[str, float]:
 
     scene = build(name)
     start = time.perf_counter()
-    side = Side(scene)
+    side = Side(scene, loaded=False)
     taken['scene'] = time.perf_counter() - start
     for cycle, X_WFs in enumerate(scene.motion.poses(2, seed=0)):
         for query in ('penetration', 'near', 'points'):

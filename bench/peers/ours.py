@@ -12,9 +12,9 @@ NAME = 'ours'
 
 
 class Side:
-    """A scene graph with one frame a body."""
+    """A scene graph with one frame a body, and its kernels loaded, as a node has them."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, loaded: bool = True) -> None:
         built = BodyScene(scene.bodies, scene.anchored)
         for a, b in scene.filtered:
             declaration = geometry.CollisionFilterDeclaration().ExcludeBetween(
@@ -33,6 +33,8 @@ class Side:
         self._points = scene.points
         self._context = built.graph.CreateDefaultContext()
         self._port = built.graph.get_source_pose_port(built.source)
+        if loaded:
+            self._context.compile_kernels()
         self.query = built.asked(self._context)
 
     def layout(self, poses: Floats) -> Floats:

@@ -71,6 +71,7 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
     assert kernels == {
         *(
             'bounds',
+            'side_by_side',
             'vectors',
             'larger',
             'closed_forms',

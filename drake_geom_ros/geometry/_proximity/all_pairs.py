@@ -1,51 +1,71 @@
-"""Which boxes are near, by a look at each pair of them: for few bodies, or if all are asked for.
-
-One body's box is compared with eight others' at a time, without a branch: which boxes are near is
-new in each cycle, and a branch that is guessed wrong costs as much as the looks at ten.
-"""
+"""Which boxes are near, by a look at each pair: for few bodies, or where all are asked for."""
 
 from __future__ import annotations
 
+import math
+
 from drake_geom_ros.geometry._proximity.broadphase import put_code
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
-from drake_geom_ros.geometry._proximity.tolerances import EPS
-
-WORD = 8  # flags, which are looked at together
+from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
+    LANES,
+    above,
+    below,
+    first_lanes,
+    lowest,
+    overlapping,
+)
+from drake_geom_ros.geometry._proximity.tolerances import EPS, SINGLE_LARGEST
 
 
 @inlined
-def _set_sides(lowers, uppers, distance, sides):  # type: ignore[no-untyped-def]
-    """Write the sides (6, n) of boxes, of which the lower ones are out by a distance [m].
+def _finite(value):  # type: ignore[no-untyped-def]
+    """Return a coordinate, or 0 for one that is too large to measure from."""
+    return value if abs(value) < SINGLE_LARGEST else 0.0
+
+
+@inlined
+def _set_sides(near, distance):  # type: ignore[no-untyped-def]
+    """Write the sides of boxes, of which the lower ones are out by a distance [m].
+
+    They are measured from the first box, for far from World's origin they keep their digits so. A
+    plane is everywhere.
+    """
+    lowers, uppers, sides = near.lowers, near.uppers, near.sides
+    x, y, z = _finite(lowers[0, 0]), _finite(lowers[0, 1]), _finite(lowers[0, 2])
+    for g in range(lowers.shape[0]):
+        for c, origin in enumerate((x, y, z)):
+            lower, upper = lowers[g, c], uppers[g, c]
+            if near.is_plane[g]:
+                lower, upper = -math.inf, math.inf
+            rounding = 8.0 * EPS * (abs(lower) + abs(upper) + abs(origin) + distance)
+            sides[c, g] = below((lower - origin) - distance - rounding)
+            sides[3 + c, g] = above((upper - origin) + rounding)
+
+
+@inlined
+def _are_within(lowers, uppers, i, k, distance):  # type: ignore[no-untyped-def]
+    """Tell whether two boxes are within a distance [m] along each axis.
 
     Corners are rounded, and the sums of them and the distance: each by half a spacing at most, of
     numbers that where it matters are about as large.
     """
-    for g in range(lowers.shape[0]):
-        far = distance
-        for c in range(3):
-            far += abs(lowers[g, c]) + abs(uppers[g, c])
-        for c in range(3):
-            sides[c, g] = lowers[g, c] - distance - 8.0 * EPS * far
-            sides[3 + c, g] = uppers[g, c]
+    far, within = distance, True
+    for c in range(3):
+        far += abs(lowers[i, c]) + abs(uppers[i, c])
+    reach = distance + 16.0 * EPS * far
+    for c in range(3):
+        within &= (lowers[k, c] - reach <= uppers[i, c]) & (lowers[i, c] - reach <= uppers[k, c])
+    return within
 
 
 @inlined
-def _flag(near, i):  # type: ignore[no-untyped-def]
-    """Flag those of the bodies after i that are near, or planes as i may be."""
-    sides, first, n = near.sides, i + 1, near.is_plane.size
-    x_0, y_0, z_0 = sides[0, i], sides[1, i], sides[2, i]
-    x_1, y_1, z_1 = sides[3, i], sides[4, i], sides[5, i]
-    x_0s, x_1s = part(row(sides, 0), first, n), part(row(sides, 3), first, n)
-    y_0s, y_1s = part(row(sides, 1), first, n), part(row(sides, 4), first, n)
-    z_0s, z_1s = part(row(sides, 2), first, n), part(row(sides, 5), first, n)
-    flags, planes = part(near.flags, 0, n - first), part(near.is_plane, first, n)
-    plane = near.is_plane[i]
-    for j in range(flags.size):
-        along_x = (x_0s[j] <= x_1) & (x_0 <= x_1s[j])
-        along_y = (y_0s[j] <= y_1) & (y_0 <= y_1s[j])
-        along_z = (z_0s[j] <= z_1) & (z_0 <= z_1s[j])
-        flags[j] = plane | planes[j] | (along_x & along_y & along_z)
+def _is_pair(near, frames, i, k, distance):  # type: ignore[no-untyped-def]
+    """Tell whether two bodies whose rounded boxes overlap are a pair of the list."""
+    if frames[i] == 0 and frames[k] == 0:
+        return False
+    if near.is_plane[i] or near.is_plane[k]:
+        return not (near.is_plane[i] and near.is_plane[k])
+    return math.isinf(distance) or _are_within(near.lowers, near.uppers, i, k, distance)
 
 
 @compiled
@@ -55,17 +75,17 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
     ``near`` is a ``ListArrays``. Those of two anchored bodies, or of two planes, are left out;
     every body is paired with every plane, so that these may move freely.
     """
-    n, count, frames = near.is_plane.size, 0, world.frames
-    _set_sides(near.lowers, near.uppers, distance, near.sides)
+    n, count, sides = near.is_plane.size, 0, near.sides
+    if n == 0:
+        return 0
+    _set_sides(near, distance)
     for i in range(n):
-        _flag(near, i)
-        others = n - (i + 1)
-        for word in range((others + WORD - 1) // WORD):
-            if near.words[word] != 0:
-                for j in range(WORD * word, min(WORD * word + WORD, others)):
-                    k = i + 1 + j
-                    fixed = (frames[i] == 0) & (frames[k] == 0)
-                    both = near.is_plane[i] & near.is_plane[k]
-                    kept = near.flags[j] & (not (fixed | both))
-                    count = put_code(near.found, count, i, k, kept)
+        box = (sides[0, i], sides[1, i], sides[2, i], sides[3, i], sides[4, i], sides[5, i])
+        for first in range(i + 1, n, LANES):
+            bits = overlapping(sides, first, box) & first_lanes(n - first)
+            while bits != 0:
+                k = first + lowest(bits)
+                bits &= bits - 1
+                kept = _is_pair(near, world.frames, i, k, distance)
+                count = put_code(near.found, count, i, k, kept)
     return count

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.views import row
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
 from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
 from drake_geom_ros.geometry._proximity.records import world_of
@@ -102,6 +103,15 @@ def frozen(ids: Indices, rows: Floats) -> PairBatch:
     return PairBatch(ids, rows)
 
 
+@inlined
+def _in_body(R_WGs, g, x, y, z, row, column):  # type: ignore[no-untyped-def]
+    """Write a vector given in World axes in those of a body."""
+    g = np.uint64(g)
+    for d in range(3):
+        along = 0.0 + R_WGs[g, 0, d] * x
+        row[column + d] = (along + R_WGs[g, 1, d] * y) + R_WGs[g, 2, d] * z
+
+
 @compiled
 def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ignore[no-untyped-def]
     """Fill ids and rows of pairs of a world, given by its handle.
@@ -112,31 +122,34 @@ def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ig
     types, frames, outer = world.types, world.frames, world.outer
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
     for k in range(hits.size):
-        a, b, s = pairs[hits[k], 0], pairs[hits[k], 1], slots[hits[k]]
+        hit = np.uint64(hits[k])
+        a, b = np.uint64(pairs[hit, 0]), np.uint64(pairs[hit, 1])
+        out, told = row(answers, slots[hit]), row(rows, k)
         ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]
         for c in range(PAIR_WIDTH):
-            rows[k, c] = answers[s, c]
-        least = answers[s, DISTANCE]
-        rows[k, DEPTH] = -least
+            told[c] = out[c]
+        least = out[DISTANCE]
+        told[DEPTH] = -least
         promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
-        if answers[s, METHOD] == BOUND_ONLY:
-            least, promised = least - answers[s, ERROR_BOUND], math.inf
-        elif answers[s, METHOD] == MESH and least < 0.0:
+        if out[METHOD] == BOUND_ONLY:
+            least, promised = least - out[ERROR_BOUND], math.inf
+        elif out[METHOD] == MESH and least < 0.0:
             promised = math.inf  # of overlapping solids: see ``kernels.solids.overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
-        rows[k, OVERLAPS] = 1.0 if least < touching else 0.0
-        rows[k, PROMISED] = promised
-        for c in range(3):
-            rows[k, P_ACA + c] = 0.0
-            rows[k, P_BCB + c] = 0.0
+        told[OVERLAPS] = 1.0 if least < touching else 0.0
+        told[PROMISED] = promised
+        frame_a, frame_b = np.uint64(frames[a]), np.uint64(frames[b])
+        p_ACas, p_BCbs = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for c in range(3):
             # Far from the origin only what is measured from a body keeps its digits.
-            p_ACa, p_ACb = answers[s, WITNESS_A + c], answers[s, WITNESS_B + c]
-            p_BCb = p_ACb - (p_WGs[b, c] - p_WGs[a, c])
-            rows[k, WITNESS_A + c] = p_WGs[a, c] + p_ACa
-            rows[k, WITNESS_B + c] = p_WGs[a, c] + p_ACb
-            rows[k, P_FACA + c] = (p_WGs[a, c] - p_WFs[frames[a], c]) + p_ACa
-            rows[k, P_FBCB + c] = (p_WGs[b, c] - p_WFs[frames[b], c]) + p_BCb
-            for d in range(3):
-                rows[k, P_ACA + d] += R_WGs[a, c, d] * p_ACa
-                rows[k, P_BCB + d] += R_WGs[b, c, d] * p_BCb
+            p_WA, p_WB = p_WGs[a, c], p_WGs[b, c]
+            p_ACa, p_ACb = out[WITNESS_A + c], out[WITNESS_B + c]
+            p_BCb = p_ACb - (p_WB - p_WA)
+            told[WITNESS_A + c] = p_WA + p_ACa
+            told[WITNESS_B + c] = p_WA + p_ACb
+            told[P_FACA + c] = (p_WA - p_WFs[frame_a, c]) + p_ACa
+            told[P_FBCB + c] = (p_WB - p_WFs[frame_b, c]) + p_BCb
+            p_ACas = (p_ACas[1], p_ACas[2], p_ACa)
+            p_BCbs = (p_BCbs[1], p_BCbs[2], p_BCb)
+        _in_body(R_WGs, a, *p_ACas, told, P_ACA)
+        _in_body(R_WGs, b, *p_BCbs, told, P_BCB)

@@ -25,7 +25,22 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.handing import Bounds, Cells, Integers, Reals
+from drake_geom_ros.geometry._proximity.handing import (
+    Bounds,
+    Cells,
+    Integers,
+    Reals,
+    SingleRows,
+)
+from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
+    LANES,
+    above,
+    below,
+    empty_sides,
+    first_lanes,
+    lowest,
+    overlapping,
+)
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 # A cell is wider than the boxes in it by more than rounding moves a centre: by a sixteenth, and by
@@ -50,6 +65,7 @@ class Boxes(NamedTuple):
 
     rows: Integers  # (n,) of the world
     bounds: Bounds  # (n, 6) LOWER and UPPER ends [m], in one place of memory
+    sides: SingleRows  # (6, n + LANES) the same, see ``kernels.side_by_side``
     cells: Cells  # (n, 4) the cell along x, y and z, and its GRID
     starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
     grids: Integers  # (MOST_GRIDS,) those that are in use
@@ -69,6 +85,7 @@ def room_for(count: int) -> Boxes:
     return Boxes(
         rows=np.zeros(count, dtype=np.int64),
         bounds=np.zeros((count, 6)),
+        sides=empty_sides(count),
         cells=np.zeros((count, 4), dtype=np.int64),
         starts=np.zeros(buckets + 1, dtype=np.int64),
         grids=np.zeros(MOST_GRIDS, dtype=np.int64),
@@ -249,8 +266,17 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
         for c in range(3):
             p, half = p_WGs[g, c], _half(p_WGs, half_extents, paddings, g, c)
             boxes.bounds[at, LOWER + c], boxes.bounds[at, UPPER + c] = p - half, p + half
+            boxes.sides[LOWER + c, at] = below(p - half)
+            boxes.sides[UPPER + c, at] = above(p + half)
         for c in range(4):
             boxes.cells[at, c] = boxes.found[k, c]
+
+
+@inlined
+def _box_of(A, a):  # type: ignore[no-untyped-def]
+    """Return the six sides of box a of A, as those are that it is compared with."""
+    sides = A.sides
+    return sides[0, a], sides[1, a], sides[2, a], sides[3, a], sides[4, a], sides[5, a]
 
 
 @inlined
@@ -264,24 +290,28 @@ def _put_pair(A, a, B, b, skipped, codes, count):  # type: ignore[no-untyped-def
 
 
 @inlined
-def _among(A, a, B, first, last, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _among(A, a, box, B, first, last, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B from the first up to the last, without it."""
-    for b in range(first, last):
-        count = _put_pair(A, a, B, b, skipped, codes, count)
+    while first < last:
+        bits = overlapping(B.sides, first, box) & first_lanes(last - first)
+        while bits != 0:
+            count = _put_pair(A, a, B, first + lowest(bits), skipped, codes, count)
+            bits &= bits - 1
+        first += LANES
     return count
 
 
 @inlined
-def _in_row(A, a, B, bucket, cells, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _in_row(A, a, box, B, bucket, cells, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in some cells along x, the first of which has a bucket."""
     over = bucket + cells - 1 - B.counts[MASK]
     if over <= 0:
         first, last = B.starts[np.uint64(bucket)], B.starts[np.uint64(bucket + cells)]
-        return _among(A, a, B, first, last, skipped, codes, count)
+        return _among(A, a, box, B, first, last, skipped, codes, count)
     # The row goes on at the first bucket.
     first, last = B.starts[np.uint64(bucket)], B.counts[BODIES]
-    count = _among(A, a, B, first, last, skipped, codes, count)
-    return _among(A, a, B, 0, B.starts[np.uint64(over)], skipped, codes, count)
+    count = _among(A, a, box, B, first, last, skipped, codes, count)
+    return _among(A, a, box, B, 0, B.starts[np.uint64(over)], skipped, codes, count)
 
 
 @inlined
@@ -295,7 +325,7 @@ def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _in_grid(A, a, B, grid, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _in_grid(A, a, box, B, grid, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Pair box a of A with those of B in a grid."""
     width = _width_of(B, grid)
     x_0, x_1 = _cells_along(A, a, 0, width)
@@ -310,7 +340,7 @@ def _in_grid(A, a, B, grid, skipped, codes, count):  # type: ignore[no-untyped-d
     for y in range(int(y_0), int(y_1) + 1):
         for z in range(int(z_0), int(z_1) + 1):
             bucket, cells = _bucket(B.counts, int(x_0), y, z, grid), int(x_1 - x_0) + 1
-            count = _in_row(A, a, B, bucket, cells, skipped, codes, count)
+            count = _in_row(A, a, box, B, bucket, cells, skipped, codes, count)
     return count
 
 
@@ -324,20 +354,20 @@ def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
     cells, counts, starts = boxes.cells, boxes.counts, boxes.starts
     mask, bodies = counts[MASK], counts[BODIES]
     for a in range(bodies):
-        grid = cells[a, GRID]
+        grid, box = cells[a, GRID], _box_of(boxes, a)
         bucket = _bucket(counts, cells[a, 0], cells[a, 1], cells[a, 2], grid)
         # Those behind it in its own cell, and the next cell, which begins where that one ends.
         last = starts[np.uint64(min(bucket + 2, mask + 1))]
-        count = _among(boxes, a, boxes, a + 1, last, nobody, codes, count)
+        count = _among(boxes, a, box, boxes, a + 1, last, nobody, codes, count)
         if bucket == mask:
-            count = _among(boxes, a, boxes, 0, starts[1], nobody, codes, count)
+            count = _among(boxes, a, box, boxes, 0, starts[1], nobody, codes, count)
         for k in range(FORWARD.shape[0]):
             aside = FORWARD[k, 0] * counts[STEP_Y] + FORWARD[k, 1] * counts[STEP_Z]
             row = (bucket - 1 + aside) & mask
-            count = _in_row(boxes, a, boxes, row, 3, nobody, codes, count)
+            count = _in_row(boxes, a, box, boxes, row, 3, nobody, codes, count)
         for k in range(counts[GRIDS]):
             if boxes.grids[k] > grid:
-                count = _in_grid(boxes, a, boxes, boxes.grids[k], nobody, codes, count)
+                count = _in_grid(boxes, a, box, boxes, boxes.grids[k], nobody, codes, count)
     return count
 
 
@@ -348,6 +378,7 @@ def pairs_between(some, others, skipped, codes, count):  # type: ignore[no-untyp
     Those of ``others`` for which ``skipped`` (n,) holds are left out; none if it is empty.
     """
     for a in range(some.counts[BODIES]):
+        box = _box_of(some, a)
         for k in range(others.counts[GRIDS]):
-            count = _in_grid(some, a, others, others.grids[k], skipped, codes, count)
+            count = _in_grid(some, a, box, others, others.grids[k], skipped, codes, count)
     return count

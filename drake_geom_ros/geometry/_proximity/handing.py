@@ -32,6 +32,7 @@ RealPairs: TypeAlias = Annotated[NDArray[np.float64], np.float64, (2,)]
 Vectors: TypeAlias = Annotated[NDArray[np.float64], np.float64, (3,)]
 Bounds: TypeAlias = Annotated[NDArray[np.float64], np.float64, (6,)]
 Rows: TypeAlias = Annotated[NDArray[np.float64], np.float64, (None,)]
+SingleRows: TypeAlias = Annotated[NDArray[np.float32], np.float32, (None,)]
 Bits: TypeAlias = Annotated[NDArray[np.uint8], np.uint8, (None, None)]
 Matrices: TypeAlias = Annotated[NDArray[np.float64], np.float64, (3, 3)]
 

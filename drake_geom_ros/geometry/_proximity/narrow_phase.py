@@ -263,7 +263,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     world, memory, query, queue = world_of(world), Memory(*memory), Query(*query), Queue(*queue)
     slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
-    half_extents, outer, inner = world.half_extents, world.outer, world.inner
+    halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
@@ -287,7 +287,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         else:
             least = -math.inf
             if cutoff < math.inf:
-                least = gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
+                least = gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, halves, outer, reach)
             near = least <= reach
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:

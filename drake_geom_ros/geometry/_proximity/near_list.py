@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity import list_making
-from drake_geom_ros.geometry._proximity.all_pairs import WORD
 from drake_geom_ros.geometry._proximity.broadphase import Boxes, room_for
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.handing import handle_of, taker
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.side_by_side import empty_sides
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.list_making import (
     CONSIDERED,
@@ -62,7 +62,6 @@ class NearList:
         # Of all pairs that there are, in a large scene, few overlap, and most are no hulls.
         remembers = hulls > 1 and (n <= MOST_REMEMBERED or not unlimited)
         codes = np.zeros(64 + 8 * n, dtype=np.int64)
-        words = np.zeros(n // WORD + 1, dtype=np.int64)
         rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
         self.arrays = ListArrays(
             numbers=np.zeros(list_making.NUMBERS, dtype=np.int64),
@@ -75,9 +74,7 @@ class NearList:
             rest_paddings=np.zeros(n),
             rows=rows,
             tally=np.zeros(n + 1, dtype=np.int64),
-            sides=np.zeros((6, n)),
-            flags=words.view(np.bool_),
-            words=words,
+            sides=empty_sides(n),
             planes=np.flatnonzero(is_plane),
             nobody=np.zeros(0, dtype=np.bool_),
             found=codes,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
 
@@ -67,11 +67,15 @@ def gap_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
-    """Return a lower bound of the distance [m] by boxes and balls."""
+def gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer, enough):  # type: ignore[no-untyped-def]
+    """Return a lower bound of the distance [m] by balls, and boxes unless these say ``enough``."""
     # The ball of a half space has no bound, and its gap is minus infinity.
+    balls = gap_of_balls(i, j, p_WGs, roundings, outer)
+    round_ones = types[i] == SPHERE and types[j] == SPHERE and balls > -math.inf
+    if round_ones or balls > enough:
+        return balls
     boxes = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-    return max(boxes, gap_of_balls(i, j, p_WGs, roundings, outer))
+    return max(boxes, balls)
 
 
 @inlined

@@ -6,6 +6,10 @@ Those of poses stand in ``drake_geom_ros.math.tolerances``, which imports nothin
 # Spacing of float64 at 1 [-]: the unit in which rounding bounds are counted.
 EPS = 2.0**-52
 
+# Of float32: twice what rounding to it takes off, relative; next to the least number of full
+# digits, and a number below the largest. Boxes of few bodies are compared in it.
+SINGLE_EPS, SINGLE_TINY, SINGLE_LARGEST = 2.0**-23, 2.0**-125, 2.0**127
+
 # Gap [m] between the certified bounds that an iteration aims for at each accuracy level,
 # for a pair of size 1 m. ``bound`` runs no iteration at all.
 LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
