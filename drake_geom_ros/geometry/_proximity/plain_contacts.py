@@ -2,7 +2,7 @@
 
 Whoever only wants to know whether anything touches is answered by the first such pair. The one of
 last time mostly still touches; else some pairs are looked at in turn, far fewer than a list would
-take the time of. A scene without any costs a twentieth more than its list.
+take the time of.
 """
 
 from __future__ import annotations
@@ -16,11 +16,14 @@ from drake_geom_ros.geometry._proximity.filter_matrix import may_report
 from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import ball_in_hull
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
+from drake_geom_ros.geometry._proximity.list_making import FEW
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
 from drake_geom_ros.geometry._proximity.promise import promised_bound
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
 
-LOOKS_A_BODY = 8  # pairs of each that may move, looked at before the list is asked for
+# Pairs of each body that may move, looked at before the list is asked for. Of few bodies the list
+# takes hardly longer.
+LOOKS_A_BODY, LOOKS_OF_FEW = 8, 3
 
 
 @allocating
@@ -93,7 +96,8 @@ def plain_contact(world, filters, gap, last_a, last_b):  # type: ignore[no-untyp
     if known and _may_touch(world, filters, last_a, last_b):
         return last_a, last_b
     n = world.types.size
-    for step in range(1, min(LOOKS_A_BODY, n // 2) + 1):
+    looks = LOOKS_A_BODY if n > FEW else LOOKS_OF_FEW
+    for step in range(1, min(looks, n // 2) + 1):
         for k in range(world.movable.size):
             a = world.movable[k]
             b = (a + step * step) % n  # not only neighbours in the order of registration
