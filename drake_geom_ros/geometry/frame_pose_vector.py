@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.geometry._proximity.compiled import Entry
 from drake_geom_ros.geometry._proximity.poses import (
     POSE_WIDTH,
     REFUSED,
@@ -16,6 +17,7 @@ from drake_geom_ros.geometry._proximity.poses import (
     packed_poses,
     positions_of,
     read_frame_poses,
+    read_known_poses,
     rotations_of,
 )
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
@@ -28,7 +30,8 @@ from drake_geom_ros.math.tolerances import FARTHEST
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _INT64, _FLOAT64 = np.dtype(np.int64), np.dtype(np.float64)
-
+_READING = Entry(read_known_poses)
+_known_ids: list[Indices] = [np.zeros(0, dtype=np.int64)]  # rising ones, which nobody changes
 
 # Id values (n,) of frames, and their poses (n, POSE_WIDTH): see ``_proximity.poses``.
 _Arrays: TypeAlias = tuple[Indices, Floats]
@@ -78,9 +81,15 @@ class FramePoseVector:
             and poses.shape == (len(frame_ids), 7)
             and poses.flags.carray
         ):
-            ids: Indices = frame_ids.copy()  # type: ignore[assignment]
             X_PFs = np.empty((len(poses), POSE_WIDTH))
+            if frame_ids.flags.carray:
+                known = _known_ids[0]  # the same frames as last time need no copy of their ids
+                if _READING.call(frame_ids, known, poses, X_PFs) == RISING:
+                    vector._arrays = known, X_PFs
+                    return vector
+            ids: Indices = frame_ids.copy()  # type: ignore[assignment]
             if read_frame_poses(ids, poses, X_PFs) == RISING:
+                _known_ids[0] = ids
                 vector._arrays = ids, X_PFs
                 return vector
         ids = _id_values(frame_ids)
@@ -116,7 +125,9 @@ class FramePoseVector:
 
     def id_values(self) -> Indices:
         """Return the values of the frames' ids (n,), in the order in which they were given."""
-        return self._ids
+        values = self._ids.view()
+        values.flags.writeable = False  # others may have the same ones
+        return values
 
     def size(self) -> int:
         """Return how many frames have a pose here."""

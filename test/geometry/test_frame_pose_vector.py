@@ -74,6 +74,47 @@ def test_poses_are_copies():
     assert vector.value(IDS[0]) == RigidTransform([1, 2, 3])
 
 
+def test_ids_are_copies_though_the_same_ones_come_again():
+    mine = np.sort(VALUES)
+    first, second = (FramePoseVector.FromArrays(mine, POSES) for _ in 'ab')
+    mine[-1] += 100
+    third = FramePoseVector.FromArrays(mine, POSES)
+    assert first.id_values().tolist() == second.id_values().tolist() == sorted(VALUES.tolist())
+    assert third.id_values().tolist() == mine.tolist()
+    with pytest.raises(ValueError, match='read-only'):
+        first.id_values()[0] = 7
+    refused = POSES.copy()
+    refused[3, 4] = np.nan
+    with pytest.raises(PoseError, match='not finite'):
+        FramePoseVector.FromArrays(mine, refused)
+
+
+def unwritable(array):
+    array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize(
+    ('ids', 'poses'),
+    [
+        (np.repeat(np.sort(VALUES), 2)[::2], POSES),
+        (np.sort(VALUES), np.repeat(POSES, 2, axis=0)[::2]),
+        (np.sort(VALUES), np.asfortranarray(POSES)),
+        (unwritable(np.sort(VALUES)), POSES),
+        (np.sort(VALUES), unwritable(POSES.copy())),
+        (np.sort(VALUES).astype(np.int32), POSES),
+        (np.sort(VALUES), POSES.astype('>f8')),
+    ],
+)
+def test_arrays_of_any_layout_are_read_as_what_they_show(ids, poses):
+    """After such as is usual, whose frames are known then."""
+    usual = FramePoseVector.FromArrays(np.sort(VALUES), POSES)
+    vector = FramePoseVector.FromArrays(ids, poses)
+    assert vector.id_values().tolist() == usual.id_values().tolist()
+    for mine, others in zip(vector._as_arrays(), usual._as_arrays(), strict=True):
+        np.testing.assert_array_equal(mine, others)
+
+
 def test_none_at_all():
     for vector in (FramePoseVector(), FramePoseVector.FromArrays([], np.zeros((0, 7)))):
         assert vector.size() == 0

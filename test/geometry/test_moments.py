@@ -34,6 +34,26 @@ def test_answers_do_not_change_with_the_poses(pair):
     assert not np.array_equal(pair.ask().gradients, expected[0])
 
 
+def test_arrays_that_somebody_holds_are_never_written_again(pair):
+    """A part of one is enough; once all are gone, the next answer is written there."""
+    column, ids = pair.ask().distance, pair.ask().id_A
+    expected = column.copy(), ids.copy()
+    memory = column.ctypes.data
+    for pose in (AWAY, pair.poses, AWAY):
+        pair.place(*pose)
+        later = pair.ask().distance
+        assert later.ctypes.data != memory
+    np.testing.assert_array_equal(column, expected[0])
+    np.testing.assert_array_equal(ids, expected[1])
+    assert later != column
+    del column, later, ids
+    places = set()
+    for pose in (AWAY, pair.poses) * 3:
+        pair.place(*pose)
+        places.add(pair.ask().distance.ctypes.data)
+    assert len(places) == 1
+
+
 def test_results_of_the_same_poses_share_one_copy(pair):
     world = pair.context._posed_world()
     held, shared = pair.ask(), pair.ask()

@@ -173,6 +173,30 @@ def _compiled(
         config.CACHE_DIR = before
 
 
+class Entry:
+    """A compiled function of which there is one version, called without a look at the arguments.
+
+    To find the version by their types takes Numba 70 ns and more, and far longer in the first
+    cycle after other work, when code comes from memory. Nobody looks whether arguments are of the
+    types that the first call gave: an array of other numbers or another layout would be misread.
+    """
+
+    __slots__ = ('_dispatcher', 'call')
+
+    def __init__(self, dispatcher: Any) -> None:
+        self._dispatcher = dispatcher
+        self.call: Callable[..., Any] = self._first_call
+
+    def _first_call(self, *arguments: Any) -> Any:
+        result = self._dispatcher(*arguments)
+        if config.DISABLE_JIT:
+            self.call = self._dispatcher
+        elif len(self._dispatcher.overloads) == 1:
+            (version,) = self._dispatcher.overloads.values()
+            self.call = version.entry_point
+        return result
+
+
 def entry_options() -> dict[str, Any]:
     """Return the options of a function that Python calls: see ``intermediate``."""
     return {} if intermediate is None else {'pipeline_class': intermediate.EntryPipeline}

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     gathered,
 )
 from drake_geom_ros.geometry._proximity.buffers import SMALL, Buffers
-from drake_geom_ros.geometry._proximity.compiled import Tell
+from drake_geom_ros.geometry._proximity.compiled import Entry, Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
     ANSWERS,
@@ -76,6 +76,7 @@ METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
 _NO_KERNELS = ()
+_CYCLE = Entry(run_cycle)
 _SMALL = SMALL // (8 * BATCH_WIDTH)  # rows of an answer for which the allocator keeps the memory
 
 
@@ -281,7 +282,7 @@ class Engine:
         stale, lacking = world.is_stale, 0
         revision, version, placings = world.revision + stale, filters.version, world.placings
         while True:
-            count: int = run_cycle(
+            count: int = _CYCLE.call(
                 prepared.hands, lacking, stale, revision, version, placings, ids, rows
             )
             world.revision, world.is_stale = revision, False
@@ -303,10 +304,10 @@ class Engine:
     def _answer_at_once(self, prepared: Prepared, world: World, filters: FilterState) -> PairBatch:
         """Return the answer, in one compiled call where its length is about as before."""
         room = prepared.room
+        self._last = None  # its arrays may be free
         if room <= _SMALL:
-            ids, rows = np.empty((room, 2), np.int64), np.empty((room, BATCH_WIDTH))
+            ids, rows = prepared.unheld_arrays()
         else:
-            self._last = None  # its arrays may be free
             ids = self._buffers.empty((room, 2), np.int64)
             rows = self._buffers.empty((room, BATCH_WIDTH))
         count = self._run(prepared, world, filters, ids, rows)

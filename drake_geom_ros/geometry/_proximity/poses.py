@@ -25,6 +25,7 @@ POSE_WIDTH = 12
 REFUSED = 0
 READ = 1  # the ids are in any order
 RISING = 2
+UNKNOWN = 3  # other ids than those that are known; nothing was read
 
 
 def packed_poses(Rs: Floats, ps: Floats) -> Floats:
@@ -84,3 +85,14 @@ def read_frame_poses(ids, poses, Xs):  # type: ignore[no-untyped-def]
     for k in range(1, ids.size):
         rising &= ids[k] > ids[k - 1]
     return RISING if rising else READ
+
+
+@compiled
+def read_known_poses(ids, known, poses, Xs):  # type: ignore[no-untyped-def]
+    """Do what ``read_frame_poses`` does if the ids are those that are ``known`` to rise."""
+    if ids.size != known.size:
+        return UNKNOWN
+    for k in range(ids.size):
+        if ids[k] != known[k]:
+            return UNKNOWN
+    return RISING if read_poses(poses, Xs) == ids.size else REFUSED

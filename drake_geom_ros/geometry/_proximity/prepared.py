@@ -8,10 +8,13 @@ time, brings all code from memory, and that of Python costs most.
 from __future__ import annotations
 
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH
 from drake_geom_ros.geometry._proximity.cycle import (
     ASKED,
     CONTACT_A,
@@ -29,9 +32,20 @@ from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.world import World
 
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
 LEAST_ROOM = 16  # rows made ready for an answer
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
+_references = sys.getrefcount
+_PLACE = [object()]
+_UNHELD = _references(_PLACE[0])  # of what one place holds: interpreters differ
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
+
+
+def _arrays_for(room: int) -> tuple[Indices, Floats]:
+    """Return room for ids and rows of so many pairs."""
+    return np.empty((room, 2), np.int64), np.empty((room, BATCH_WIDTH))
 
 
 class Asked(NamedTuple):
@@ -54,9 +68,11 @@ class Prepared:
         'gap',
         'handles',
         'hands',
+        'ids',
         'is_long',
         'near',
         'room',
+        'rows',
         'version',
     )
     filters: FilterState
@@ -70,6 +86,17 @@ class Prepared:
         )
         self._world, self._report, self.near = world, report, near
         self.room = LEAST_ROOM
+        self.ids, self.rows = _arrays_for(0)
+
+    def unheld_arrays(self) -> tuple[Indices, Floats]:
+        """Return room for ids and rows of an answer: that of the last one, once nobody holds it.
+
+        Who holds a part of an array holds the array.
+        """
+        held = _references(self.ids) > _UNHELD or _references(self.rows) > _UNHELD
+        if held or len(self.ids) < self.room:
+            self.ids, self.rows = _arrays_for(self.room)
+        return self.ids, self.rows
 
     def hand_over(self, filters: FilterState) -> None:
         """Take the arrays that are there now."""

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.compiled import Entry
 from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
@@ -35,6 +36,7 @@ def _count_of_unheld() -> int:
 
 
 _UNHELD = _count_of_unheld()
+_POSING = Entry(set_named_poses)
 
 
 class FrameTable(NamedTuple):
@@ -253,7 +255,7 @@ class World:
 
         Return False, and do nothing, where ``ids`` (n,) are not those named, in their order.
         """
-        told = set_named_poses(named.handle, ids, X_PFs, self.handle)
+        told = _POSING.call(named.handle, ids, X_PFs, self.handle)
         if told == OTHERS:
             return False
         if not self.is_whole and not self._posed[named.rows].all():

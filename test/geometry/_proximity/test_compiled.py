@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from numba import config
 from numba.core import event
@@ -171,3 +172,28 @@ def test_what_has_to_be_compiled_is_told_once_and_what_is_there_is_not():
     assert told == [('quadruple', 3, 4)]
     with compiled.compilation(None, 'nobody is told', 1, 1):
         assert quadruple(1) == 4
+
+
+@compiled.compiled
+def total(numbers, factor):
+    result = 0.0
+    for k in range(numbers.size):
+        result += numbers[k]
+    return factor * result
+
+
+def test_an_entry_is_what_the_first_call_compiled():
+    entry = compiled.Entry(total)
+    before = entry.call
+    assert entry.call(np.arange(4.0), 2) == 12.0
+    assert entry.call is not before
+    assert entry.call(np.arange(5.0), 3) == 30.0
+    assert config.DISABLE_JIT or len(total.overloads) == 1
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_an_entry_of_two_versions_finds_them_by_the_types():
+    total(np.arange(4), 2)
+    entry = compiled.Entry(total)
+    assert entry.call(np.arange(4.0), 2) == 12.0
+    assert entry.call(np.arange(5), 2) == 20.0
