@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import (
+    farthest_along_axes,
     farthest_vertex,
     hull_defect,
 )
@@ -85,12 +86,12 @@ def support_value(shape_type, shape, n_G):
 @compiled
 def box_half_extents(shape_type, shape, R_WG, half_extents):
     """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
+    if has_hull(shape_type):
+        half_extents[0], half_extents[1], half_extents[2] = farthest_along_axes(shape, R_WG)
+        return
     for k in range(3):
         e_G = (R_WG[k, 0], R_WG[k, 1], R_WG[k, 2])
         half_extents[k] = support_value(shape_type, shape, e_G)
-        if has_hull(shape_type):
-            opposite = support_value(shape_type, shape, scale(-1.0, e_G))
-            half_extents[k] = max(half_extents[k], opposite)
 
 
 @compiled

@@ -50,6 +50,15 @@ def test_a_hull_beside_its_origin(beside):
         assert abs(out[DISTANCE] - phi) <= out[ERROR_BOUND]
 
 
+@pytest.mark.parametrize('count', [4, 9, 64, 301])
+def test_the_box_of_a_hull_is_that_of_its_vertices(count):
+    rng = np.random.default_rng(count)
+    vertices = rng.uniform(-0.1, 0.2, (count, 3))
+    hull, R, half = hull_of(vertices), random_rotation(rng), np.zeros(3)
+    bounds.box_half_extents(CONVEX, hull, R, half)
+    np.testing.assert_allclose(half, np.abs(vertices @ R.T).max(axis=0), rtol=1e-15)
+
+
 SIZES = {
     SPHERE: [0.3],
     BOX: [0.3, 0.5, 0.7],

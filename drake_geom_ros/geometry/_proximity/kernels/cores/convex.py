@@ -329,7 +329,7 @@ def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory):
     noise = ROUNDING * EPS * size
     remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
     if remembers and remembered.is_where_it_was(memory, pair.p_AB, size):
-        sure, depth = remembered.remembered_depth(pair, memory, size, noise)
+        sure, depth = remembered.remembered_depth(pair, n, memory, size, noise)
         if sure:
             return bounds_of_depth(pair, depth, size)
     found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)

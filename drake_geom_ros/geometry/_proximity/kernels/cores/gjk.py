@@ -119,15 +119,16 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
     With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
     direction tried. ``size`` [m] is the scale to which rounding is relative.
     """
-    points = np.empty((4, WEIGHT + 1))
-    noise = ROUNDING * EPS * size
     a, b = support_points(pair, n, RIGHT_ANGLE)
     v = sub(a, b)
+    upper = norm(v)
+    lower = slab = dot(scale(-1.0, v), n)
+    if lower > cutoff:
+        return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
+    points, noise = np.empty((4, WEIGHT + 1)), ROUNDING * EPS * size
     put(points, 0, a, b)
     points[0, WEIGHT] = 1.0
     count = 1
-    upper = norm(v)
-    lower = slab = dot(scale(-1.0, v), n)
     for _ in range(GJK_STEPS):
         if upper <= noise:
             return Gap(OVERLAP, upper, lower, n, a, b)

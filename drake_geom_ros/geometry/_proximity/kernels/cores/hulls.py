@@ -207,3 +207,15 @@ def hull_radius(shape):
     for k in range(1, int(n) + 1):
         farthest = max(farthest, norm(vertex_at(shape, k)))
     return farthest
+
+
+@compiled
+def farthest_along_axes(shape, R):
+    """Return how far [m] the vertices reach along each row of R (3, 3), or against it."""
+    along_x, along_y, along_z = 0.0, 0.0, 0.0
+    for k in range(np.uint64(1), _count(shape) + np.uint64(1)):
+        x, y, z = vertex_at(shape, k)
+        along_x = larger(abs(R[0, 0] * x + R[0, 1] * y + R[0, 2] * z), along_x)
+        along_y = larger(abs(R[1, 0] * x + R[1, 1] * y + R[1, 2] * z), along_y)
+        along_z = larger(abs(R[2, 0] * x + R[2, 1] * y + R[2, 2] * z), along_z)
+    return along_x, along_y, along_z

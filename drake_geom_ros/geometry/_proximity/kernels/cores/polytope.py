@@ -247,9 +247,16 @@ def set_planes(points, faces, planes, first, total, size):
 def add_faces(points, faces, planes, heap, first, total, waiting, size):
     """Set the planes of the faces from first to total and add them to the heap."""
     set_planes(points, faces, planes, first, total, size)
-    for f in range(first, total):
-        push(heap, waiting, planes, f)
-        waiting += 1
+    return push_nearest(heap, planes, first, total, waiting, np.inf)
+
+
+@inlined
+def push_nearest(heap, planes, first, total, waiting, rival):
+    """Add the faces from first to total that are as near as ``rival`` [m] to the heap."""
+    for f in range(np.uint64(first), np.uint64(total)):
+        if planes[f, OFFSET] <= rival:
+            push(heap, waiting, planes, f)
+            waiting += 1
     return waiting
 
 

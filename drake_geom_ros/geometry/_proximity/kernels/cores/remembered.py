@@ -36,14 +36,14 @@ from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
     FACE_WIDTH,
     OFFSET,
     ZERO,
-    add_faces,
     expand,
     is_corner,
     pop_living,
-    push,
+    push_nearest,
     set_planes,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
+from drake_geom_ros.geometry._proximity.kernels.cores.starts import gap_along
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
@@ -264,12 +264,13 @@ class Grown(NamedTuple):
 
 
 @compiled
-def grown(pair, growth, ball, count, total, more, size, noise):
-    """Grow a polytope of ``count`` vertices, whose faces have planes, by ``more`` vertices."""
+def grown(pair, growth, ball, count, total, most, least, size, noise):
+    """Grow a polytope of ``count`` vertices, whose faces have planes, to ``most`` vertices.
+
+    Faces that are farther away than the ``least`` width that is known [m] need not be looked at.
+    """
     points, faces, planes, horizon, stack, starting_at, heap = growth
-    for f in range(total):
-        push(heap, f, planes, f)
-    waiting, most, least = total, count + more, np.inf
+    waiting = push_nearest(heap, planes, 0, total, 0, least + noise)
     while True:
         f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0:
@@ -288,7 +289,8 @@ def grown(pair, growth, ball, count, total, more, size, noise):
             after = expand(
                 points, faces, planes, horizon, stack, starting_at, f, a, b, count, total, size
             )
-            waiting = add_faces(points, faces, planes, heap, total, after, waiting, size)
+            set_planes(points, faces, planes, total, after, size)
+            waiting = push_nearest(heap, planes, total, after, waiting, least + noise)
         if after == total:
             return Grown(False, f, total, width, m, a, b)
         points[count, NAME] = name
@@ -319,18 +321,22 @@ def closed_depth(growth, found, size, noise):
 
 
 @allocating
-def remembered_depth(pair, memory, size, noise):
+def remembered_depth(pair, n, memory, size, noise):
     """Return (sure, depth) of two hulls by the polytope that is remembered; forget one that fails.
 
-    Sure are bounds that are rounding apart, and a unique normal.
+    Sure are bounds that are rounding apart, and a unique normal. The overlap along the unit n, the
+    normal of last time, is no less than the depth, and where there is none there is no depth.
     """
+    least, ball = -gap_along(pair, n), ball_in_difference(pair)
+    if not (least > noise and ball.radius > THIN * size):
+        memory[0] = 0.0
+        return False, Depth(least, -np.inf, n, n, n, 0.0, False)
     growth = growth_arrays(MOST_GROWN)
     points, faces, planes, _, stack, starting_at, _ = growth
     count, total = recall(memory, pair, points, faces)
-    found, ball = Grown(False, 0, 0, 0.0, ZERO, ZERO, ZERO), ball_in_difference(pair)
-    is_fat = total > 0 and ball.radius > THIN * size
-    if is_fat and set_planes(points, faces, planes, 0, total, size) > 0.0:
-        found = grown(pair, growth, ball, count, total, MORE, size, noise)
+    found = Grown(False, 0, 0, 0.0, ZERO, ZERO, ZERO)
+    if total > 0 and set_planes(points, faces, planes, 0, total, size) > 0.0:
+        found = grown(pair, growth, ball, count, total, count + MORE, least, size, noise)
     sure, depth = closed_depth(growth, found, size, noise)
     remember_position(memory, pair.p_AB)
     if not sure:
@@ -355,10 +361,11 @@ def depth_of_hulls(pair, n, memory, size, noise):
     growth = growth_arrays(MOST_GROWN)
     points, faces, planes, _, stack, starting_at, _ = growth
     found = Grown(False, 0, 0, 0.0, n, n, n)
-    if ball.radius > THIN * size and double_pyramid(pair, n, points, faces) > noise:
+    least = double_pyramid(pair, n, points, faces) if ball.radius > THIN * size else 0.0
+    if least > noise:
         count, total = 2 + SIDES, 2 * SIDES
         set_planes(points, faces, planes, 0, total, size)
-        found = grown(pair, growth, ball, count, total, MOST_GROWN - count, size, noise)
+        found = grown(pair, growth, ball, count, total, MOST_GROWN, least, size, noise)
     sure, depth = closed_depth(growth, found, size, noise)
     if sure and memory.size >= MEMORY_WIDTH:
         memory[0] = 0.0

@@ -97,10 +97,21 @@ def test_hulls_that_do_not_move_need_no_more_than_what_is_remembered():
         first = _answer(pair, row).copy()
     memory = row[PAIR_WIDTH:].copy()
     assert memory[0] >= 4.0
-    sure, depth = remembered.remembered_depth(pair, memory, _size(pair), 1e-15)
-    assert sure
-    assert -first[DISTANCE] == pytest.approx(depth.upper, abs=1e-15)
-    np.testing.assert_array_equal(memory, row[PAIR_WIDTH:])
+    for n in (tuple(-first[NORMAL : NORMAL + 3]), X):  # that of last time, and any
+        sure, depth = remembered.remembered_depth(pair, n, memory, _size(pair), 1e-15)
+        assert sure
+        assert -first[DISTANCE] == pytest.approx(depth.upper, abs=1e-15)
+        np.testing.assert_array_equal(memory, row[PAIR_WIDTH:])
+
+
+def test_along_a_normal_that_parts_the_hulls_nothing_is_looked_at():
+    rng = np.random.default_rng(2)
+    pair, memory = _overlapping(rng), np.zeros(MEMORY_WIDTH)
+    apart = core_pair(*pair[:6], (0.5, 0.0, 0.0))
+    memory[:2] = 4.0
+    sure, _ = remembered.remembered_depth(apart, X, memory, _size(apart), 1e-15)
+    assert not sure
+    assert memory[0] == 0.0
 
 
 def test_the_depth_is_the_true_one():
