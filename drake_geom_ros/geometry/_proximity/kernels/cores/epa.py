@@ -138,17 +138,18 @@ def ring_points(pair, n, tilt, points):
 
 
 @compiled
-def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
+def witness(points, faces, planes, first, total, n, upper, rival, s_A, s_B):
     """Return (a, b, aside): points on the supporting planes of A and B with a - b = upper n.
 
-    They come from the point of the polytope nearest to upper n, moved out to the planes. On a flat
-    of the difference it may be in any face, and not in the one that was expanded. ``aside`` is how
-    far that point is from upper n: as far, at most, a and b were put off their surfaces.
+    Of the faces from ``first`` to ``total``, they come from the point nearest to upper n, moved
+    out to the planes. On a flat of the difference it may be in any face, and not in the one that
+    was expanded. ``aside`` is how far that point is from upper n: as far, at most, a and b were
+    put off their surfaces.
     """
     foot = scale(upper, n)
     a, b, least = s_A, s_B, np.inf
-    for f in range(total):
-        if faces[f, ALIVE] == 0 or planes[f, OFFSET] > rival:
+    for f in range(np.uint64(first), np.uint64(total)):
+        if planes[f, OFFSET] > rival or faces[f, ALIVE] == 0:  # most are too far away
             continue
         if dot((planes[f, 0], planes[f, 1], planes[f, 2]), n) < SAME_DIRECTION:
             continue
@@ -181,10 +182,12 @@ def growth_arrays(most_vertices):
     They are handed on one by one: as a record they made EPA take an eighth longer.
     """
     rows, corners = 8 * most_vertices, 10 * most_vertices  # w, a, b, and room for a name
-    numbers = np.empty(corners + PLANE_WIDTH * rows)
-    indices = np.empty((FACE_WIDTH + 5) * rows + most_vertices, dtype=np.int32)
+    reals, integers = corners + PLANE_WIDTH * rows, (FACE_WIDTH + 5) * rows + most_vertices
+    # In one block: to get two, and give them back, takes as long as to look at 4 vertices more.
+    block = np.empty(reals + (integers + 1) // 2)
+    numbers, indices = block[:reals], block[reals:].view(np.int32)
     faces, rest = indices[: FACE_WIDTH * rows], indices[FACE_WIDTH * rows :]
-    starting_at = rest[5 * rows :]
+    starting_at = rest[5 * rows : 5 * rows + most_vertices]
     starting_at[:] = -1
     return (
         numbers[:corners].reshape(most_vertices, 10),
@@ -304,7 +307,7 @@ def depth_at(points, faces, planes, total, least, lower, enough, unique):
     if least.exact:
         lower = min(lower, best)
     else:
-        a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
+        a, b, aside = witness(points, faces, planes, 0, total, n, best, best + enough, a, b)
     if lower <= 0.0:
         lower = -(abs(best) + aside)
     return Depth(best, lower, n, a, b, aside, unique)

@@ -73,7 +73,9 @@ FACE_NUMBERS = 2**48
 NAME = 9  # column of the points
 # Of the first polytope: corners between its tips, and how far [rad] they are looked for from one.
 SIDES = 5
-TILT = 0.8
+COS_TILT, SIN_TILT = math.cos(0.8), math.sin(0.8)
+_ANGLES = 2.0 * np.pi / SIDES * np.arange(SIDES)
+TURNS = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
 SETTLED = 2  # of a face that is alive, but need not be looked at
 # Vertices that a polytope may grow to here; most take 10 to 25.
 MOST_GROWN = 40
@@ -221,9 +223,9 @@ def double_pyramid(pair, n, points, faces):
     f = cross(n, e)
     least = min(put_named(pair, n, points, 0), put_named(pair, scale(-1.0, n), points, 1))
     for k in range(SIDES):
-        turn, after, before = (2.0 * math.pi / SIDES * k, (k + 1) % SIDES, (k - 1) % SIDES)
-        aside = add_scaled(scale(math.cos(turn), e), math.sin(turn), f)
-        m = add_scaled(scale(math.cos(TILT), n), math.sin(TILT), aside)
+        after, before = (k + 1) % SIDES, (k - 1) % SIDES
+        aside = add_scaled(scale(TURNS[k, 0], e), TURNS[k, 1], f)
+        m = add_scaled(scale(COS_TILT, n), SIN_TILT, aside)
         least = min(least, put_named(pair, m, points, 2 + k))
         upper = (0, 2 + k, 2 + after, before, SIDES + k, after, 1)
         lower = (1, 2 + after, 2 + k, SIDES + after, k, SIDES + before, 1)
@@ -251,10 +253,11 @@ class Grown(NamedTuple):
     """How far a polytope was grown: whether until its nearest face ``face`` has nothing beyond.
 
     ``total`` is the number of faces, ``width`` [m] that of the overlap along the normal n of the
-    face, with a and b the points extreme along it.
+    face, with a and b the points extreme along it. Then no other face is as near if it is alone.
     """
 
     closed: bool
+    alone: bool
     face: int
     total: int
     width: float
@@ -270,20 +273,22 @@ def grown(pair, growth, ball, count, total, most, least, size, noise):
     Faces that are farther away than the ``least`` width that is known [m] need not be looked at.
     """
     points, faces, planes, horizon, stack, starting_at, heap = growth
-    waiting = push_nearest(heap, planes, 0, total, 0, least + noise)
+    waiting, alone = push_nearest(heap, planes, 0, total, 0, least + noise), True
     while True:
         f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0:
-            return Grown(False, 0, total, 0.0, ZERO, ZERO, ZERO)
+            return Grown(False, False, 0, total, 0.0, ZERO, ZERO, ZERO)
         if is_in_ball_cap(points, faces, planes, f, ball, least + noise):
-            faces[f, ALIVE] = SETTLED
+            faces[f, ALIVE], alone = SETTLED, False
             continue
         m, offset = vector_in(planes, f), planes[f, OFFSET]
         a, b, name = named_support(pair, m)
         width = dot(sub(a, b), m)
         least = min(least, width)
         if width > noise and width - offset <= noise:
-            return Grown(True, f, total, width, m, a, b)
+            after, _ = pop_living(faces, planes, heap, waiting)
+            alone = alone and (after < 0 or planes[after, OFFSET] > width + noise)
+            return Grown(True, alone, f, total, width, m, a, b)
         after = total
         if width > noise and count < most and not is_corner(points, faces, f, sub(a, b)):
             after = expand(
@@ -292,7 +297,7 @@ def grown(pair, growth, ball, count, total, most, least, size, noise):
             set_planes(points, faces, planes, total, after, size)
             waiting = push_nearest(heap, planes, total, after, waiting, least + noise)
         if after == total:
-            return Grown(False, f, total, width, m, a, b)
+            return Grown(False, False, f, total, width, m, a, b)
         points[count, NAME] = name
         count, total = count + 1, after
 
@@ -301,7 +306,7 @@ def grown(pair, growth, ball, count, total, most, least, size, noise):
 def is_unique(faces, planes, total, n, rival):
     """Tell whether all unsettled faces as near as ``rival`` [m] have the normal n."""
     for f in range(np.uint64(total)):
-        near = faces[f, ALIVE] == 1 and planes[f, OFFSET] <= rival
+        near = planes[f, OFFSET] <= rival and faces[f, ALIVE] == 1
         if near and dot(vector_in(planes, f), n) < SAME_DIRECTION:
             return False
     return True
@@ -311,12 +316,13 @@ def is_unique(faces, planes, total, n, rival):
 def closed_depth(growth, found, size, noise):
     """Return (sure, depth) of a polytope that was grown: sure if closed and the normal unique."""
     points, faces, planes = growth[:3]
-    closed, f, total, width, n, a, b = found
-    offset = planes[f, OFFSET]
+    closed, alone, f, total, width, n, a, b = found
+    offset, rival = planes[f, OFFSET], width + noise
     sure = closed and offset > THIN * size and outweighs_slivers(points, faces, f, size)
-    if not (sure and is_unique(faces, planes, total, n, width + noise)):
+    if not (sure and (alone or is_unique(faces, planes, total, n, rival))):
         return False, Depth(width, -np.inf, n, a, b, 0.0, False)
-    a, b, aside = witness(points, faces, planes, total, n, width, width + noise, a, b)
+    first, last = (f, f + 1) if alone else (0, total)
+    a, b, aside = witness(points, faces, planes, first, last, n, width, rival, a, b)
     return True, Depth(width, offset, n, a, b, aside, True)
 
 
@@ -334,7 +340,7 @@ def remembered_depth(pair, n, memory, size, noise):
     growth = growth_arrays(MOST_GROWN)
     points, faces, planes, _, stack, starting_at, _ = growth
     count, total = recall(memory, pair, points, faces)
-    found = Grown(False, 0, 0, 0.0, ZERO, ZERO, ZERO)
+    found = Grown(False, False, 0, 0, 0.0, ZERO, ZERO, ZERO)
     if total > 0 and set_planes(points, faces, planes, 0, total, size) > 0.0:
         found = grown(pair, growth, ball, count, total, count + MORE, least, size, noise)
     sure, depth = closed_depth(growth, found, size, noise)
@@ -360,7 +366,7 @@ def depth_of_hulls(pair, n, memory, size, noise):
         n = line if dot(sub(c, d), line) < dot(sub(a, b), n) else n
     growth = growth_arrays(MOST_GROWN)
     points, faces, planes, _, stack, starting_at, _ = growth
-    found = Grown(False, 0, 0, 0.0, n, n, n)
+    found = Grown(False, False, 0, 0, 0.0, n, n, n)
     least = double_pyramid(pair, n, points, faces) if ball.radius > THIN * size else 0.0
     if least > noise:
         count, total = 2 + SIDES, 2 * SIDES
