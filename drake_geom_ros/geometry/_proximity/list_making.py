@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from drake_geom_ros.geometry._proximity.all_pairs import look_at_all
 from drake_geom_ros.geometry._proximity.broadphase import (
     pairs_between,
@@ -302,20 +304,28 @@ def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no
 
 @compiled
 def _sort(near, n, count):  # type: ignore[no-untyped-def]
-    """Put the codes that were found in order: by the second row, and then by the first."""
+    """Put the codes that were found in order: by the second row, and then by the first.
+
+    Only rows between the least and the largest are counted: where few bodies move, half of them.
+    """
     for turn in range(2):
         codes, sorted_codes = (
             (near.found, near.sorting) if turn == 0 else (near.sorting, near.found)
         )
-        near.tally[:] = 0
-        for k in range(count):
-            near.tally[_digit(codes[k], turn) + 1] += 1
-        for g in range(n):
-            near.tally[g + 1] += near.tally[g]
+        low, high = n, -1
         for k in range(count):
             digit = _digit(codes[k], turn)
-            sorted_codes[near.tally[digit]] = codes[k]
-            near.tally[digit] += 1
+            low, high = min(low, digit), max(high, digit)
+        tally = part(near.tally, 0, max(high - low + 2, 0))
+        tally[:] = 0
+        for k in range(count):
+            tally[np.uint64(_digit(codes[k], turn) - low + 1)] += 1
+        for k in range(1, tally.size):
+            tally[k] += tally[k - 1]
+        for k in range(count):
+            digit = np.uint64(_digit(codes[k], turn) - low)
+            sorted_codes[tally[digit]] = codes[k]
+            tally[digit] += 1
 
 
 @inlined
