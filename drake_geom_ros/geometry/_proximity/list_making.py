@@ -13,16 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.all_pairs import look_at_all
-from drake_geom_ros.geometry._proximity.broadphase import (
-    pairs_between,
-    pairs_within,
-    put_code,
-    put_in,
-    rows_of,
-)
+from drake_geom_ros.geometry._proximity.broadphase import put_code, put_in, rows_of
 from drake_geom_ros.geometry._proximity.clock import now
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.filter_matrix import may_report
+from drake_geom_ros.geometry._proximity.grid_pairs import pairs_between, pairs_within
 from drake_geom_ros.geometry._proximity.handing import (
     Bits,
     Flags,

@@ -11,13 +11,11 @@ from drake_geom_ros.geometry._proximity.broadphase import (
     BODIES,
     GRIDS,
     Boxes,
-    _overlap,
-    pairs_between,
-    pairs_within,
     put_in,
     room_for,
     rows_of,
 )
+from drake_geom_ros.geometry._proximity.grid_pairs import _overlap, pairs_between, pairs_within
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 NOBODY = np.zeros(0, dtype=np.bool_)
