@@ -262,7 +262,8 @@ class World:
             self._place(named.rows)
         if told:
             self.is_stale = True
-            self._leave_moment()
+            if self._moment is not None:
+                self._leave_moment()
         return True
 
     def _leave_moment(self) -> None:
