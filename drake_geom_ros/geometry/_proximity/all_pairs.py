@@ -10,6 +10,7 @@ from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
     LANES,
     above,
     below,
+    box_at,
     first_lanes,
     lowest,
     overlapping,
@@ -80,7 +81,7 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
         return 0
     _set_sides(near, distance)
     for i in range(n):
-        box = (sides[0, i], sides[1, i], sides[2, i], sides[3, i], sides[4, i], sides[5, i])
+        box = box_at(sides, i)
         for first in range(i + 1, n, LANES):
             bits = overlapping(sides, first, box) & first_lanes(n - first)
             while bits != 0:

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry._proximity.broadphase import (
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
     LANES,
+    box_at,
     first_lanes,
     lowest,
     overlapping,
@@ -55,13 +56,6 @@ def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _box_of(A, a):  # type: ignore[no-untyped-def]
-    """Return the six sides of box a of A, as those are that it is compared with."""
-    sides = A.sides
-    return sides[0, a], sides[1, a], sides[2, a], sides[3, a], sides[4, a], sides[5, a]
-
-
-@inlined
 def _put_pair(A, a, B, b, skipped, codes, count):  # type: ignore[no-untyped-def]
     """Append the pair of two boxes if they overlap, are not of one body, and b is not skipped."""
     i, j = A.rows[np.uint64(a)], B.rows[np.uint64(b)]
@@ -72,11 +66,11 @@ def _put_pair(A, a, B, b, skipped, codes, count):  # type: ignore[no-untyped-def
 
 
 @inlined
-def _put_found(A, a, B, places, bits, skipped, codes, count):  # type: ignore[no-untyped-def]
-    """Pair box a of A with the boxes of B that were found, LANES bits for each of the places."""
+def _put_found(A, a, B, bits, skipped, codes, count):  # type: ignore[no-untyped-def]
+    """Pair box a of A with the boxes of B that were found, LANES bits for each of its places."""
     while bits != 0:
         found = lowest(bits)
-        b = places[np.uint64(found // LANES)] + found % LANES
+        b = B.places[np.uint64(found // LANES)] + found % LANES
         count = _put_pair(A, a, B, b, skipped, codes, count)
         bits &= bits - 1
     return count
@@ -95,28 +89,22 @@ def _among(A, a, box, B, first, last, skipped, codes, count):  # type: ignore[no
 
 
 @inlined
-def _look(box, B, first, last, places, used):  # type: ignore[no-untyped-def]
-    """Return the bits of those of B from the first up to the last, LANES of them, that overlap."""
-    places[np.uint64(used)] = first
-    bits = overlapping(B.sides, first, box) & first_lanes(max(last - first, 0))
-    return bits << (LANES * used)
+def _look(A, a, box, B, first, end, used, skipped, codes, count):  # type: ignore[no-untyped-def]
+    """Look at the boxes of B from the first one up to where the bucket ``end`` begins.
 
-
-@inlined
-def _look_in_row(A, a, box, B, bucket, cells, used, skipped, codes, count):  # type: ignore[no-untyped-def]
-    """Look at the boxes of B in some cells along x, the first of which has a bucket.
-
-    Return the bits of LANES of them, and how many pairs there are with what is beyond these.
+    Return the bits of LANES of them, for the place number ``used``, and how many pairs there are
+    with what is beyond these.
     """
-    end, buckets = bucket + cells, B.counts[MASK] + 1
-    first, last = B.starts[np.uint64(bucket)], B.starts[np.uint64(min(end, buckets))]
-    bits = _look(box, B, first, last, B.places, used)
+    buckets = B.counts[MASK] + 1
+    last = B.starts[np.uint64(min(end, buckets))]
+    B.places[np.uint64(used)] = first
+    bits = overlapping(B.sides, first, box) & first_lanes(max(last - first, 0))
     if last - first > LANES:
         count = _among(A, a, box, B, first + LANES, last, skipped, codes, count)
     if end > buckets:  # the row goes on at the first bucket
         last = B.starts[np.uint64(end - buckets)]
         count = _among(A, a, box, B, 0, last, skipped, codes, count)
-    return bits, count
+    return bits << (LANES * used), count
 
 
 @inlined
@@ -146,12 +134,13 @@ def _in_grid(A, a, box, B, grid, skipped, codes, count):  # type: ignore[no-unty
     for y in range(int(y_0), int(y_1) + 1):
         for z in range(int(z_0), int(z_1) + 1):
             bucket = bucket_of(B.counts, int(x_0), y, z, grid)
-            seen, count = _look_in_row(A, a, box, B, bucket, cells, used, skipped, codes, count)
+            first, end = B.starts[np.uint64(bucket)], bucket + cells
+            seen, count = _look(A, a, box, B, first, end, used, skipped, codes, count)
             bits, used = bits | seen, used + 1
             if used == PLACES:
-                count = _put_found(A, a, B, B.places, bits, skipped, codes, count)
+                count = _put_found(A, a, B, bits, skipped, codes, count)
                 bits, used = 0, 0
-    return _put_found(A, a, B, B.places, bits, skipped, codes, count)
+    return _put_found(A, a, B, bits, skipped, codes, count)
 
 
 @compiled
@@ -162,23 +151,18 @@ def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
     ``skipped`` elsewhere, and everything below would be compiled twice.
     """
     cells, counts, starts = boxes.cells, boxes.counts, boxes.starts
-    mask, bodies = counts[MASK], counts[BODIES]
-    for a in range(bodies):
-        grid, box = cells[a, GRID], _box_of(boxes, a)
+    for a in range(counts[BODIES]):
+        grid, box = cells[a, GRID], box_at(boxes.sides, a)
         bucket = bucket_of(counts, cells[a, 0], cells[a, 1], cells[a, 2], grid)
         # Those behind it in its own cell, and the next cell, which begins where that one ends.
-        last = starts[np.uint64(min(bucket + 2, mask + 1))]
-        bits = _look(box, boxes, a + 1, last, boxes.places, 0)
-        if last > a + 1 + LANES:
-            count = _among(boxes, a, box, boxes, a + 1 + LANES, last, nobody, codes, count)
-        if bucket == mask:
-            count = _among(boxes, a, box, boxes, 0, starts[1], nobody, codes, count)
+        bits, count = _look(boxes, a, box, boxes, a + 1, bucket + 2, 0, nobody, codes, count)
         for k in range(FORWARD.shape[0]):
             aside = FORWARD[k, 0] * counts[STEP_Y] + FORWARD[k, 1] * counts[STEP_Z]
-            row = (bucket - 1 + aside) & mask
-            seen, count = _look_in_row(boxes, a, box, boxes, row, 3, k + 1, nobody, codes, count)
+            row = (bucket - 1 + aside) & counts[MASK]
+            first, end = starts[np.uint64(row)], row + 3
+            seen, count = _look(boxes, a, box, boxes, first, end, k + 1, nobody, codes, count)
             bits |= seen
-        count = _put_found(boxes, a, boxes, boxes.places, bits, nobody, codes, count)
+        count = _put_found(boxes, a, boxes, bits, nobody, codes, count)
         for k in range(counts[GRIDS]):
             if boxes.grids[k] > grid:
                 count = _in_grid(boxes, a, box, boxes, boxes.grids[k], nobody, codes, count)
@@ -192,7 +176,7 @@ def pairs_between(some, others, skipped, codes, count):  # type: ignore[no-untyp
     Those of ``others`` for which ``skipped`` (n,) holds are left out; none if it is empty.
     """
     for a in range(some.counts[BODIES]):
-        box = _box_of(some, a)
+        box = box_at(some.sides, a)
         for k in range(others.counts[GRIDS]):
             count = _in_grid(some, a, box, others, others.grids[k], skipped, codes, count)
     return count

@@ -46,6 +46,12 @@ def above(value):
 
 
 @inlined
+def box_at(sides, k):
+    """Return the six sides of a box, as ``overlapping`` takes them."""
+    return sides[0, k], sides[1, k], sides[2, k], sides[3, k], sides[4, k], sides[5, k]
+
+
+@inlined
 def first_lanes(count):
     """Return the bits of so many boxes, or of all LANES."""
     return (1 << min(count, LANES)) - 1

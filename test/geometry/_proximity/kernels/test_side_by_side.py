@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
     LANES,
     above,
     below,
+    box_at,
     empty_sides,
     first_lanes,
     lowest,
@@ -23,8 +24,7 @@ from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
 @compiled
 def bits_of(sides, first, k, count):
     """Return which of so many boxes from the first on overlap box k."""
-    box = sides[0, k], sides[1, k], sides[2, k], sides[3, k], sides[4, k], sides[5, k]
-    return overlapping(sides, first, box) & first_lanes(count)
+    return overlapping(sides, first, box_at(sides, k)) & first_lanes(count)
 
 
 @compiled
