@@ -19,6 +19,13 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import row
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    sub,
+    unrotate,
+    vector_at,
+    vector_in,
+)
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
 from drake_geom_ros.geometry._proximity.promise import promised_bound, size_of_pair
 from drake_geom_ros.geometry._proximity.records import world_of
@@ -107,12 +114,10 @@ def frozen(ids: Indices, rows: Floats) -> PairBatch:
 
 
 @inlined
-def _in_body(R_WGs, g, x, y, z, row, column):  # type: ignore[no-untyped-def]
-    """Write a vector given in World axes in those of a body."""
-    g = np.uint64(g)
-    for d in range(3):
-        along = 0.0 + R_WGs[g, 0, d] * x
-        row[column + d] = (along + R_WGs[g, 1, d] * y) + R_WGs[g, 2, d] * z
+def _put(row, column, vector):  # type: ignore[no-untyped-def]
+    """Write three numbers of a row from a column on; a zero is written without a sign."""
+    for c in range(3):
+        row[column + c] = 0.0 + vector[c]
 
 
 @compiled
@@ -126,7 +131,7 @@ def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ig
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
     for k in range(hits.size):
         hit = np.uint64(hits[k])
-        a, b = np.uint64(pairs[hit, 0]), np.uint64(pairs[hit, 1])
+        a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(answers, slots[hit]), row(rows, k)
         ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]
         for c in range(PAIR_WIDTH):
@@ -141,18 +146,14 @@ def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ig
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
         told[OVERLAPS] = 1.0 if least < touching else 0.0
         told[PROMISED] = promised
-        frame_a, frame_b = np.uint64(frames[a]), np.uint64(frames[b])
-        p_ACas, p_BCbs = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for c in range(3):
-            # Far from the origin only what is measured from a body keeps its digits.
-            p_WA, p_WB = p_WGs[a, c], p_WGs[b, c]
-            p_ACa, p_ACb = out[WITNESS_A + c], out[WITNESS_B + c]
-            p_BCb = p_ACb - (p_WB - p_WA)
-            told[WITNESS_A + c] = p_WA + p_ACa
-            told[WITNESS_B + c] = p_WA + p_ACb
-            told[P_FACA + c] = (p_WA - p_WFs[frame_a, c]) + p_ACa
-            told[P_FBCB + c] = (p_WB - p_WFs[frame_b, c]) + p_BCb
-            p_ACas = (p_ACas[1], p_ACas[2], p_ACa)
-            p_BCbs = (p_BCbs[1], p_BCbs[2], p_BCb)
-        _in_body(R_WGs, a, *p_ACas, told, P_ACA)
-        _in_body(R_WGs, b, *p_BCbs, told, P_BCB)
+        p_WA, p_WB = vector_in(p_WGs, a), vector_in(p_WGs, b)
+        p_WFa, p_WFb = vector_in(p_WFs, frames[a]), vector_in(p_WFs, frames[b])
+        # Far from the origin only what is measured from a body keeps its digits.
+        p_ACa, p_ACb = vector_at(out, WITNESS_A), vector_at(out, WITNESS_B)
+        p_BCb = sub(p_ACb, sub(p_WB, p_WA))
+        _put(told, WITNESS_A, add(p_WA, p_ACa))
+        _put(told, WITNESS_B, add(p_WA, p_ACb))
+        _put(told, P_FACA, add(sub(p_WA, p_WFa), p_ACa))
+        _put(told, P_FBCB, add(sub(p_WB, p_WFb), p_BCb))
+        _put(told, P_ACA, unrotate(row(R_WGs, a), p_ACa))
+        _put(told, P_BCB, unrotate(row(R_WGs, b), p_BCb))
