@@ -139,13 +139,8 @@ class SceneGraphContext:
         Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
-        # Looked at right here, as in ``FramePoseVector.FromArrays``, which tells why.
-        versions, built, world = self._model.versions, self._built, self._world
-        if built.frames != versions.frames or built.proximity != versions.proximity:
-            world = self._up_to_date_world()
-        version, named = self._frames_of
-        own = named.get(source_id._value) if version == versions.frames else None
-        own = own or self._source_frames(source_id)
+        world = self._up_to_date_world()
+        own = self._named_frames().get(source_id._value) or self._source_frames(source_id)
         given, X_PFs = poses._arrays or poses._as_arrays()
         if world.pose(own, given, X_PFs):
             return

@@ -18,7 +18,7 @@ SMALL = 2**18  # [bytes] below it the allocator keeps the memory itself
 MOST_KEPT = 2**24  # [bytes] of one array; larger ones are given back, as a node stays for days
 _PLACES = 6  # answers of three arrays, of which the last one is still held when the next is made
 _KEPT_ALONE = [object()]
-_UNHELD = sys.getrefcount(_KEPT_ALONE[0])  # of what a list alone holds: interpreters differ
+UNHELD = sys.getrefcount(_KEPT_ALONE[0])  # of what a list alone holds: interpreters differ
 
 
 class Buffers:
@@ -40,7 +40,7 @@ class Buffers:
         """Return so many bytes or more, of an answer that is gone if there is one."""
         kept = self._kept
         for place in range(len(kept)):
-            if len(kept[place]) >= size and sys.getrefcount(kept[place]) == _UNHELD:
+            if len(kept[place]) >= size and sys.getrefcount(kept[place]) == UNHELD:
                 found = kept.pop(place)
                 break
         else:

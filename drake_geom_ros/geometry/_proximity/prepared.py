@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.buffers import UNHELD
 from drake_geom_ros.geometry._proximity.cycle import (
     ASKED,
     CONTACT_A,
@@ -37,9 +38,6 @@ Indices = NDArray[np.int64]
 
 LEAST_ROOM = 16  # rows made ready for an answer
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
-_references = sys.getrefcount
-_PLACE = [object()]
-_UNHELD = _references(_PLACE[0])  # of what one place holds: interpreters differ
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
 
 
@@ -93,7 +91,7 @@ class Prepared:
 
         Who holds a part of an array holds the array.
         """
-        held = _references(self.ids) > _UNHELD or _references(self.rows) > _UNHELD
+        held = sys.getrefcount(self.ids) > UNHELD or sys.getrefcount(self.rows) > UNHELD
         if held or len(self.ids) < self.room:
             self.ids, self.rows = _arrays_for(self.room)
         return self.ids, self.rows

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.buffers import UNHELD
 from drake_geom_ros.geometry._proximity.compiled import Entry
 from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
@@ -26,16 +27,6 @@ from drake_geom_ros.geometry._proximity.records import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-
-def _count_of_unheld() -> int:
-    """Return the count of references to what one place holds and a name: interpreters differ."""
-    places = [object()]
-    name = places[0]
-    return sys.getrefcount(name)
-
-
-_UNHELD = _count_of_unheld()
 _POSING = Entry(set_named_poses)
 
 
@@ -262,17 +253,14 @@ class World:
             self._place(named.rows)
         if told:
             self.is_stale = True
-            if self._moment is not None:
-                self._leave_moment()
+            # Results that are still held have to remember where things were. A moment that nobody
+            # refers to, nor ever asked, serves the next results as well.
+            if self._moment is not None and (
+                sys.getrefcount(self._moment) > UNHELD or self._moment.is_kept()
+            ):
+                self._moment.keep()
+                self._moment = None
         return True
-
-    def _leave_moment(self) -> None:
-        """Have results that are still held remember where things were, before anything moves."""
-        moment = self._moment
-        # One that nobody refers to, nor ever asked, serves the next results as well.
-        if moment is not None and (sys.getrefcount(moment) > _UNHELD or moment.is_kept()):
-            moment.keep()
-            self._moment = None
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
