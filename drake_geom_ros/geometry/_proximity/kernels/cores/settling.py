@@ -43,11 +43,7 @@ INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
 
 @compiled
 def settle(difference, n):
-    """Set the shares at n to where the points extreme along it are least aside of one another.
-
-    For an n whose h is known to be least, or almost, but where Newton's method found no minimum:
-    on a ring of almost equal values it has no curvature to go by.
-    """
+    """Set the shares at n to where the points extreme along it are least aside of one another."""
     terms, _, last, r_A, r_B = difference
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
