@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -60,3 +62,29 @@ def test_the_process_ends_where_it_may(start, lone_client, kind, name):
     assert node.popen.wait(PATIENCE) == 1
     assert SAID in node.output()
     assert 'stuck_node.py' in node.output()
+
+
+BUSY = """
+import os, sys, threading, time
+from drake_geom_ros.ros.watchdog import Watchdog
+
+def descend(depth):
+    return sum(x for x in range(depth % 7)) + (descend(depth - 1) if depth else 0)
+
+def work():
+    while True:
+        descend(50)
+
+sys.setswitchinterval(1e-4)
+for _ in range(3):
+    threading.Thread(target=work, daemon=True).start()
+Watchdog(0.05, exits=False).feed()
+time.sleep(4.0)
+os._exit(0)
+"""
+
+
+def test_threads_that_run_are_told_of_without_harm():
+    done = subprocess.run([sys.executable, '-c', BUSY], capture_output=True, timeout=PATIENCE)
+    assert done.returncode == 0
+    assert done.stderr.count(b'Timeout (0:00:00.05') > 1
