@@ -3,11 +3,12 @@
 A slice in compiled code keeps its array alive by a count of references. Where Numba cannot prove
 that the count is not needed, each slice of each pair costs two atomic operations and a call: half
 of the narrow phase of 1000 balls. These views do without; the array that they show must outlive
-them, as arguments of the loop do.
+them, as arguments of the loop do, and arrays of one's own that ``outlive`` is called with at last.
 """
 
 from typing import Any
 
+import numpy as np
 from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -22,6 +23,17 @@ if config.DISABLE_JIT:
     def part(array: Any, start: int, stop: int) -> Any:
         """Return array[start:stop]."""
         return array[start:stop]
+
+    def table(array: Any, start: int, rows: int, columns: int) -> Any:
+        """Return the elements of an array from start on as so many rows and columns."""
+        return array[start : start + rows * columns].reshape(rows, columns)
+
+    def integers(array: Any, start: int) -> Any:
+        """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
+        return array[start:].view(np.int32)
+
+    def outlive(array: Any) -> None:
+        """Keep an array until here: views of it hold no reference."""
 
 else:
 
@@ -63,3 +75,40 @@ else:
             return _view(context, builder, array, data, [builder.sub(end, first)])
 
         return array(array, types.intp, types.intp), codegen
+
+    @intrinsic
+    def table(typingctx, array, start, rows, columns):
+        """Return the elements of a contiguous array from start on as so many rows and columns."""
+        kind = types.Array(array.dtype, 2, 'C')
+
+        def codegen(context, builder, signature, values):
+            given, first, *shape = values
+            whole = make_array(array)(context, builder, given)
+            return _view(context, builder, kind, builder.gep(whole.data, [first]), shape)
+
+        return kind(array, types.intp, types.intp, types.intp), codegen
+
+    @intrinsic
+    def integers(typingctx, array, start):
+        """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
+        kind = types.Array(types.int32, 1, 'C')
+
+        def codegen(context, builder, signature, values):
+            given, first = values
+            whole = make_array(array)(context, builder, given)
+            (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
+            data = builder.gep(whole.data, [first])
+            data = builder.bitcast(data, context.get_data_type(types.int32).as_pointer())
+            count = builder.mul(builder.sub(size, first), size.type(2))
+            return _view(context, builder, kind, data, [count])
+
+        return kind(array, types.intp), codegen
+
+    @intrinsic
+    def outlive(typingctx, array):
+        """Keep an array until here: views of it hold no reference."""
+
+        def codegen(context, builder, signature, values):
+            return context.get_dummy_value()
+
+        return types.none(array), codegen

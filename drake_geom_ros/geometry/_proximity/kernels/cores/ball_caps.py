@@ -1,4 +1,4 @@
-"""Directions in which two hulls are certain to overlap by no less than a depth that is known.
+"""Directions in which two cores are certain to overlap by no less than a depth that is known.
 
 A ball in A and one in B make a ball in D = A - B, about c of radius R, so that h(u) is at least
 ``c . u + R`` for any unit u: where ``c . u >= rival - R`` the overlap is at least ``rival`` wide.
@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import ball_in_hull
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import OFFSET
+from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
@@ -23,24 +25,34 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 
 
 class Ball(NamedTuple):
-    """A ball in a difference of hulls: its centre, how far that is away, its radius [m]."""
+    """A ball in a difference of cores: its centre, how far that is away, its radius [m]."""
 
     centre: Vector
     away: float
     radius: float
 
 
+@inlined
+def ball_in_core(kind, shape):
+    """Return (centre, radius) [m] of a ball in a core; of radius -infinity if none is known."""
+    if kind == CONVEX:
+        centre, radius = ball_in_hull(shape)
+        return centre, radius if radius > 0.0 else -math.inf
+    return (0.0, 0.0, 0.0), inner_radius(kind, shape) - core_radius(kind, shape)
+
+
 @compiled
 def ball_in_difference(pair):
-    """Return the ball that balls in two hulls make; of radius -infinity where one is not known."""
-    _, shape_A, R_WA, _, shape_B, R_WB, p = pair
-    a, r_A = ball_in_hull(shape_A)
-    b, r_B = ball_in_hull(shape_B)
+    """Return the ball that balls in two cores make; of radius -infinity where one is not known."""
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
+    a, r_A = ball_in_core(kind_A, shape_A)
+    b, r_B = ball_in_core(kind_B, shape_B)
     c = sub(rotate(R_WA, a), add(p, rotate(R_WB, b)))
-    return Ball(c, norm(c), r_A + r_B if min(r_A, r_B) > 0.0 else -math.inf)
+    return Ball(c, norm(c), r_A + r_B)
 
 
 @inlined

@@ -4,8 +4,9 @@ On a great circle from n, ``g'' + g = rho`` where g is h and rho >= 0 the radius
 curvature (a measure: kinks only add to it). If ``rho >= rho_0`` within the angle C, then there
 ``g >= g(0) cos + g'(0) sin + rho_0 (1 - cos)``, and ``rho_0 >= g(0)`` makes that at least g(0) but
 for the square of the slope that Newton left. The ellipsoid ``y = |E n|`` has ``rho = const / y^3``
-on the circle and ``y <= y_0 + |E| C``, so ``rho_0 = rho (y_0 / (y_0 + |E| C))^3``. So a whole cap
-of directions is certified at once, where a polytope would need faces by the dozen.
+on the circle, and y is at most ``y_0 cos C + |E| sin C`` and at most |E| in the cap: ``rho_0`` is
+rho times the third power of y_0 over the lesser. So a whole cap of directions is certified at
+once, where a polytope would need faces by the dozen.
 """
 
 import math
@@ -28,8 +29,10 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
-WIDEST_CAP = 0.8  # [rad]; wider ones would save no faces
-CAPS = 10  # how often a cap that cannot be proven is halved
+WIDEST_CAP = 1.2  # [rad]; wider ones would save no faces
+NARROWER = 0.7  # times a cap that could not be proven
+LEAST_CAP = 0.002  # [rad]
+FLAT_SHARE = 0.9  # of the margin of a face; the rest leaves what CLEAR asks for, times ten
 # h rises in a cap with the cosine of the angle; this share of what it rises with, less what the
 # other terms take of it at most, is left where another normal would count as clearly another one.
 CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
@@ -39,11 +42,12 @@ CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
 def sharpness(terms, radius, n, e, f, cap):
     """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see above)."""
     m11, m12, m22 = -radius, 0.0, -radius
+    cosine, sine = math.cos(cap), math.sin(cap)
     for axes in (AXES_A, AXES_B):
         y, _, _, k11, k12, k22 = curvature(terms, axes, n, e, f)
         if y > 0.0:
             longest = max(terms[axes, LENGTH], terms[axes + 1, LENGTH], terms[axes + 2, LENGTH])
-            q = y / (y + longest * cap)
+            q = y / min(y * cosine + longest * sine, longest)
             q = q * q * q
             m11, m12, m22 = m11 + q * k11, m12 + q * k12, m22 + q * k22
     return m11, m12, m22
@@ -81,9 +85,9 @@ def widest_cap(difference, found, enough):
         h, margin = found.h, found.margin
         if margin * CLEAR < enough:
             return 0.0
-        return min(cap, 2.0 * math.atan(0.5 * margin / max(h, 0.5 * margin)))
-    for _ in range(CAPS):
-        if is_cap(terms, last, r_A + r_B, found, cap, enough):
-            return cap
-        cap *= 0.5
-    return 0.0
+        return min(cap, 2.0 * math.atan(FLAT_SHARE * margin / max(h, FLAT_SHARE * margin)))
+    if not is_cap(terms, last, r_A + r_B, found, LEAST_CAP, enough):
+        return 0.0
+    while cap > LEAST_CAP and not is_cap(terms, last, r_A + r_B, found, cap, enough):
+        cap *= NARROWER
+    return max(cap, LEAST_CAP)

@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     CLOSED,
     OVERLAP,
     distance_of_cores,
+    support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_defect
 from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_of_point
@@ -69,6 +70,7 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
+    dot,
     norm,
     scale,
     sub,
@@ -87,6 +89,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     LOOSE_SLOPE,
     NEAR_TOUCH,
+    RIGHT_ANGLE,
     ROUNDING,
     SHARPER,
     SHARPER_DEPTH,
@@ -308,6 +311,14 @@ def off_surfaces(pair, n, a, b, miss):
 
 
 @inlined
+def bounds_along(pair, n):
+    """Return the bounds that the support points along n give."""
+    a, b = support_points(pair, n, RIGHT_ANGLE)
+    lower, upper = dot(sub(b, a), n), norm(sub(b, a))
+    return Bounds(BEYOND_CUTOFF, lower, upper, lower, n, a, b, 0.0, True)
+
+
+@inlined
 def is_loose(found, enough):
     """Tell whether the bounds of ``bounds_of_cores`` are far apart, or its points off."""
     return found.end != BEYOND_CUTOFF and width_of(found) > 4.0 * enough
@@ -358,7 +369,10 @@ def signed_distance_of_cores(
     pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
     hulls = kind_A == CONVEX and kind_B == CONVEX
     memory = part(out, PAIR_WIDTH if hulls else out.size, out.size)
-    found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff + r_A + r_B, memory)
+    cutoff += r_A + r_B
+    found = bounds_along(pair, n)
+    if not found.lower > cutoff:
+        found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory)
     end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:

@@ -119,7 +119,7 @@ def iterated_depth(pair, difference, newton, near, size, tolerance, memory):
         if unique and newton.h - depth <= enough:
             return Depth(newton.h, min(depth, newton.h) - noise, newton.n, a, b, 0.0, True)
     if (kind_A == BOX or kind_A == CAPSULE) and kind_B == CYLINDER:
-        complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
+        complete, h, floor, n, unique = least_on_creases(difference, newton, enough, noise)
         if complete and h > 0.0:
             n, h, a, b, aside = points_at(difference, n, h, enough, noise)
             if share_a_point(pair, a, b):

@@ -29,6 +29,11 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.views import outlive
+from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
+    ball_in_difference,
+    is_in_ball_cap,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put, support_points
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
@@ -38,11 +43,11 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
     ALIVE,
-    FACE_WIDTH,
     OFFSET,
-    PLANE_WIDTH,
     add_faces,
     expand,
+    growth_arrays,
+    growth_numbers,
     is_corner,
     link_tetrahedron,
     pop_living,
@@ -175,31 +180,6 @@ def witness(points, faces, planes, first, total, n, upper, rival, s_A, s_B):
     )
 
 
-@allocating
-def growth_arrays(most_vertices):
-    """Return what a polytope of so many vertices grows in (see ``polytope``).
-
-    They are handed on one by one: as a record they made EPA take an eighth longer.
-    """
-    rows, corners = 8 * most_vertices, 10 * most_vertices  # w, a, b, and room for a name
-    reals, integers = corners + PLANE_WIDTH * rows, (FACE_WIDTH + 5) * rows + most_vertices
-    # In one block: to get two, and give them back, takes as long as to look at 4 vertices more.
-    block = np.empty(reals + (integers + 1) // 2)
-    numbers, indices = block[:reals], block[reals:].view(np.int32)
-    faces, rest = indices[: FACE_WIDTH * rows], indices[FACE_WIDTH * rows :]
-    starting_at = rest[5 * rows : 5 * rows + most_vertices]
-    starting_at[:] = -1
-    return (
-        numbers[:corners].reshape(most_vertices, 10),
-        faces.reshape(rows, FACE_WIDTH),
-        numbers[corners:].reshape(rows, PLANE_WIDTH),
-        rest[: 3 * rows].reshape(rows, 3),
-        rest[3 * rows : 4 * rows],
-        starting_at,
-        rest[4 * rows : 5 * rows],
-    )
-
-
 @inlined
 def is_in_cap(m, offset, n, rival, cap):
     """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
@@ -327,25 +307,27 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
     on growing until none is as near. Cores that are no hulls and turn out to be apart end the
     growth, with a negative ``upper``.
     """
-    growth = growth_arrays(most_vertices)
+    block = np.empty(growth_numbers(most_vertices))
+    growth = growth_arrays(block, most_vertices)
     points, faces, planes, horizon, stack, starting_at, heap = growth
     noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     a, b = support_points(pair, n, 0.0)
     known = nearest_known(pair, difference, n, dot(sub(a, b), n), a, b, enough, noise)
     count, total, waiting = start(pair, known, near, growth, size, noise)
-    hulls = difference.last == 0
+    hulls, ball = difference.last == 0, ball_in_difference(pair)
     thin = hulls and is_flat(points, THIN, size)
     exact, best, n, a, b, cap = known
     lower, least_in_cap, settled, unique = -np.inf, np.inf, False, False
     while True:
         f, waiting = pop_living(faces, planes, heap, waiting)
         if f < 0 or (settled and planes[f, OFFSET] > best + enough):
-            lower = lower if settled else best  # all that is left is in the cap
+            lower = lower if settled else best  # all that is left is in caps
             unique = True
             break
         m, offset = (planes[f, 0], planes[f, 1], planes[f, 2]), planes[f, OFFSET]
-        if is_in_cap(m, offset, n, best + enough, cap):
+        in_ball_cap = is_in_ball_cap(points, faces, planes, f, ball, best + enough)
+        if in_ball_cap or is_in_cap(m, offset, n, best + enough, cap):
             least_in_cap = min(least_in_cap, offset)
             continue
         if not settled and lower > 0.0 and offset < min(lower, least_in_cap) - FOLD * size:
@@ -360,9 +342,8 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
             break
         closed = not settled and width - lower <= enough
         if closed or (not settled and width < best - noise):
-            # Of polytopes, which are asked without a tolerance, a minimum on the way ends nothing
-            # sooner: the last one has the digits.
             known = Known(False, width, m, s_A, s_B, 0.0)
+            # On the way it ends nothing sooner for polytopes, which are asked without a tolerance.
             if closed or not hulls or tolerance > 0.0:
                 known = nearest_known(pair, difference, m, width, s_A, s_B, enough, noise)
             exact, best, n, a, b, cap = known
@@ -373,7 +354,6 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
             continue
         if near and best < -noise:
             break
-        # A corner again: rounding has nothing more to offer here.
         grown = total
         if count < most_vertices and not is_corner(points, faces, f, sub(s_A, s_B)):
             grown = expand(
@@ -383,6 +363,6 @@ def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
         if grown == total:
             break
         count, total = count + 1, grown
-    least = Known(exact, best, n, a, b, cap)
-    found = depth_at(points, faces, planes, total, least, lower, enough, unique)
+    found = depth_at(points, faces, planes, total, known, lower, enough, unique)
+    outlive(block)
     return guarded_hulls(pair, found, noise) if thin else found

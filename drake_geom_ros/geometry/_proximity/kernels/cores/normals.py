@@ -266,6 +266,28 @@ def newton_step(x, z, m11, m12, m22, e, f, held):
     return add_scaled(scale((m12 * z - m22 * x) / det, e), (m12 * x - m11 * z) / det, f)
 
 
+@inlined
+def downhill(x, z, aside, e, f, held):
+    """Return the longest step against the slopes, ``aside`` long; held, that along f."""
+    return scale(-LONGEST_STEP / aside, add_scaled(scale(0.0 if held else x, e), z, f))
+
+
+@compiled
+def lowest_tip(terms, last, radius, n, h):
+    """Return the axis of a disk along which the width is least, if that is below h [m]; else n.
+
+    There h has a tip like that of a cone, which the slopes around it do not lead to.
+    """
+    for axes in (AXES_A, AXES_B):
+        if terms[axes, LENGTH] > 0.0 and terms[axes + 2, LENGTH] == 0.0:
+            m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
+            m = m if dot(m, vector_in(terms, 0)) >= 0.0 else scale(-1.0, m)
+            there = width(terms, last, radius, m)
+            if there < h:
+                n, h = m, there
+    return n
+
+
 @compiled
 def descend(difference, n, noise):
     """Return what ``nearby_minimum`` does, with h by the shares."""
@@ -276,7 +298,7 @@ def descend(difference, n, noise):
     for k in range(3):
         terms[LEAN_A, k] = terms[LEAN_B, k] = 0.0
     set_shares(terms, last, n)
-    length = math.inf
+    length, leapt = math.inf, False
     for _ in range(STEPS):
         e, reach, flat = held_line(terms, last)
         if flat or at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B):
@@ -309,12 +331,15 @@ def descend(difference, n, noise):
                 return Minimum(SMOOTH, n, h, 0.0)
             share_out(terms, last, e, min(max(-x / reach, -1.0), 1.0))
             return Minimum(CREASE, n, h, max(reach - abs(x), 0.0))
+        tip = n if is_convex or leapt else lowest_tip(terms, last, radius, n, h - noise)
+        if tip != n:
+            n, length, leapt = tip, math.inf, True
+            set_shares(terms, last, n)
+            continue
         if is_convex:
             step = newton_step(x, z, m11, m12, m22, e, f, reach > 0.0)
         else:
-            step = scale(
-                -LONGEST_STEP / aside, add_scaled(scale(0.0 if reach > 0.0 else x, e), z, f)
-            )
+            step = downhill(x, z, aside, e, f, reach > 0.0)
         length = norm(step)
         if length > LONGEST_STEP:
             step = scale(LONGEST_STEP / length, step)

@@ -11,7 +11,8 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.views import integers, part, table
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
@@ -41,6 +42,37 @@ OFFSET = 3
 PLANE_WIDTH = 4
 START, END, BEYOND = 0, 1, 2  # columns of a horizon
 ZERO = (0.0, 0.0, 0.0)
+
+
+@inlined
+def growth_numbers(most_vertices):
+    """Return how many numbers a polytope of so many vertices needs to grow in."""
+    rows = 8 * most_vertices
+    return 10 * most_vertices + PLANE_WIDTH * rows + ((FACE_WIDTH + 5) * rows + most_vertices) // 2
+
+
+@allocating
+def growth_arrays(block, most_vertices):
+    """Return what a polytope of so many vertices grows in, views of a block.
+
+    They are handed on one by one: as a record they made EPA take an eighth longer. All are of one
+    block of ``growth_numbers``, for to get two, and give them back, takes as long as to look at 4
+    vertices more; and views, for slices and reshaped arrays took a tenth of the time of two hulls.
+    """
+    rows, corners = 8 * most_vertices, 10 * most_vertices  # w, a, b, and room for a name
+    rest = integers(block, corners + PLANE_WIDTH * rows)
+    faces, horizon = FACE_WIDTH * rows, (FACE_WIDTH + 3) * rows
+    starting_at = part(rest, horizon + 2 * rows, horizon + 2 * rows + most_vertices)
+    starting_at[:] = -1
+    return (
+        table(block, 0, most_vertices, 10),
+        table(rest, 0, rows, FACE_WIDTH),
+        table(block, corners, rows, PLANE_WIDTH),
+        table(rest, faces, rows, 3),
+        part(rest, horizon, horizon + rows),
+        starting_at,
+        part(rest, horizon + rows, horizon + 2 * rows),
+    )
 
 
 @inlined
@@ -88,7 +120,7 @@ def set_plane(faces, planes, points, f, size):
 
 @inlined
 def is_corner(points, faces, f, w):
-    """Tell whether w is a vertex of face f."""
+    """Tell whether w is a vertex of face f: then rounding has nothing more to offer there."""
     i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
     return vector_in(points, i) == w or vector_in(points, j) == w or vector_in(points, k) == w
 

@@ -23,11 +23,12 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.views import outlive
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
     ball_in_difference,
     is_in_ball_cap,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.epa import growth_arrays, witness
+from drake_geom_ros.geometry._proximity.kernels.cores.epa import witness
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest, vertex_at
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
@@ -37,6 +38,8 @@ from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
     OFFSET,
     ZERO,
     expand,
+    growth_arrays,
+    growth_numbers,
     is_corner,
     pop_living,
     push_nearest,
@@ -337,7 +340,8 @@ def remembered_depth(pair, n, memory, size, noise):
     if not (least > noise and ball.radius > THIN * size):
         memory[0] = 0.0
         return False, Depth(least, -np.inf, n, n, n, 0.0, False)
-    growth = growth_arrays(MOST_GROWN)
+    block = np.empty(growth_numbers(MOST_GROWN))
+    growth = growth_arrays(block, MOST_GROWN)
     points, faces, planes, _, stack, starting_at, _ = growth
     count, total = recall(memory, pair, points, faces)
     found = Grown(False, False, 0, 0, 0.0, ZERO, ZERO, ZERO)
@@ -349,6 +353,7 @@ def remembered_depth(pair, n, memory, size, noise):
         memory[0] = 0.0
     elif found.total != total:
         keep(memory, points, faces, found.total, starting_at, stack)
+    outlive(block)
     return sure, depth
 
 
@@ -364,7 +369,8 @@ def depth_of_hulls(pair, n, memory, size, noise):
         a, b, _ = named_support(pair, n)
         c, d, _ = named_support(pair, line)
         n = line if dot(sub(c, d), line) < dot(sub(a, b), n) else n
-    growth = growth_arrays(MOST_GROWN)
+    block = np.empty(growth_numbers(MOST_GROWN))
+    growth = growth_arrays(block, MOST_GROWN)
     points, faces, planes, _, stack, starting_at, _ = growth
     found = Grown(False, False, 0, 0, 0.0, n, n, n)
     least = double_pyramid(pair, n, points, faces) if ball.radius > THIN * size else 0.0
@@ -378,4 +384,5 @@ def depth_of_hulls(pair, n, memory, size, noise):
         if is_where_it_was(memory, pair.p_AB, size):  # else it leaps, and is not likely to be
             keep(memory, points, faces, found.total, starting_at, stack)
         remember_position(memory, pair.p_AB)
+    outlive(block)
     return sure, depth

@@ -35,6 +35,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import nowhere
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -151,5 +152,5 @@ def least_of_barrels(difference, n, floor, enough, noise):
     if sine >= STEEPEST:
         return Least(False, 0.0, floor, n, False)
     caps = least_in_caps(terms, u, other, sine, thin + wide) - thin * tilt - noise
-    complete, h, floor, n, unique = least_on_creases(difference, n, enough, noise)
+    complete, h, floor, n, unique = least_on_creases(difference, nowhere(n), enough, noise)
     return Least(complete and caps >= h - enough, h, min(floor, caps), n, unique)

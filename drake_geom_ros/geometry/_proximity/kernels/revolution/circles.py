@@ -160,21 +160,29 @@ def first_arcs(terms, last, e, reach, noise, arcs, kinks):
     if norm(q) < reach - noise:
         return 0
     count = kinks_on_circle(terms, last, e, kinks)
-    arc = 0
+    arc, known = 0, -1  # the last kink whose point is known
     for k in range(count):
-        point = point_on_arc(terms, (0.0, 0.0, 0.0), vector_at(kinks[k], 0))
-        for c in range(3):
-            kinks[k, ROUND_POINT + c] = point[c]
-    for k in range(count):
-        this, after = kinks[k], kinks[(k + 1) % count]
-        start, end = vector_at(this, 0), vector_at(after, 0)
+        after = k + 1 if k + 1 < count else 0
+        start, end = vector_at(kinks[k], 0), vector_at(kinks[after], 0)
         if may_reach(start, end, e, q, reach, noise):
+            if known != k:
+                put_round_point(terms, kinks[k])
+            put_round_point(terms, kinks[after])
+            known = after
             base = ends_at(terms, last, add(start, end))
-            u = add(base, vector_at(this, ROUND_POINT))
-            v = add(base, vector_at(after, ROUND_POINT))
+            u = add(base, vector_at(kinks[k], ROUND_POINT))
+            v = add(base, vector_at(kinks[after], ROUND_POINT))
             put_arc(arcs[arc], start, end, u, v)
             arc += 1
     return arc
+
+
+@inlined
+def put_round_point(terms, kink):
+    """Store the support point of the ellipsoids at a kink."""
+    point = point_on_arc(terms, (0.0, 0.0, 0.0), vector_at(kink, 0))
+    for c in range(3):
+        kink[ROUND_POINT + c] = point[c]
 
 
 @inlined
@@ -209,16 +217,22 @@ def largest_radius(terms, e):
 
 
 @compiled
-def improved(difference, n, h, enough, noise):
-    """Return (n, h, chord of its cap) of the minimum near n, or of n if there is none.
+def chord_of_cap(difference, found, enough):
+    """Return the chord of the cap of a minimum that was just found, or NO_CAP.
 
     A chord, not a cosine: caps may be as small as 1e-9 rad, whose cosine is 1.
     """
+    cap = widest_cap(difference, found, enough)
+    return 2.0 * math.sin(0.5 * cap) if cap > 0.0 else NO_CAP
+
+
+@compiled
+def improved(difference, n, h, enough, noise):
+    """Return (n, h, chord of its cap) of the minimum near n, or of n if there is none."""
     found = nearby_minimum(difference, n, noise)
     if found.kind == NOTHING or found.h > h + noise:
         return n, h, NO_CAP
-    cap = widest_cap(difference, found, enough)
-    return found.n, found.h, 2.0 * math.sin(0.5 * cap) if cap > 0.0 else NO_CAP
+    return found.n, found.h, chord_of_cap(difference, found, enough)
 
 
 @compiled
@@ -298,8 +312,9 @@ class Best(NamedTuple):
 def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
     """Return (complete, best) for the circle of directions at right angles to the unit e.
 
-    ``best`` is the ``Best`` so far. Within ``inner`` [m] of their centres both cores are solid.
-    Not complete where the splitting of arcs did not come to an end.
+    ``best`` is the ``Best`` so far. ``inner`` [m] is how far both cores together reach from their
+    centres, at least, along any such direction. Not complete where the splitting of arcs did not
+    come to an end.
 
     Arcs left out by ``first_arcs`` hold nothing as good: the cores are symmetric, so ``h(n) >=
     inner - p . n``, and h(-n) is less than h(n) by -2 p . n.

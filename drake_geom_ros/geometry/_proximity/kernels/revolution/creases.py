@@ -14,9 +14,12 @@ So the least of these is the depth. Nothing is left out by a comparison that rou
 those of ``circles`` keep what is in doubt.
 """
 
+import math
+
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -32,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     MOST_ARCS,
     MOST_KINKS,
     Best,
+    chord_of_cap,
     improved,
     least_on_circle,
 )
@@ -40,40 +44,59 @@ from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 
 @compiled
-def inner_radius(terms, first, last, axes):
-    """Return the radius [m] of a ball in the core whose segments are from first to last."""
+def reach_across(terms, first, last, axes, i):
+    """Return how far [m] the core whose segments are from first to last reaches across segment i.
+
+    That is, at least, from its centre along any direction at right angles to the segment.
+    """
     if terms[axes, LENGTH] > 0.0:
-        return min(terms[axes, LENGTH], terms[first, LENGTH])
+        radius = terms[axes, LENGTH]
+        return radius if i == first else min(radius, terms[first, LENGTH])
     if last - first < 3:
         return 0.0
-    return min(terms[first, LENGTH], terms[first + 1, LENGTH], terms[first + 2, LENGTH])
+    least = math.inf
+    for k in range(first, last):
+        least = min(least, terms[k, LENGTH] if k != i else math.inf)
+    return least
+
+
+@compiled
+def best_of_starts(difference, newton, enough, noise):
+    """Return the ``Best`` of what Newton's method found, the line of centres, faces and axes."""
+    terms, _, last, r_A, r_B = difference
+    radius = r_A + r_B
+    least = width(terms, last, radius, newton.n)
+    line, n = unit(vector_in(terms, 0)), newton.n
+    if dot(line, line) > 0.5 and width(terms, last, radius, line) < least:
+        n = line
+    n = likely_normal(difference, n)
+    if newton.kind == NOTHING or n != newton.n:
+        n, h, chord = improved(difference, n, width(terms, last, radius, n), enough, noise)
+    else:
+        h, chord = newton.h, chord_of_cap(difference, newton, enough)
+    return Best(n, h, chord, True, h)
 
 
 @allocating
-def least_on_creases(difference, n, enough, noise):
+def least_on_creases(difference, newton, enough, noise):
     """Return the least h over all faces and creases, and where.
 
-    ``n`` is any direction to start from, and ``floor`` what no h is below. Not complete where the
-    splitting of arcs did not come to an end. It is the depth if the cores overlap: h is positive
-    then. No plane that ``depths.guarded`` looks at is below it.
+    ``newton`` is what ``nearby_minimum`` of the difference has just found, or any direction to
+    start from, and ``floor`` what no h is below. Not complete where the splitting of arcs did not
+    come to an end. It is the depth if the cores overlap: h is positive then. No plane that
+    ``depths.guarded`` looks at is below it.
     """
     terms, first, last, r_A, r_B = difference
-    inner = inner_radius(terms, SEGMENT, first, AXES_A) + inner_radius(terms, first, last, AXES_B)
+    best = best_of_starts(difference, newton, enough, noise)
     arcs, kinks = np.empty((MOST_ARCS, ARC_WIDTH)), np.empty((MOST_KINKS, KINK_WIDTH))
-    across = unit(vector_in(terms, 0))
-    if dot(across, across) > 0.5 and width(terms, last, r_A + r_B, across) < width(
-        terms, last, r_A + r_B, n
-    ):
-        n = across
-    n = likely_normal(difference, n)
-    n, h, chord = improved(difference, n, width(terms, last, r_A + r_B, n), enough, noise)
-    best = Best(n, h, chord, True, h)
     complete = True
     for i in range(SEGMENT, last):
         e = scale(1.0 / terms[i, LENGTH], vector_in(terms, i))
+        inner = reach_across(terms, SEGMENT, first, AXES_A, i)
+        inner += reach_across(terms, first, last, AXES_B, i)
         done, best = least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks)
         complete = complete and done
-    n, h, chord, unique, floor = best
+    n, h, _, unique, floor = best
     axes = AXES_A if terms[AXES_A, LENGTH] > 0.0 else AXES_B
     axis = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
     for side in (-1.0, 1.0):

@@ -28,13 +28,18 @@ def _with_ellipsoid(terms, axes, sizes):
 @pytest.mark.parametrize('sizes', [(0.5, 0.7, 0.4), (0.7, 0.5, 0.4), (0.5, 0.6, 0.7)])
 @pytest.mark.parametrize('radius', [0.0, 0.03])
 def test_a_smooth_cap_is_as_wide_as_the_least_radius_of_curvature_allows(axes, sizes, radius):
-    """It is a^2 / c at the end c of an ellipsoid; (c / (c + longest * cap))^3 is left of it."""
+    """It is a^2 / c at the end c of an ellipsoid, and less as |E n| grows to the longest."""
     terms = _with_ellipsoid(_terms(), axes, sizes)
-    h = 0.1
+    h, longest = 0.3, max(sizes)
     least = min(sizes[0], sizes[1]) ** 2 / sizes[2]
-    cap = sizes[2] / max(sizes) * ((least / (h + radius)) ** (1.0 / 3.0) - 1.0)
     found = Minimum(normals.SMOOTH, (0.0, 0.0, 1.0), h, 0.0)
     arguments = terms, sums.SEGMENT, radius, found
+    reach = sizes[2] * (least / (h + radius)) ** (1.0 / 3.0)
+    if reach >= longest:
+        assert caps.is_cap(*arguments, 1.5, 1e-9)
+        return
+    # reach = c cos(cap) + longest sin(cap)
+    cap = np.arcsin(reach / np.hypot(sizes[2], longest)) - np.arctan2(sizes[2], longest)
     assert caps.is_cap(*arguments, 0.999 * cap, 1e-9)
     assert not caps.is_cap(*arguments, 1.001 * cap, 1e-9)
     assert not caps.is_cap(*arguments, 0.999 * cap, 1e-3)
@@ -62,12 +67,12 @@ def test_a_crease_needs_a_margin_for_what_turns_along_it(margin, narrow):
 @pytest.mark.parametrize(
     ('h', 'margin', 'cap'),
     [
-        (0.5, 0.2, 2.0 * np.arctan(0.2)),
-        (0.5, 0.3, 2.0 * np.arctan(0.3)),
-        (0.1, 0.2, 0.8),
-        (0.0, 0.2, 0.8),
+        (0.5, 0.2, 2.0 * np.arctan(0.36)),
+        (0.5, 0.3, 2.0 * np.arctan(0.54)),
+        (0.1, 0.2, 1.2),
+        (0.0, 0.2, 1.2),
         (0.5, 1e-6, 0.0),
-        (0.5, 1e-4, 2.0 * np.arctan(1e-4)),
+        (0.5, 1e-4, 2.0 * np.arctan(1.8e-4)),
     ],
 )
 def test_the_cap_of_a_face_is_seen_from_the_origin(h, margin, cap):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numba import config
-from oracles.core_pairs import core_pair, core_widths, random_core_pair
+from oracles.core_pairs import core_pair, core_widths, random_core_pair, turned
 
 from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
@@ -55,7 +55,9 @@ def test_nothing_in_a_cap_is_nearer(kinds):
         _, n, h, _ = found
         cap = caps.widest_cap(difference, found, 1e-12)
         widths.append(cap)
-        inside = _around(rng, n, cap * rng.uniform(0, 1, 40) ** 2)
+        inside = _around(
+            rng, n, cap * np.append(rng.uniform(0, 1, 40) ** 2, np.linspace(0, 1, 40))
+        )
         assert core_widths(pair, inside).min() >= h - 1e-14
     assert max(widths) >= 0.05
 
@@ -138,3 +140,20 @@ def test_hulls_have_no_minimum_of_this_kind():
     pair = Pair(BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0))
     found = normals.nearby_minimum(sums.difference_of(pair), (1.0, 0.0, 0.0), NOISE)
     assert found[0] == normals.NOTHING
+
+
+@pytest.mark.parametrize('swap', [False, True])
+def test_the_flat_end_of_a_cylinder_is_found_from_beside_it(swap):
+    """At the axis of the disk h has a tip, which no slope leads to; the edge of B sinks in."""
+    wide, tilted = np.array([0.5, 0.5]), turned((1, 0, 0), 0.6)
+    shapes = (CYLINDER, wide, np.eye(3)), (CYLINDER, np.array([0.1, 0.3]), tilted)
+    p = np.array([0.05, 0.1, 0.6])
+    pair = core_pair(*shapes[1], *shapes[0], -p) if swap else core_pair(*shapes[0], *shapes[1], p)
+    up = (0.0, 0.0, -1.0 if swap else 1.0)
+    depth = 0.5 + 0.3 * np.cos(0.6) + 0.1 * np.sin(0.6) - 0.6
+    rng = np.random.default_rng(7)
+    for start in _around(rng, up, rng.uniform(0.1, 0.6, 20)):
+        found = normals.nearby_minimum(sums.difference_of(pair), tuple(start), NOISE)
+        assert found.kind == normals.FLAT
+        assert found.n == pytest.approx(up, abs=1e-15)
+        assert found.h == pytest.approx(depth, abs=1e-15)

@@ -22,7 +22,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores import ball_caps, convex, epa, remembered
+from drake_geom_ros.geometry._proximity.kernels.cores import (
+    ball_caps,
+    convex,
+    polytope,
+    remembered,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 
@@ -163,10 +168,16 @@ def test_no_numbers_in_the_memory_can_spoil_an_answer(seed, data):
     assert (room[row.size :] == 7.0).all()
 
 
+def _growth():
+    """Return what a polytope grows in, after what these views do not keep alive."""
+    block = np.empty(polytope.growth_numbers(remembered.MOST_GROWN))
+    return block, polytope.growth_arrays(block, remembered.MOST_GROWN)
+
+
 def _closed_surface(rng, count):
     """Return a memory of a closed surface whose vertices are any pairs of vertices."""
     memory = np.zeros(MEMORY_WIDTH)
-    growth = epa.growth_arrays(remembered.MOST_GROWN)
+    _block, growth = _growth()
     points, faces = growth[:2]
     pair = _overlapping(rng)
     remembered.double_pyramid(pair, X, points, faces)
@@ -196,11 +207,12 @@ def test_a_closed_surface_of_any_vertices_leads_to_the_same_answer(few):
 def test_what_is_kept_is_recalled_as_it_was():
     rng = np.random.default_rng(8)
     pair, memory = _overlapping(rng), np.zeros(MEMORY_WIDTH)
-    points, faces, *_ = growth = epa.growth_arrays(remembered.MOST_GROWN)
+    _block, growth = _growth()
+    points, faces = growth[:2]
     assert remembered.double_pyramid(pair, X, points, faces) > 0.0
     total = 2 * remembered.SIDES
     remembered.keep(memory, points, faces, total, growth[5], growth[4])
-    again, its_faces, *_ = epa.growth_arrays(remembered.MOST_GROWN)
+    _other_block, (again, its_faces, *_) = _growth()
     assert remembered.recall(memory, pair, again, its_faces) == (2 + remembered.SIDES, total)
     triangles = [
         np.asarray(p)[f[:total, :3], :9] for p, f in ((points, faces), (again, its_faces))
@@ -214,7 +226,7 @@ def test_a_surface_with_one_link_or_corner_wrong_is_not_closed(column):
     rng = np.random.default_rng(9)
     memory = _closed_surface(rng, 2 + remembered.SIDES)
     pair = _overlapping(rng)
-    points, faces, *_ = epa.growth_arrays(remembered.MOST_GROWN)
+    _block, (points, faces, *_) = _growth()
     total = 2 * remembered.SIDES
     assert remembered.recall(memory, pair, points, faces) == (2 + remembered.SIDES, total)
     bits = int(memory[remembered.FIRST_FACE])

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
-from drake_geom_ros.geometry._proximity.kernels.cores import depths, sums
+from drake_geom_ros.geometry._proximity.kernels.cores import depths, normals, sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 
@@ -18,9 +18,19 @@ COUNT = 6 if config.DISABLE_JIT else 24
 NOISE = 1e-15
 
 
+def _least_from(difference, n, enough, noise):
+    """Return the least h, and the same from the minimum that is next to n."""
+    found = creases.least_on_creases(difference, normals.nowhere(n), enough, noise)
+    newton = normals.nearby_minimum(difference, n, noise)
+    other = creases.least_on_creases(difference, newton, enough, noise)
+    assert other.complete == found.complete
+    assert other.h == pytest.approx(found.h, abs=enough + 4 * noise)
+    return found
+
+
 def _least(pair, start=(1.0, 0.0, 0.0)):
     pair = core_pair(*pair.a.form, pair.a.R, *pair.b.form, pair.b.R, pair.b.p)
-    return creases.least_on_creases(sums.difference_of(pair), start, 1e-12, NOISE)
+    return _least_from(sums.difference_of(pair), start, 1e-12, NOISE)
 
 
 @pytest.mark.parametrize('kind', [BOX, CAPSULE])
@@ -65,7 +75,7 @@ def test_planes_that_no_search_chose_are_looked_at_too():
 def test_a_rod_through_a_cube(p, depth, unique):
     pair = core_pair(BOX, [0.5, 0.5, 0.5], np.eye(3), CYLINDER, [0.25, 1.0], np.eye(3), p)
     difference = sums.difference_of(pair)
-    complete, h, _, _, is_unique = creases.least_on_creases(difference, (0, 0, 1.0), 1e-9, NOISE)
+    complete, h, _, _, is_unique = _least_from(difference, (0.0, 0.0, 1.0), 1e-9, NOISE)
     assert complete
     assert h == pytest.approx(min(depth, 0.75), abs=1e-15)
     assert is_unique == unique
@@ -78,7 +88,7 @@ def test_a_stuck_peg(swap):
     p = swap * np.array([0, 0.008, 0.006])
     pair = core_pair(CAPSULE, [0.25, 0.5], R, CYLINDER, [0.25, 0.02], np.eye(3), p)
     for start in np.vstack([np.eye(3), -np.eye(3)]):
-        complete, h, floor, n, _ = creases.least_on_creases(
+        complete, h, floor, n, _ = _least_from(
             sums.difference_of(pair), tuple(start), 1e-10, NOISE
         )
         assert complete
@@ -105,7 +115,7 @@ def test_an_end_of_a_box_almost_on_the_face_of_a_cylinder():
         difference = sums.difference_of(pair)
         for start in rng.normal(size=(5, 3)):
             n = tuple(start / np.linalg.norm(start))
-            least.append(creases.least_on_creases(difference, n, 1.17e-11, 1.6e-15))
+            least.append(_least_from(difference, n, 1.17e-11, 1.6e-15))
     least_h = min(found.h for found in least)
     for found in least:
         assert found.complete
@@ -113,23 +123,29 @@ def test_an_end_of_a_box_almost_on_the_face_of_a_cylinder():
         assert found.h <= least_h + 1.3e-11
 
 
-@pytest.mark.parametrize(
-    ('kinds', 'radius'),
-    [
-        ((BOX, CYLINDER), 0.2 + 0.3),
-        ((CYLINDER, BOX), 0.3 + 0.2),
-        ((CAPSULE, CYLINDER), 0.0 + 0.3),  # a segment
-    ],
-)
+@pytest.mark.parametrize('kinds', [(BOX, CYLINDER), (CYLINDER, BOX), (CAPSULE, CYLINDER)])
 @pytest.mark.parametrize('turn', range(3))
-def test_the_balls_in_two_cores_are_as_wide_as_these_are_thin(kinds, radius, turn):
+def test_cores_reach_so_far_across_a_segment(kinds, turn):
+    """Each for itself, along the direction in which it reaches least: by dense directions."""
     sizes = {
         BOX: np.roll([0.2, 0.4, 0.5], turn),
         CAPSULE: np.array([0.1, 0.6]),
         CYLINDER: np.roll([0.3, 0.7], turn),
     }
-    pair = [(kind, sizes[kind], np.eye(3)) for kind in kinds]
-    terms, first, last, _, _ = sums.difference_of(core_pair(*pair[0], *pair[1], np.zeros(3)))
-    found = creases.inner_radius(terms, sums.SEGMENT, first, sums.AXES_A)
-    found += creases.inner_radius(terms, first, last, sums.AXES_B)
-    assert found == pytest.approx(radius, abs=1e-16)
+    pair = core_pair(
+        *((kinds[0], sizes[kinds[0]], np.eye(3))),
+        *((kinds[1], sizes[kinds[1]], np.eye(3))),
+        np.zeros(3),
+    )
+    terms, first, last, _, _ = sums.difference_of(pair)
+    angles = np.radians(np.arange(0.0, 360.0, 1.0))
+    for i in range(sums.SEGMENT, last):
+        axis = int(np.argmax(np.abs(terms[i, :3])))
+        n = np.zeros((len(angles), 3))
+        n[:, axis - 1], n[:, axis - 2] = np.cos(angles), np.sin(angles)
+        for low, high, axes in ((sums.SEGMENT, first, sums.AXES_A), (first, last, sums.AXES_B)):
+            reach = np.abs(n @ terms[low:high, :3].T).sum(axis=1)
+            reach += np.linalg.norm(n @ terms[axes : axes + 3, :3].T, axis=1)
+            found = creases.reach_across(terms, low, high, axes, i)
+            assert found <= reach.min() + 1e-15
+            assert found == pytest.approx(reach.min(), abs=1e-15) or not low <= i < high
