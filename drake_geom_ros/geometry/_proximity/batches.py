@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import row
+from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, prefetch, until
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     sub,
@@ -129,7 +130,16 @@ def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ig
     world = world_of(world)
     types, frames, outer = world.types, world.frames, world.outer
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
+    ask_until = until(hits.size)
     for k in range(hits.size):
+        if k < ask_until:
+            hit = np.uint64(hits[k + AHEAD])
+            prefetch(answers, (slots[hit],))
+            prefetch(answers, (slots[hit], 8))
+            prefetch(R_WGs, (pairs[hit, 1],))
+            prefetch(R_WGs, (pairs[hit, 1], 2))
+            prefetch(p_WGs, (pairs[hit, 1],))
+            prefetch(frames, (pairs[hit, 1],))
         hit = np.uint64(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(answers, slots[hit]), row(rows, k)

@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.handing import (
     Reals,
     SingleRows,
 )
+from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, prefetch
 from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
     LANES,
     above,
@@ -241,6 +242,13 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
         boxes.starts[bucket] = total
     # From the ends of the buckets back: then their starts are what is left.
     for k in range(rows.size - 1, -1, -1):
+        if k >= AHEAD:
+            prefetch(boxes.starts, (boxes.buckets[k - AHEAD],))
+            at = boxes.starts[boxes.buckets[k - AHEAD // 2]] - 1  # or next to it
+            prefetch(boxes.bounds, (at,))
+            prefetch(boxes.cells, (at,))
+            for c in range(6):
+                prefetch(boxes.sides, (c, at))
         boxes.starts[boxes.buckets[k]] -= 1
         at, g = boxes.starts[boxes.buckets[k]], rows[k]
         boxes.rows[at] = g

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.prefetch import prefetch
 
 Slots = NDArray[np.int64]
 Bits = NDArray[np.uint8]
@@ -93,6 +94,12 @@ def may_report(bits: Bits, bodies: Slots, slot_a: int, slot_b: int) -> bool:
     excluded = (bits[CURRENT, i, j >> np.uint64(3)] >> np.uint8(j & np.uint64(7))) & np.uint8(1)
     body_a, body_b = bodies[i], bodies[j]
     return bool((excluded == 0) & (body_a != body_b) & ((body_a | body_b) >= 0))
+
+
+@inlined
+def prefetch_pair(bits: Bits, slot_a: int, slot_b: int) -> None:
+    """Ask for what ``may_report`` reads of the matrix: of n geometries it has n^2 / 8 bytes."""
+    prefetch(bits, (CURRENT, slot_a, slot_b >> 3))
 
 
 @allocating

@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.all_pairs import look_at_all
 from drake_geom_ros.geometry._proximity.broadphase import put_code, put_in, rows_of
 from drake_geom_ros.geometry._proximity.clock import now
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.filter_matrix import may_report
+from drake_geom_ros.geometry._proximity.filter_matrix import may_report, prefetch_pair
 from drake_geom_ros.geometry._proximity.grid_pairs import pairs_between, pairs_within
 from drake_geom_ros.geometry._proximity.handing import (
     Bits,
@@ -31,6 +31,7 @@ from drake_geom_ros.geometry._proximity.handing import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
+from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, until
 from drake_geom_ros.geometry._proximity.posing import PACE
 
 UPDATES_AHEAD = 16.0  # that a margin is made for; fewer lists, more pairs to look at
@@ -336,8 +337,11 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
 
     Those that stand there twice, or wait for a pose, are not counted.
     """
-    considered, count, last = 0, 0, -1
+    considered, count, last, ask_until = 0, 0, -1, until(codes.size)
     for k in range(codes.size):
+        if k < ask_until:
+            i, j = rows_of(codes[k + AHEAD])
+            prefetch_pair(filters.bits, filters.slots[i], filters.slots[j])
         if codes[k] == last:
             continue
         last = codes[k]

@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
+from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, prefetch, until
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
     CONVEX,
@@ -243,6 +244,21 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
     return rounding
 
 
+@inlined
+def _fetch_ahead(k, pairs, slots, memory, p_WGs, travels, stamps, types):  # type: ignore[no-untyped-def]
+    """Ask for what is read of a later pair: its slot, and its body b; bodies a come in turn."""
+    b, s = pairs[k + AHEAD, 1], slots[k + AHEAD]
+    prefetch(memory.slacks, (s,))
+    prefetch(memory.answers, (s,))
+    prefetch(memory.answers, (s, 8))
+    prefetch(memory.seen, (s,))
+    prefetch(memory.gaps, (s,))
+    prefetch(travels, (b,))
+    prefetch(stamps, (b,))
+    prefetch(p_WGs, (b,))
+    prefetch(types, (b,))
+
+
 @allocating
 def answer_pairs(  # type: ignore[no-untyped-def]
     kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
@@ -267,13 +283,14 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    # What keeps a pair out unseen tells bodies that are apart from others, and not how deep these
-    # are: boxes that overlap have a gap of 0, and the depth in a solid may leap (``_may_leap``).
-    reach, found = max(cutoff, 0.0), 0
+    # Not how deep they are: boxes that overlap have a gap of 0, and a solid may leap (see above).
+    reach, found, ask_until = max(cutoff, 0.0), 0, until(slots.size) if first < 0 else 0
     enough, sharpest = (math.inf, gap) if math.isinf(gap) else (reach, 0.0)
     counts[:] = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
+        if k < ask_until:
+            _fetch_ahead(k, pairs, slots, memory, p_WGs, travels, stamps, types)
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         travelled = travels[a] + travels[b]
         if slacks[s] - travelled > enough:
