@@ -94,15 +94,15 @@ class PointBatch(NamedTuple):
 
 
 def gathered(
-    world: World, hits: Indices, pairs: Indices, slots: Indices, answers: Floats, gap: float
+    world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, gap: float
 ) -> PairBatch:
-    """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of answers.
+    """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of a memory.
 
     ``gap`` [m] is that of the level that was asked for.
     """
     ids = np.empty((len(hits), 2), dtype=np.int64)
     rows = np.empty((len(hits), BATCH_WIDTH))
-    gather_rows(hits, pairs, slots, answers, gap, world.handle, ids, rows)
+    gather_rows(hits, pairs, slots, memory, gap, world.handle, ids, rows)
     return frozen(ids, rows)
 
 
@@ -122,7 +122,7 @@ def _put(row, column, vector):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ignore[no-untyped-def]
+def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ignore[no-untyped-def]
     """Fill ids and rows of pairs of a world, given by its handle.
 
     Witness points come measured from Ao, in World axes.
@@ -134,15 +134,15 @@ def gather_rows(hits, pairs, slots, answers, gap, world, ids, rows):  # type: ig
     for k in range(hits.size):
         if k < ask_until:
             hit = np.uint64(hits[k + AHEAD])
-            prefetch(answers, (slots[hit],))
-            prefetch(answers, (slots[hit], 8))
+            prefetch(memory, (slots[hit],))
+            prefetch(memory, (slots[hit], 8))
             prefetch(R_WGs, (pairs[hit, 1],))
             prefetch(R_WGs, (pairs[hit, 1], 2))
             prefetch(p_WGs, (pairs[hit, 1],))
             prefetch(frames, (pairs[hit, 1],))
         hit = np.uint64(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
-        out, told = row(answers, slots[hit]), row(rows, k)
+        out, told = row(memory, slots[hit]), row(rows, k)
         ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]
         for c in range(PAIR_WIDTH):
             told[c] = out[c]

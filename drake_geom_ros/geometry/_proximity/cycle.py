@@ -170,7 +170,7 @@ def run_cycle(  # type: ignore[no-untyped-def]
             part(near.hits, 0, count),
             near.pairs,
             near.slots,
-            near.answers,
+            near.memory,
             gap,
             hands.world,
             ids,
@@ -218,14 +218,13 @@ def _answer(kernels, world, near, report, revision, query, mode):  # type: ignor
         report.counts[:] = 0
         _, cutoff, _ = query
         return near_pairs(pairs, world, cutoff, near.hits)
-    memory = near.answers, near.slacks, near.seen, near.gaps
     # Where there was a contact there still is one, mostly.
     first = _place_of_contact(near, report) if mode == CONTACT else -1
     found = answer_pairs(
         kernels,
         pairs,
         part(near.slots, 0, count),
-        memory,
+        near.memory,
         world,
         revision,
         query,

@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.kernel_table import (
     compile_rows,
     table_rows,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
@@ -197,19 +197,18 @@ class Engine:
         """
         self._begin(world)
         (row,) = rows = table_rows(*world.geometries.types[pair].T)
-        slots, answers = np.zeros(1, dtype=np.int64), np.zeros((1, PAIR_WIDTH))
+        slots, memory = np.zeros(1, dtype=np.int64), empty_memory(1)
         if hint is not None:
-            answers[0, NORMAL : NORMAL + 3] = hint
+            memory[0, NORMAL : NORMAL + 3] = hint
         if row < 0:
-            return gathered(world, slots[:0], pair, slots, answers, math.inf)
+            return gathered(world, slots[:0], pair, slots, memory, math.inf)
         self._kernels = compile_rows(rows)
         self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
-        memory, hits = empty_memory(answers), np.empty(1, dtype=np.int64)
-        gap = _GAPS[accuracy]
+        gap, hits = _GAPS[accuracy], np.empty(1, dtype=np.int64)
         hits = self._steps.answer(world, pair, slots, memory, (gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
-        return gathered(world, hits, pair, slots, answers, gap)
+        return gathered(world, hits, pair, slots, memory, gap)
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
@@ -316,7 +315,7 @@ class Engine:
         if count > room:
             near = prepared.near
             hits = near.arrays.hits[:count]
-            batch = gathered(world, hits, near.pairs, near.slots, near.answers, prepared.gap)
+            batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
             self._moments[ANSWERED] = time.perf_counter()
             return batch
         return frozen(ids[:count], rows[:count])
@@ -336,6 +335,6 @@ class Engine:
             self._compile_for(world, near)
         hits = self._steps.answer_list(world, near, query, budget)
         self._unrefined = self._steps.unrefined
-        batch = gathered(world, hits, near.pairs, near.slots, near.answers, gap)
+        batch = gathered(world, hits, near.pairs, near.slots, near.memory, gap)
         self._moments[ANSWERED] = time.perf_counter()
         return batch

@@ -9,6 +9,9 @@ The invariant pairs are not in the bits: ``reportable`` compares bodies instead.
 about a set needs no care for them, and no order of statements can lose one. ``bodies`` has a
 number of at least 0 for each slot, equal where the pair is invariant, and its complement
 ``~body`` while the slot is deactivated.
+
+``named`` has a flag for each slot of which a pair was ever excluded. Without it nothing is read of
+the row, which in a scene of thousands comes from far away in memory, and most have no filter.
 """
 
 from __future__ import annotations
@@ -52,10 +55,14 @@ def clear_slot(bits: Bits, slot: int) -> None:
 
 @compiled
 def write_pairs(
-    bits: Bits, first_layer: int, slots_a: Slots, slots_b: Slots, excludes: bool
+    bits: Bits, named: Flags, first_layer: int, slots_a: Slots, slots_b: Slots, excludes: bool
 ) -> bool:
     """Exclude or allow all pairs between two sets, from a layer on; return if any bit changed."""
     changed = False
+    if excludes and slots_a.size > 0 and slots_b.size > 0:
+        for slots in (slots_a, slots_b):
+            for slot in slots:
+                named[slot] = True
     for layer in range(first_layer, 2):
         changed |= write_rows(bits, layer, slots_a, slots_b, excludes)
         changed |= write_rows(bits, layer, slots_b, slots_a, excludes)
@@ -87,27 +94,30 @@ def write_rows(bits: Bits, layer: int, rows: Slots, columns: Slots, excludes: bo
 
 
 @inlined
-def may_report(bits: Bits, bodies: Slots, slot_a: int, slot_b: int) -> bool:
+def may_report(bits: Bits, bodies: Slots, named: Flags, slot_a: int, slot_b: int) -> bool:
     """Tell whether a pair may be reported."""
     # Unsigned indices spare the test for negative ones, a third of the whole time.
     i, j = np.uint64(slot_a), np.uint64(slot_b)
-    excluded = (bits[CURRENT, i, j >> np.uint64(3)] >> np.uint8(j & np.uint64(7))) & np.uint8(1)
+    excluded = np.uint8(0)
+    if named[i]:
+        excluded = bits[CURRENT, i, j >> np.uint64(3)] >> np.uint8(j & np.uint64(7))
     body_a, body_b = bodies[i], bodies[j]
-    return bool((excluded == 0) & (body_a != body_b) & ((body_a | body_b) >= 0))
+    return bool((excluded & np.uint8(1) == 0) & (body_a != body_b) & ((body_a | body_b) >= 0))
 
 
 @inlined
-def prefetch_pair(bits: Bits, slot_a: int, slot_b: int) -> None:
+def prefetch_pair(bits: Bits, named: Flags, slot_a: int, slot_b: int) -> None:
     """Ask for what ``may_report`` reads of the matrix: of n geometries it has n^2 / 8 bytes."""
-    prefetch(bits, (CURRENT, slot_a, slot_b >> 3))
+    if named[np.uint64(slot_a)]:
+        prefetch(bits, (CURRENT, slot_a, slot_b >> 3))
 
 
 @allocating
-def reportable(bits: Bits, bodies: Slots, slots_a: Slots, slots_b: Slots) -> Flags:
+def reportable(bits: Bits, bodies: Slots, named: Flags, slots_a: Slots, slots_b: Slots) -> Flags:
     """Return for each pair whether it may be reported."""
     answer = np.empty(slots_a.size, dtype=np.bool_)
     for k in range(slots_a.size):
-        answer[k] = may_report(bits, bodies, slots_a[k], slots_b[k])
+        answer[k] = may_report(bits, bodies, named, slots_a[k], slots_b[k])
     return answer
 
 

@@ -51,6 +51,7 @@ class FilterState:
         self._free: list[int] = []
         self._bits = filter_matrix.empty_bits()
         self._bodies: Slots = np.zeros(0, dtype=np.int64)
+        self._named: Flags = np.zeros(0, dtype=np.bool_)
         self._table: tuple[NDArray[np.int64], Slots] | None = None
 
     def copy(self) -> FilterState:
@@ -63,6 +64,7 @@ class FilterState:
         other._free = list(self._free)
         other._bits = self._bits.copy()
         other._bodies = self._bodies.copy()
+        other._named = self._named.copy()
         other._table = self._table
         return other
 
@@ -86,6 +88,7 @@ class FilterState:
         """Let go of a geometry that loses the proximity role; nothing said of it remains."""
         slot = self._slot_of.pop(key)
         filter_matrix.clear_slot(self._bits, slot)
+        self._named[slot] = False
         self._free.append(slot)
         self._table = None
         self.groups.forget(key)
@@ -112,13 +115,13 @@ class FilterState:
 
     def mask(self, slots_a: Slots, slots_b: Slots) -> Flags:
         """Return for each pair of slots whether it may be reported."""
-        flags: Flags = filter_matrix.reportable(self._bits, self._bodies, slots_a, slots_b)
+        flags: Flags = filter_matrix.reportable(*self.matrix, slots_a, slots_b)
         return flags
 
     @property
-    def matrix(self) -> tuple[filter_matrix.Bits, Slots]:
-        """The bits and bodies by slot, for compiled code, until the next change."""
-        return self._bits, self._bodies
+    def matrix(self) -> tuple[filter_matrix.Bits, Slots, Flags]:
+        """The bits, bodies and flags by slot, for compiled code, until the next change."""
+        return self._bits, self._bodies, self._named
 
     def filtered(self, key_a: int, key_b: int) -> bool:
         """Return whether a pair is kept from being reported, for whatever reason."""
@@ -245,7 +248,7 @@ class FilterState:
     def _write(self, entry: Entry, first_layer: int) -> None:
         slots_a, slots_b = self._sides(entry)
         self.version += filter_matrix.write_pairs(
-            self._bits, first_layer, slots_a, slots_b, entry.excludes
+            self._bits, self._named, first_layer, slots_a, slots_b, entry.excludes
         )
 
     def _replay(self, touched: Slots) -> None:
@@ -287,6 +290,7 @@ class FilterState:
         self._bits = filter_matrix.grown_bits(self._bits)
         capacity = self._bits.shape[1]
         self._bodies = np.concatenate((self._bodies, np.zeros(capacity - former, dtype=np.int64)))
+        self._named = np.concatenate((self._named, np.zeros(capacity - former, dtype=np.bool_)))
         self._free = list(range(capacity - 1, former - 1, -1))
 
 

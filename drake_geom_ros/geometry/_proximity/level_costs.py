@@ -14,7 +14,6 @@ from drake_geom_ros.geometry._proximity.kernel_table import (
     compile_rows,
     table_rows,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, POSTPONED, answer_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.records import empty_memory
@@ -73,7 +72,7 @@ def _answer(
     """Answer pairs (n, 2) of which nothing is known; return the seconds and what was counted."""
     n = len(pairs)
     slots, hits = np.arange(n), np.empty(n, dtype=np.int64)
-    memory = empty_memory(np.zeros((n, PAIR_WIDTH)))
+    memory = empty_memory(n)
     counts = np.zeros(COUNTS, dtype=np.int64)
     start = time.perf_counter()
     answer_pairs(

@@ -29,7 +29,7 @@ from drake_geom_ros.geometry._proximity.handing import (
     Vectors,
     taker,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN, SLACK, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
 from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, until
 from drake_geom_ros.geometry._proximity.posing import PACE
@@ -97,11 +97,7 @@ class ListArrays(NamedTuple):
     new_slots: Integers  # (m,)
     free: Integers  # (m,) slots
     hits: Integers  # (m,) room for numbers of pairs
-    # Slots (m,): see ``records.Memory``.
-    answers: Rows
-    slacks: Reals
-    seen: Integers
-    gaps: Reals
+    memory: Rows  # (m, SLOT_WIDTH or more) by slots, see ``records.empty_memory``
 
 
 class FilterArrays(NamedTuple):
@@ -110,6 +106,7 @@ class FilterArrays(NamedTuple):
     slots: Integers  # (n,) of the geometries
     bits: Bits
     bodies: Integers
+    named: Flags
 
 
 list_of = taker(ListArrays)
@@ -341,7 +338,8 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
     for k in range(codes.size):
         if k < ask_until:
             i, j = rows_of(codes[k + AHEAD])
-            prefetch_pair(filters.bits, filters.slots[i], filters.slots[j])
+            a, b = filters.slots[i], filters.slots[j]
+            prefetch_pair(filters.bits, filters.named, a, b)
         if codes[k] == last:
             continue
         last = codes[k]
@@ -349,7 +347,8 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
         if world.waiting[i] or world.waiting[j]:
             continue
         considered += 1
-        if may_report(filters.bits, filters.bodies, filters.slots[i], filters.slots[j]):
+        a, b = filters.slots[i], filters.slots[j]
+        if may_report(filters.bits, filters.bodies, filters.named, a, b):
             codes[count] = last
             count += 1
     return considered, count
@@ -377,10 +376,10 @@ def _carry(near, codes):  # type: ignore[no-untyped-def]
             free -= 1
             slot = near.free[free]
             slots[k] = slot
-            near.slacks[slot], near.seen[slot] = -math.inf, -1
             # The first number of what kernels remember tells whether there is anything.
-            for c in range(min(near.answers.shape[1], PAIR_WIDTH + 1)):
-                near.answers[slot, c] = 0.0
+            for c in range(min(near.memory.shape[1], SLOT_WIDTH + 1)):
+                near.memory[slot, c] = 0.0
+            near.memory[slot, SLACK], near.memory[slot, SEEN] = -math.inf, -1.0
         near.slots[k], near.codes[k] = slots[k], codes[k]
         near.pairs[k, 0], near.pairs[k, 1] = rows_of(codes[k])
     numbers[PAIRS], numbers[FREE] = codes.size, free

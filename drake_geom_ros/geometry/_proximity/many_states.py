@@ -18,6 +18,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
     PAIR_WIDTH,
+    SEEN,
+    SLACK,
+    SLOT_WIDTH,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
@@ -26,7 +29,7 @@ from drake_geom_ros.geometry._proximity.point_phase import point_phase
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry._proximity.posing import set_poses, update
-from drake_geom_ros.geometry._proximity.records import Memory, world_of
+from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.state_groups import Groups, collect, put_boxes
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
 
@@ -48,9 +51,9 @@ def _pose(poses, rows, Xs, world):  # type: ignore[no-untyped-def]
 def _forget(memory, first, last):  # type: ignore[no-untyped-def]
     """Forget what is known of some pairs, the hints too."""
     for s in range(first, last):
-        memory.slacks[s], memory.seen[s] = -math.inf, -1
+        memory[s, SLACK], memory[s, SEEN] = -math.inf, -1.0
         for c in range(3):
-            memory.answers[s, NORMAL + c] = 0.0
+            memory[s, NORMAL + c] = 0.0
 
 
 @inlined
@@ -132,8 +135,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
     counts = np.zeros(COUNTS, dtype=np.int64)
-    answer = np.zeros((1, PAIR_WIDTH))
-    memory = (answer, np.empty(1), np.empty(1, dtype=np.int64), np.zeros(1))
+    memory = np.zeros((1, SLOT_WIDTH))
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     best, kept = np.empty(most, dtype=np.int64), np.empty((most, PAIR_WIDTH))
     slots, both = np.arange(most), np.empty((most, 2), dtype=np.int64)
@@ -155,13 +157,13 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
                     break
                 k = order[left]
                 one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
-                _forget(Memory(*memory), 0, 1)
+                _forget(memory, 0, 1)
                 # Bounds alone have no running cutoff: they report the middle of an interval.
                 asked = (gap, cutoff if math.isinf(gap) else limit, False)
                 if answer_pairs(
                     kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts
                 ):
-                    count = _insert(count, k, answer[0], best, kept)
+                    count = _insert(count, k, memory[0], best, kept)
                     if count == most:
                         limit = kept[most - 1, DISTANCE]
         found[s] = count
@@ -191,7 +193,7 @@ def any_overlap(  # type: ignore[no-untyped-def]
 
     ``out`` (N,) gets the answers of ``Engine.has_overlap``; each state ends at its first proof.
     """
-    posed, groups, known = world_of(world), Groups(*groups), Memory(*memory)
+    posed, groups = world_of(world), Groups(*groups)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
@@ -206,7 +208,7 @@ def any_overlap(  # type: ignore[no-untyped-def]
         for r in range(count):
             if order[r] == last:  # where there was a contact there still is one, mostly
                 order[0], order[r] = last, order[0]
-        _list(order, count, pairs, some, known)
+        _list(order, count, pairs, some, memory)
         out[s] = False
         if count > 0 and answer_pairs(
             kernels, some, slots[:count], memory, world, 1, query, 0, queue, hits, counts
@@ -239,7 +241,7 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     (room, BATCH_WIDTH). States are done from the ``first`` on, until there is no room, ``stop``
     (1,) is set, or one has a pose that is none.
     """
-    posed, groups, known = world_of(world), Groups(*groups), Memory(*memory)
+    posed, groups = world_of(world), Groups(*groups)
     gap, cutoff, _ = query
     reach = max(cutoff, 0.0)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
@@ -254,14 +256,14 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
         everything = (0, groups.gaps.size, -1, reach)
         count = collect(groups, *everything, pairs, posed, order, bounds)
         order[:count].sort()
-        _list(order, count, pairs, some, known)
+        _list(order, count, pairs, some, memory)
         count = answer_pairs(
             kernels, some, slots[:count], memory, world, 1, query, -1, queue, hits, counts
         )
         start = offsets[s]
         if start + count > ids.shape[0]:
             return s
-        gather_rows(hits[:count], some, slots, known.answers, gap, world, some_ids, full)
+        gather_rows(hits[:count], some, slots, memory, gap, world, some_ids, full)
         for k in range(count):
             ids[start + k, 0], ids[start + k, 1] = some_ids[k, 0], some_ids[k, 1]
             for c in range(BATCH_WIDTH):

@@ -24,9 +24,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
+    GAP,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
+    SEEN,
+    SLACK,
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
@@ -53,7 +56,7 @@ from drake_geom_ros.geometry._proximity.promise import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.records import Memory, Query, Queue, world_of
+from drake_geom_ros.geometry._proximity.records import Query, Queue, world_of
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     PROMISED_ROUNDING,
@@ -222,9 +225,9 @@ def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-
 
 
 @inlined
-def _is_hit(out, gap, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
     """Tell whether an answer is within reach; of bounds alone, whether it may be."""
-    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(gap) else 0.0)
+    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[GAP]) else 0.0)
     if penetrating:
         return distance < -TOUCHING_DEPTH * size
     return distance <= cutoff
@@ -245,14 +248,10 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 
 
 @inlined
-def _fetch_ahead(k, pairs, slots, memory, p_WGs, travels, stamps, types):  # type: ignore[no-untyped-def]
-    """Ask for what is read of a later pair: its slot, and its body b; bodies a come in turn."""
-    b, s = pairs[k + AHEAD, 1], slots[k + AHEAD]
-    prefetch(memory.slacks, (s,))
-    prefetch(memory.answers, (s,))
-    prefetch(memory.answers, (s, 8))
-    prefetch(memory.seen, (s,))
-    prefetch(memory.gaps, (s,))
+def _fetch(b, s, memory, p_WGs, travels, stamps, types):  # type: ignore[no-untyped-def]
+    """Ask for what is read of a pair of slot s, and of its body b: bodies a come in turn."""
+    prefetch(memory, (s,))
+    prefetch(memory, (s, SLACK))
     prefetch(travels, (b,))
     prefetch(stamps, (b,))
     prefetch(p_WGs, (b,))
@@ -265,19 +264,19 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 ):
     """Bring the slots of the pairs up to date that may be within reach; return how many are.
 
-    ``kernels`` are addresses, ``world`` is a handle; ``memory``, ``query`` and ``queue`` are plain
-    tuples of these ``records``. ``hits`` gets the numbers of the pairs. A gap that is infinite
-    asks for the bounds of now, for to use what is known from before would make the answer depend
-    on what was asked. A ``first`` that is not negative is where to begin, and then one hit is
-    enough. A queue with room for all pairs gets those for which a kernel would run, with their
-    certified least distance if there is room for these too; without any room, kernels run.
+    ``kernels`` are addresses, ``world`` is a handle; ``query`` and ``queue`` are plain tuples of
+    these ``records``, ``memory`` is one of slots (see ``empty_memory`` there). ``hits`` gets the
+    numbers of the pairs. A gap that is infinite asks for the bounds of now, for to use what is
+    known from before would make the answer depend on what was asked. A ``first`` that is not
+    negative is where to begin, and then one hit is enough. A queue with room for all pairs gets
+    those for which a kernel would run, with their certified least distance if there is room for
+    these too; without any room, kernels run.
 
     (The records are taken apart first: to hand that of the world on made a pair of spheres take 6
     ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
     long again, for references are counted. One that is made in a call costs nothing.)
     """
-    world, memory, query, queue = world_of(world), Memory(*memory), Query(*query), Queue(*queue)
-    slacks, seen, gaps = memory.slacks, memory.seen, memory.gaps
+    world, query, queue = world_of(world), Query(*query), Queue(*queue)
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
     halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
@@ -290,16 +289,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         if k < ask_until:
-            _fetch_ahead(k, pairs, slots, memory, p_WGs, travels, stamps, types)
+            _fetch(pairs[k + AHEAD, 1], slots[k + AHEAD], memory, p_WGs, travels, stamps, types)
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
-        travelled = travels[a] + travels[b]
-        if slacks[s] - travelled > enough:
+        out, travelled = row(memory, s), travels[a] + travels[b]
+        if out[SLACK] - travelled > enough:
             counts[FAR] += 1
             continue
-        out, size = row(memory.answers, s), size_of_pair(a, b, types, outer)
-        rests = stamps[a] <= seen[s] and stamps[b] <= seen[s] and sharpest <= gaps[s] <= gap
+        size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
+        rests = latest <= out[SEEN] and sharpest <= out[GAP] <= gap
         # What stopped at a cutoff says enough about smaller ones only.
-        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(gaps[s])):
+        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(out[GAP])):
             counts[CACHED] += 1
         else:
             least = -math.inf
@@ -309,7 +308,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
                     _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
-                    least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], slacks[s] - travelled)
+                    least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], out[SLACK] - travelled)
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
@@ -321,16 +320,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                         a, b, kernels, Shapes(types, starts, pool), R_WGs, p_WGs, p_AB_W, aim, out
                     )
                 rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
-                seen[s], gaps[s] = revision, gap
+                out[SEEN], out[GAP] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, gap, size, rounding)
             else:
                 counts[FAR] += 1
-                seen[s] = -1  # from now on the slack is not the answer's
-            slacks[s] = _slack(least, travelled, types[a], types[b])
+                out[SEEN] = -1.0  # from now on the slack is not the answer's
+            out[SLACK] = _slack(least, travelled, types[a], types[b])
             if not near:
                 continue
-        hit = _is_hit(out, gaps[s], size, cutoff, penetrating)
+        hit = _is_hit(out, size, cutoff, penetrating)
         if hit or (first >= 0 and hides_contact(out, a, b, size + apart(p_WGs, a, b), roundings)):
             hits[found], found = k, found + 1
             if first >= 0:
@@ -346,8 +345,7 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
     widened by what both bodies can have moved since, and its gap that of no question. (Not in
     ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
     """
-    world, memory, query = world_of(world), Memory(*memory), Query(*query)
-    answers, slacks, seen, gaps = memory.answers, memory.slacks, memory.seen, memory.gaps
+    world, query = world_of(world), Query(*query)
     types, starts, pool = world.types, world.starts, world.pool
     R_WGs, p_WGs = world.R_WGs, world.p_WGs
     outer, inner, travels, stamps = world.outer, world.inner, world.travels, world.stamps
@@ -357,25 +355,25 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
     found = 0
     for k in range(slots.size):
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
-        out, size = row(answers, s), size_of_pair(a, b, types, outer)
+        out, size = row(memory, s), size_of_pair(a, b, types, outer)
         travelled = travels[a] + travels[b]
-        if stamps[a] <= seen[s] and stamps[b] <= seen[s] and math.isinf(gaps[s]):
+        if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[GAP]):
             counts[CACHED] += 1
         else:
             _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
             moved = math.inf
-            if seen[s] >= 0:
-                moved = travelled - (slacks[s] - _least(out, gaps[s], size, 0.0))
+            if out[SEEN] >= 0.0:
+                moved = travelled - (out[SLACK] - _least(out, out[GAP], size, 0.0))
             if _may_leap(out, moved, types[a], types[b]):
                 moved = math.inf
             _take_narrower(out, bounds, moved)
             rounding = rounding_of_pair(a, b, size + apart(p_WGs, a, b), world.roundings)
             out[ERROR_BOUND] += rounding
-            seen[s], gaps[s] = revision, -math.inf
+            out[SEEN], out[GAP] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
-            least = _least(out, gaps[s], size, rounding)
-            slacks[s] = _slack(least, travelled, types[a], types[b])
-        if _is_hit(out, gaps[s], size, cutoff, penetrating):
+            least = _least(out, out[GAP], size, rounding)
+            out[SLACK] = _slack(least, travelled, types[a], types[b])
+        if _is_hit(out, size, cutoff, penetrating):
             hits[found] = k
             found += 1
     return found

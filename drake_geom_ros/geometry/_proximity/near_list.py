@@ -25,7 +25,7 @@ from drake_geom_ros.geometry._proximity.broadphase import Boxes, room_for
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.handing import handle_of, taker
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.side_by_side import empty_sides
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
 from drake_geom_ros.geometry._proximity.list_making import (
@@ -42,7 +42,7 @@ from drake_geom_ros.geometry._proximity.list_making import (
     FilterArrays,
     ListArrays,
 )
-from drake_geom_ros.geometry._proximity.records import Memory, Plain, world_of
+from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.world import World
 
 Indices = NDArray[np.int64]
@@ -86,15 +86,12 @@ class NearList:
             new_slots=none,
             free=none,
             hits=none,
-            answers=np.zeros((0, PAIR_WIDTH + (MEMORY_WIDTH if remembers else 0))),
-            slacks=np.zeros(0),
-            seen=none,
-            gaps=np.zeros(0),
+            memory=np.zeros((0, SLOT_WIDTH + (MEMORY_WIDTH if remembers else 0))),
         )
         self.arrays.lengths[[REACH, RESTING_WITHIN]] = -1.0
         self._boxes = room_for(n), room_for(n)  # of those that move, and of those that rest
         self._told: tuple[FilterState | None, int] = None, -1
-        self._filters = FilterArrays(rows, np.zeros((2, 0, 0), dtype=np.uint8), none)
+        self._filters = FilterArrays(rows, *FilterState().matrix)
         self._hand_over()
 
     def _hand_over(self) -> None:
@@ -132,15 +129,9 @@ class NearList:
         return self.arrays.slots[: self.count]
 
     @property
-    def answers(self) -> NDArray[np.float64]:
-        """The last answers, by slot; see ``Memory``."""
-        return self.arrays.answers
-
-    @property
-    def memory(self) -> Plain:
-        """What is known of the pairs, by slot, as a plain tuple of ``Memory``."""
-        arrays = self.arrays
-        return tuple(Memory(arrays.answers, arrays.slacks, arrays.seen, arrays.gaps))
+    def memory(self) -> NDArray[np.float64]:
+        """What is known of the pairs, by slot; see ``records.empty_memory``."""
+        return self.arrays.memory
 
     @property
     def has_kernels(self) -> bool:
@@ -189,9 +180,8 @@ class NearList:
         """Make room for more pairs; the slots in use keep what they hold."""
         arrays = self.arrays
         more = capacity - len(arrays.slots)
-        names = 'codes', 'pairs', 'slots', 'new_slots', 'hits', 'answers', 'slacks', 'seen', 'gaps'
         grown = {}
-        for name in names:
+        for name in ('codes', 'pairs', 'slots', 'new_slots', 'hits', 'memory'):
             array = getattr(arrays, name)
             grown[name] = np.concatenate((array, np.zeros((more, *array.shape[1:]), array.dtype)))
         free = np.empty(capacity, dtype=np.int64)

@@ -83,7 +83,8 @@ def _may_touch(world, filters, a, b):  # type: ignore[no-untyped-def]
     """Tell whether a pair may be reported."""
     if (world.frames[a] == 0 and world.frames[b] == 0) or world.waiting[a] or world.waiting[b]:
         return False
-    return may_report(filters.bits, filters.bodies, filters.slots[a], filters.slots[b])
+    i, j = filters.slots[a], filters.slots[b]
+    return may_report(filters.bits, filters.bodies, filters.named, i, j)
 
 
 @compiled

@@ -9,7 +9,7 @@ Neither costs anything there; to hand a record on inside a loop over pairs does,
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +24,10 @@ from drake_geom_ros.geometry._proximity.handing import (
     Vectors,
     taker,
 )
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN, SLACK, SLOT_WIDTH
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Plain: TypeAlias = tuple[Any, ...]  # a record as it is handed over
 
 
 class WorldArrays(NamedTuple):
@@ -67,15 +67,6 @@ class WorldArrays(NamedTuple):
 world_of = taker(WorldArrays)
 
 
-class Memory(NamedTuple):
-    """The slots (m,) of ``NearList``: what is known of a pair."""
-
-    answers: Floats  # (m, PAIR_WIDTH, or more) the last answer; A is the first of the pair
-    slacks: Floats  # [m] certified distance plus travels, both of the same time
-    seen: Indices  # revision of the answer; -1: none yet
-    gaps: Floats  # [m] the gap that the answer was computed for
-
-
 class Query(NamedTuple):
     """What is asked of pairs."""
 
@@ -91,9 +82,14 @@ class Queue(NamedTuple):
     distances: Floats
 
 
-def empty_memory(answers: Floats) -> Plain:
-    """Return the memory, as a plain tuple, of pairs whose rows of answers hold hints or zeros."""
-    m = len(answers)
-    return tuple(
-        Memory(answers=answers, slacks=np.full(m, -np.inf), seen=np.full(m, -1), gaps=np.zeros(m))
-    )
+def empty_memory(pairs: int) -> Floats:
+    """Return a memory (m, SLOT_WIDTH) of pairs of which nothing is known.
+
+    The slot of a pair, a row, has its last answer, of which A is the first of the pair; its SLACK
+    [m], a certified distance plus travels, both of the same time; in which revision it was SEEN,
+    -1 for never; and for which GAP [m] the answer was computed. All in one place: of 30 000 balls,
+    slots come from memory again and again.
+    """
+    memory = np.zeros((pairs, SLOT_WIDTH))
+    memory[:, SLACK], memory[:, SEEN] = -np.inf, -1.0
+    return memory

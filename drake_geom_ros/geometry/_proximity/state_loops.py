@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES, compile_rows, table_rows
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.many_states import (
     any_overlap,
@@ -50,7 +49,7 @@ class StateLoops:
         apart = len(world.frames.ids) + alone
         _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
         self._groups = tuple(groups_of(groups, pairs))
-        self._memory = empty_memory(np.zeros((len(pairs), PAIR_WIDTH)))
+        self._memory = empty_memory(len(pairs))
 
     def _compile(self, gap: float) -> None:
         """Compile the kernels of the pairs; bounds need none."""

@@ -18,7 +18,6 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     bound_pairs,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
-from drake_geom_ros.geometry._proximity.records import Plain
 from drake_geom_ros.geometry._proximity.world import World
 
 Floats = NDArray[np.float64]
@@ -60,7 +59,7 @@ class Stepwise:
         world: World,
         pairs: Indices,
         slots: Indices,
-        memory: Plain,
+        memory: Floats,
         query: tuple[float, float, bool],
         hits: Indices,
         queue: tuple[Indices, Floats] = _AT_ONCE,

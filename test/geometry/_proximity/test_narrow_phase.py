@@ -13,6 +13,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     METHOD,
     NORMAL,
     PAIR_WIDTH,
+    SEEN,
+    SLACK,
     UNIQUE,
     WITNESS_A,
     WITNESS_B,
@@ -50,8 +52,7 @@ class Loop:
         self.pose(range(n), ps)
         self.pairs = np.column_stack(np.triu_indices(n, k=1)).astype(np.int64)
         self.slots = np.arange(len(self.pairs))[::-1].copy()  # no number is taken for another
-        m = len(self.pairs)
-        self.memory = empty_memory(np.zeros((m, PAIR_WIDTH)))
+        self.memory = empty_memory(len(self.pairs))
         rows = kernel_table.table_rows(*self.world.geometries.types[self.pairs].T)
         kernel_table.compile_rows(rows)
 
@@ -75,7 +76,7 @@ class Loop:
         return hits[:found].tolist(), done
 
     def row(self, k):
-        return self.memory[0][self.slots[k]]
+        return self.memory[self.slots[k]]
 
 
 def row_of_balls():
@@ -196,7 +197,7 @@ def test_pairs_out_of_the_range_of_products_have_the_digits_of_those_within(type
         parameters = [np.ldexp(sizes[kind], e) for kind in types]
         loop = Loop(types, parameters, np.ldexp([[0, 0, 0], [0.5, 3.0, 0.25]], e))
         assert loop.answer(math.inf, gap=math.ldexp(1e-9, e))[0] == [0]
-        found.append(loop.row(0))
+        found.append(loop.row(0)[:PAIR_WIDTH])
     lengths = [DISTANCE, ERROR_BOUND, *range(WITNESS_A, WITNESS_B + 3)]
     found[1][lengths] = np.ldexp(found[1][lengths], -exponent)
     assert 1.0 < found[0][DISTANCE] < 2.0
@@ -241,12 +242,12 @@ def test_a_slack_is_what_the_answer_certifies_and_a_cut_off_one_is_far_from_then
     travelled = slats.world.travels.sum()
     for gap in (1e-3, 1e-9):
         assert slats.answer(1.0, gap)[0] == [0]
-        row, slack = slats.row(0), slats.memory[1][0] - travelled
+        row, slack = slats.row(0), slats.memory[0, SLACK] - travelled
         assert abs(row[DISTANCE] - 0.3) <= row[ERROR_BOUND] <= gap
         assert slack == pytest.approx(row[DISTANCE] - row[ERROR_BOUND], abs=1e-14)
-    slats.memory[1][:], slats.memory[2][:] = -math.inf, -1
+    slats.memory[:, SLACK], slats.memory[:, SEEN] = -math.inf, -1
     assert slats.answer(0.1) == ([], {'bound': 1})
-    bound, slack = slats.row(0)[DISTANCE], slats.memory[1][0] - travelled
+    bound, slack = slats.row(0)[DISTANCE], slats.memory[0, SLACK] - travelled
     assert 0.1 < bound - 1e-13 <= slack <= bound <= 0.3 + 1e-14
     assert slats.answer(0.1) == ([], {'far': 1})
 

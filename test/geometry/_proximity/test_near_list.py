@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.list_making import FEW, PATIENCE
 from drake_geom_ros.geometry._proximity.near_list import NearList
+from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
 
 
@@ -121,22 +123,18 @@ def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
     rng = np.random.default_rng(4)
     world = random_world(rng, 60)
     filters, near = filters_of(world), NearList(world)
-    known: dict[tuple[int, int], float] = {}
+    known: dict[tuple[int, int], list[float]] = {}
+    (nothing,) = empty_memory(1).tolist()
     for _ in range(60):
         near.bring_up_to_date(world, filters, 0.0)
         slots = dict(zip(map(tuple, near.pairs.tolist()), near.slots.tolist(), strict=True))
         assert len(set(slots.values())) == len(slots)
         for pair, slot in slots.items():
-            if pair in known:
-                assert near.arrays.slacks[slot] == known[pair]
-            else:
-                # A new pair knows nothing, whoever had the slot before.
-                assert near.arrays.slacks[slot] == -math.inf
-                assert near.arrays.seen[slot] == -1
-                assert not near.answers[slot].any()
-            near.arrays.slacks[slot] = rng.random()
-            near.arrays.seen[slot], near.answers[slot] = 5, 1.0
-        known = {pair: near.arrays.slacks[slot] for pair, slot in slots.items()}
+            # A new pair knows nothing, whoever had the slot before.
+            expected = known.get(pair, nothing)
+            assert near.memory[slot].tolist() == expected
+            near.memory[slot] = rng.random(len(expected))
+        known = {pair: near.memory[slot].tolist() for pair, slot in slots.items()}
         creep(rng, world, np.arange(1, 61), 0.03)
 
 
@@ -155,20 +153,14 @@ def test_slots_are_used_to_the_last_one_and_keep_what_they_hold_when_they_grow()
         filters.apply([(3, allowed, ())])
         near.bring_up_to_date(world, filters, math.inf)
         after = slots_of(near)
-        sizes.append((len(after), len({*after.values()}), *map(len, near.memory)))
+        sizes.append((len(after), len({*after.values()}), len(near.memory)))
         assert before.items() <= after.items()
         for (i, j), slot in before.items():
-            assert near.answers[slot].tolist() == [i] * near.answers.shape[1]
-            assert (near.arrays.slacks[slot], near.arrays.seen[slot], near.arrays.gaps[slot]) == (
-                j,
-                i + j,
-                i * j,
-            )
+            assert near.memory[slot].tolist() == list(range(100 * i + j, 100 * i + j + SLOT_WIDTH))
         for (i, j), slot in after.items():
-            for held, value in zip(near.memory, (i, j, i + j, i * j), strict=True):
-                held[slot] = value
+            near.memory[slot] = range(100 * i + j, 100 * i + j + SLOT_WIDTH)
         before = after
-    assert sizes == [(58, 58, *[136] * 4), (136, 136, *[136] * 4), (153, 153, *[255] * 4)]
+    assert sizes == [(58, 58, 136), (136, 136, 136), (153, 153, 255)]
 
 
 @pytest.mark.parametrize('moving_plane', [False, True])

@@ -15,9 +15,9 @@ tolerance  gap [m] between the certified bounds at which an iteration may stop;
 cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
            its lower bound with BOUND_ONLY as method; infinity: never
 out        one row of PAIR_WIDTH numbers, see ``calling.pairs``. On entry its normal is a *hint*:
-           nhat_BA_W of an earlier answer of the same pair, or zeros. A row may be
-           MEMORY_WIDTH wider: in the rest, zeros at first, a kernel of hulls keeps a
-           hint of its own (``cores.remembered``)
+           nhat_BA_W of an earlier answer of the same pair, or zeros. A row may have SLOT_WIDTH
+           columns and MEMORY_WIDTH more: there, zeros at first, a kernel of hulls keeps
+           a hint of its own (``cores.remembered``)
 ========== ========================================================================
 
 An iterative kernel starts from the hint: a good one saves most of its time, a bad one some steps.

@@ -21,7 +21,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     MEMORY_WIDTH,
-    PAIR_WIDTH,
+    SLOT_WIDTH,
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
@@ -368,7 +368,7 @@ def signed_distance_of_cores(
     noise = ROUNDING * EPS * size
     pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
     hulls = kind_A == CONVEX and kind_B == CONVEX
-    memory = part(out, PAIR_WIDTH if hulls else out.size, out.size)
+    memory = part(out, min(SLOT_WIDTH, out.size) if hulls else out.size, out.size)
     cutoff += r_A + r_B
     found = bounds_along(pair, n)
     if not found.lower > cutoff:

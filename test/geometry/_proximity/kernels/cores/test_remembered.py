@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     MEMORY_WIDTH,
     NORMAL,
     PAIR_WIDTH,
+    SLOT_WIDTH,
     WITNESS_A,
     WITNESS_B,
 )
@@ -64,7 +65,7 @@ def _answer(pair, row):
 
 
 def _wide():
-    return np.zeros(PAIR_WIDTH + MEMORY_WIDTH)
+    return np.zeros(SLOT_WIDTH + MEMORY_WIDTH)
 
 
 def _size(pair):
@@ -90,7 +91,7 @@ def test_the_answer_of_hulls_that_move_is_that_of_each_pose_alone(step):
         pair, row = _overlapping(rng), _wide()
         for _ in range(6):
             _assert_same(_answer(pair, row), _answer(pair, np.zeros(PAIR_WIDTH)))
-            kept += row[PAIR_WIDTH] > 0.0
+            kept += row[SLOT_WIDTH] > 0.0
             pair = _moved(rng, pair, step)
     assert kept > 0  # otherwise nothing was tested
 
@@ -100,13 +101,13 @@ def test_hulls_that_do_not_move_need_no_more_than_what_is_remembered():
     pair, row = _overlapping(rng), _wide()
     for _ in range(3):  # the first tells where they are, the second keeps
         first = _answer(pair, row).copy()
-    memory = row[PAIR_WIDTH:].copy()
+    memory = row[SLOT_WIDTH:].copy()
     assert memory[0] >= 4.0
     for n in (tuple(-first[NORMAL : NORMAL + 3]), X):  # that of last time, and any
         sure, depth = remembered.remembered_depth(pair, n, memory, _size(pair), 1e-15)
         assert sure
         assert -first[DISTANCE] == pytest.approx(depth.upper, abs=1e-15)
-        np.testing.assert_array_equal(memory, row[PAIR_WIDTH:])
+        np.testing.assert_array_equal(memory, row[SLOT_WIDTH:])
 
 
 def test_along_a_normal_that_parts_the_hulls_nothing_is_looked_at():
@@ -139,10 +140,10 @@ def test_hulls_that_part_forget():
     pair, row = _overlapping(rng), _wide()
     for _ in range(2):
         _answer(pair, row)
-    assert row[PAIR_WIDTH] > 0.0
+    assert row[SLOT_WIDTH] > 0.0
     _answer(core_pair(*pair[:6], (0.5, 0.0, 0.0)), row)
     assert row[DISTANCE] > 0.0
-    assert row[PAIR_WIDTH] == 0.0
+    assert row[SLOT_WIDTH] == 0.0
 
 
 _strange = st.floats(allow_nan=True, allow_infinity=True)
@@ -154,15 +155,15 @@ _numbers = st.one_of(_strange, st.integers(-2, 300).map(float), st.integers(0, 2
 def test_no_numbers_in_the_memory_can_spoil_an_answer(seed, data):
     """Some, or all, of what is remembered is anything; what lies behind the row is left alone."""
     rng = np.random.default_rng(seed)
-    pair, room = _overlapping(rng), np.zeros(PAIR_WIDTH + MEMORY_WIDTH + 64)
-    row = room[: PAIR_WIDTH + MEMORY_WIDTH]
+    pair, room = _overlapping(rng), np.zeros(SLOT_WIDTH + MEMORY_WIDTH + 64)
+    row = room[: SLOT_WIDTH + MEMORY_WIDTH]
     for _ in range(2):
         alone = _answer(pair, row)[:PAIR_WIDTH].copy()
     changed = data.draw(st.lists(st.integers(0, MEMORY_WIDTH - 1), max_size=MEMORY_WIDTH))
     for k in changed:
-        row[PAIR_WIDTH + k] = data.draw(_numbers)
+        row[SLOT_WIDTH + k] = data.draw(_numbers)
     if data.draw(st.booleans()):
-        row[PAIR_WIDTH + remembered.POSITION :][:3] = pair.p_AB
+        row[SLOT_WIDTH + remembered.POSITION :][:3] = pair.p_AB
     room[row.size :] = 7.0
     _assert_same(_answer(pair, row), alone)
     assert (room[row.size :] == 7.0).all()
@@ -200,7 +201,7 @@ def test_a_closed_surface_of_any_vertices_leads_to_the_same_answer(few):
             names, 2 + remembered.SIDES
         )
         memory[remembered.POSITION :][:3] = pair.p_AB
-        row[PAIR_WIDTH:] = memory
+        row[SLOT_WIDTH:] = memory
         _assert_same(_answer(pair, row), alone)
 
 
