@@ -150,7 +150,10 @@ def at_disk(terms, n, axes):
 
 @compiled
 def face_normal(terms, last, n):
-    """Return the unit normal, on the side of n, of two held segments or of a disk at its axis."""
+    """Return the unit normal, on the side of n, of two held segments or of a disk at its axis.
+
+    n itself where segments are parallel but for rounding, by which another test took them apart.
+    """
     best, m = 0.0, n
     for i in range(SEGMENT, last):
         for j in range(i + 1, last):
@@ -160,7 +163,7 @@ def face_normal(terms, last, n):
                 sine = area / (terms[i, LENGTH] * terms[j, LENGTH])
                 if sine > best:
                     best, m = sine, scale(1.0 / area, c)
-    if best <= RIGHT_ANGLE:
+    if best <= RIGHT_ANGLE and (at_disk(terms, n, AXES_A) or at_disk(terms, n, AXES_B)):
         axes = AXES_A if at_disk(terms, n, AXES_A) else AXES_B
         m = unit(cross(vector_in(terms, axes), vector_in(terms, axes + 1)))
     return m if dot(m, n) > 0.0 else scale(-1.0, m)

@@ -5,9 +5,11 @@ import pytest
 from numba import config
 from oracles.core_pairs import core_pair, core_widths, random_core_pair, turned
 
+from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums, supports
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
+from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 PAIRS = [(BOX, CYLINDER), (BOX, ELLIPSOID), (CAPSULE, ELLIPSOID), (CYLINDER, CYLINDER)]
 PAIRS += [(CAPSULE, CYLINDER), (CYLINDER, ELLIPSOID), (ELLIPSOID, ELLIPSOID)]
@@ -157,3 +159,16 @@ def test_the_flat_end_of_a_cylinder_is_found_from_beside_it(swap):
         assert found.kind == normals.FLAT
         assert found.n == pytest.approx(up, abs=1e-15)
         assert found.h == pytest.approx(depth, abs=1e-15)
+
+
+def test_segments_that_are_parallel_but_for_rounding_leave_a_normal():
+    """By one test they make a face, by another, of the same angle, they do not."""
+    rng = np.random.default_rng(3)
+    found = []
+    for tilt in RIGHT_ANGLE * rng.uniform(0.9, 1.1, 4000):
+        R = random_rotation(rng)
+        first = CYLINDER, rng.uniform(0.1, 1.0, 2), R @ turned((1, 0, 0), tilt)
+        pair = core_pair(*first, CAPSULE, rng.uniform(0.1, 1.0, 2), R, np.zeros(3))
+        across = tuple(R @ turned((0, 0, 1), rng.uniform(0.0, 6.0))[0])
+        found.append(normals.nearby_minimum(sums.difference_of(pair), across, NOISE).n)
+    assert np.linalg.norm(found, axis=1) == pytest.approx(1.0, abs=1e-15)
