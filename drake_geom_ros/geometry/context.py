@@ -34,13 +34,6 @@ class _Built(NamedTuple):
 _LAST = 0  # no source's value
 
 
-class _FramesOf(NamedTuple):
-    """The frames of sources by the values of their ids, and by _LAST those posed without one."""
-
-    version: int  # of the frames, in which they were looked up
-    named: dict[int, Named]
-
-
 class _WaitingPairs(NamedTuple):
     """How many pairs wait for a pose, and when that was so."""
 
@@ -66,8 +59,9 @@ class SceneGraphContext:
         self._filters = filters
         self._accuracy = accuracy
         self._engine = Engine()
-        self._built = self._versions()
-        self._frames_of = _FramesOf(-1, {})
+        self._built, self._seen = self._versions(), model.versions.any
+        # The frames of sources by the values of their ids, and by _LAST those posed without one.
+        self._named: dict[int, Named] = {}
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
         self._waiting_pairs = _WaitingPairs(None, 0)
@@ -84,8 +78,8 @@ class SceneGraphContext:
         other._accuracy = self._accuracy
         other._partial = self._partial
         other._engine = Engine()
-        other._built = other._versions()
-        other._frames_of = _FramesOf(-1, {})
+        other._built, other._seen = other._versions(), other._model.versions.any
+        other._named = {}
         other._world = self._up_to_date_world().copy()
         other._snapshot = None
         other._waiting_pairs = _WaitingPairs(None, 0)
@@ -139,8 +133,10 @@ class SceneGraphContext:
         Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
-        world = self._up_to_date_world()
-        own = self._named_frames().get(source_id._value) or self._source_frames(source_id)
+        # Once more what ``_up_to_date_world`` does first: see ``FramePoseVector.FromArrays``.
+        is_known = self._seen == self._model.versions.any
+        world = self._world if is_known else self._up_to_date_world()
+        own = self._named.get(source_id._value) or self._source_frames(source_id)
         given, X_PFs = poses._arrays or poses._as_arrays()
         if world.pose(own, given, X_PFs):
             return
@@ -172,19 +168,12 @@ class SceneGraphContext:
         rows = world.frame_rows(values)
         return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
-    def _named_frames(self) -> dict[int, Named]:
-        """Return the frames that were looked up in this version of them."""
-        version = self._model.versions.frames
-        if self._frames_of.version != version:
-            self._frames_of = _FramesOf(version, {})
-        return self._frames_of.named
-
     def _source_frames(self, source_id: SourceId) -> Named:
         """Return a source's frames, by ascending ids, and note them."""
         values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
         ids = np.array(sorted(values), dtype=np.int64)
         named = Named(ids, self._up_to_date_world().frame_rows(ids))
-        self._named_frames()[source_id.get_value()] = named
+        self._named[source_id.get_value()] = named
         return named
 
     def UpdateFramePoses(self, poses: FramePoseVector) -> None:
@@ -192,7 +181,7 @@ class SceneGraphContext:
 
         Raises PoseError when a frame does not exist; nothing changes then.
         """
-        world, known = self._up_to_date_world(), self._named_frames()
+        world, known = self._up_to_date_world(), self._named
         ids, X_PFs = poses._arrays or poses._as_arrays()
         # Whoever poses frames names the same ones each time.
         last = known.get(_LAST)
@@ -219,9 +208,8 @@ class SceneGraphContext:
 
     def _posed_world(self) -> World:
         """Return the world for a query; raises PoseError if it lacks poses that it must have."""
-        versions, built, world = self._model.versions, self._built, self._world
-        if built.frames != versions.frames or built.proximity != versions.proximity:
-            world = self._up_to_date_world()
+        is_known = self._seen == self._model.versions.any
+        world = self._world if is_known else self._up_to_date_world()
         if not (world.is_whole or self._partial):
             waiting = world.unposed_frames().tolist()
             raise PoseError(
@@ -264,10 +252,14 @@ class SceneGraphContext:
 
     def _up_to_date_world(self) -> World:
         """Return the world, rebuilt, poses kept, if frames or shapes changed."""
-        versions, built = self._model.versions, self._built
-        if built.frames != versions.frames or built.proximity != versions.proximity:
-            self._world = self._world.rebuilt(*_tables(self._model))
-            self._built = self._versions()
+        seen = self._model.versions.any
+        if self._seen != seen:
+            built = self._versions()
+            if built != self._built:
+                self._world = self._world.rebuilt(*_tables(self._model))
+            if built.frames != self._built.frames:
+                self._named = {}
+            self._built, self._seen = built, seen
         return self._world
 
 

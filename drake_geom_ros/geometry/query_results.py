@@ -50,6 +50,13 @@ from drake_geom_ros.geometry.query_records import (
     SignedDistanceToPoint,
 )
 
+# Of columns, made once: to write them as slices takes a third of the time of a view.
+_FIRST, _SECOND = np.s_[:, 0], np.s_[:, 1]
+_NORMALS = np.s_[:, NORMAL : NORMAL + 3]
+_POINTS_A, _POINTS_B = np.s_[:, WITNESS_A : WITNESS_A + 3], np.s_[:, WITNESS_B : WITNESS_B + 3]
+_IN_A, _IN_B = np.s_[:, P_ACA : P_ACA + 3], np.s_[:, P_BCB : P_BCB + 3]
+_DEPTHS, _DISTANCES = np.s_[:, DEPTH], np.s_[:, DISTANCE]
+
 Floats = NDArray[np.float64]
 Record = TypeVar('Record')
 Batch = TypeVar('Batch', PairBatch, PointBatch)
@@ -128,27 +135,27 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     @property
     def id_A(self) -> NDArray[np.int64]:
         """Id values (k,) of the first geometries."""
-        return self._batch.ids[:, 0]
+        return self._batch.ids[_FIRST]
 
     @property
     def id_B(self) -> NDArray[np.int64]:
         """Id values (k,) of the second geometries."""
-        return self._batch.ids[:, 1]
+        return self._batch.ids[_SECOND]
 
     @property
     def nhat_BA_W(self) -> Floats:
         """Unit normals (k, 3), out of B into A."""
-        return self._rows[:, NORMAL : NORMAL + 3]
+        return self._rows[_NORMALS]
 
     @property
     def p_WCa(self) -> Floats:
         """Witness points on A (k, 3) [m], in World."""
-        return self._rows[:, WITNESS_A : WITNESS_A + 3]
+        return self._rows[_POINTS_A]
 
     @property
     def p_WCb(self) -> Floats:
         """Witness points on B (k, 3) [m], in World."""
-        return self._rows[:, WITNESS_B : WITNESS_B + 3]
+        return self._rows[_POINTS_B]
 
     @property
     def error_bound(self) -> Floats:
@@ -179,7 +186,7 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
     @property
     def depth(self) -> Floats:
         """Penetration depths (k,) [m], positive."""
-        return self._rows[:, DEPTH]
+        return self._rows[_DEPTHS]
 
     @property
     def gradients(self) -> Floats:
@@ -218,7 +225,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     @property
     def distance(self) -> Floats:
         """Signed distances (k,) [m]."""
-        return self._rows[:, DISTANCE]
+        return self._rows[_DISTANCES]
 
     @property
     def gradients(self) -> Floats:
@@ -250,12 +257,12 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
     @property
     def p_ACa(self) -> Floats:
         """Witness points on A (k, 3) [m], each in its A's frame."""
-        return self._rows[:, P_ACA : P_ACA + 3]
+        return self._rows[_IN_A]
 
     @property
     def p_BCb(self) -> Floats:
         """Witness points on B (k, 3) [m], each in its B's frame."""
-        return self._rows[:, P_BCB : P_BCB + 3]
+        return self._rows[_IN_B]
 
     def _record(self, k: int) -> SignedDistancePair:
         row = self._rows[k]

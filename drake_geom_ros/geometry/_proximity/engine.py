@@ -304,8 +304,10 @@ class Engine:
         """Return the answer, in one compiled call where its length is about as before."""
         room = prepared.room
         self._last = None  # its arrays may be free
-        if room <= _SMALL:
-            ids, rows = prepared.unheld_arrays()
+        is_small = room <= _SMALL
+        if is_small:
+            prepared.take_arrays()
+            ids, rows = prepared.ids, prepared.rows
         else:
             ids = self._buffers.empty((room, 2), np.int64)
             rows = self._buffers.empty((room, BATCH_WIDTH))
@@ -318,7 +320,7 @@ class Engine:
             batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
             self._moments[ANSWERED] = time.perf_counter()
             return batch
-        return frozen(ids[:count], rows[:count])
+        return prepared.shown.first(count) if is_small else frozen(ids[:count], rows[:count])
 
     def _answer_in_steps(
         self,

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, PairBatch, frozen
 from drake_geom_ros.geometry._proximity.buffers import UNHELD
 from drake_geom_ros.geometry._proximity.cycle import (
     ASKED,
@@ -36,14 +36,10 @@ from drake_geom_ros.geometry._proximity.world import World
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+SHOWN = UNHELD + 1  # references to an array of which there is one view
 LEAST_ROOM = 16  # rows made ready for an answer
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
-
-
-def _arrays_for(room: int) -> tuple[Indices, Floats]:
-    """Return room for ids and rows of so many pairs."""
-    return np.empty((room, 2), np.int64), np.empty((room, BATCH_WIDTH))
 
 
 class Asked(NamedTuple):
@@ -71,10 +67,12 @@ class Prepared:
         'near',
         'room',
         'rows',
+        'shown',
         'version',
     )
     filters: FilterState
     version: int  # of the filters
+    shown: PairBatch  # views of ``ids`` and ``rows`` that cannot be written to
 
     def __init__(self, asked: Asked, world: World, near: NearList, report: Handle) -> None:
         self.gap, self._asked = asked.gap, np.zeros(ASKED)
@@ -84,17 +82,24 @@ class Prepared:
         )
         self._world, self._report, self.near = world, report, near
         self.room = LEAST_ROOM
-        self.ids, self.rows = _arrays_for(0)
+        self._make_arrays()
 
-    def unheld_arrays(self) -> tuple[Indices, Floats]:
-        """Return room for ids and rows of an answer: that of the last one, once nobody holds it.
+    def _make_arrays(self) -> None:
+        """Make room for ids and rows of an answer; ``shown`` to others it cannot be changed."""
+        self.ids, self.rows = (
+            np.empty((self.room, 2), np.int64),
+            np.empty((self.room, BATCH_WIDTH)),
+        )
+        self.shown = frozen(self.ids.view(), self.rows.view())
 
-        Who holds a part of an array holds the array.
+    def take_arrays(self) -> None:
+        """Have room for an answer in ``ids`` and ``rows``: that of the last one, if not held.
+
+        Who holds a part of an array holds the array, as what is ``shown`` does.
         """
-        held = sys.getrefcount(self.ids) > UNHELD or sys.getrefcount(self.rows) > UNHELD
+        held = sys.getrefcount(self.ids) > SHOWN or sys.getrefcount(self.rows) > SHOWN
         if held or len(self.ids) < self.room:
-            self.ids, self.rows = _arrays_for(self.room)
-        return self.ids, self.rows
+            self._make_arrays()
 
     def hand_over(self, filters: FilterState) -> None:
         """Take the arrays that are there now."""
