@@ -118,8 +118,11 @@ def _error(judged: Judged, k: int) -> float:
     pair, row = judged.pairs[k], judged.replies.levels['exact']
     allowed = row.error_bound[k] + ROUNDING * judged.extent[k]
     # A sharper plane beside the best one may be enough.
-    near = (row.distance[k] - convex.of_any_size(pair, -judged.nhats[k])) / allowed
+    known = convex.of_any_size(pair, -judged.nhats[k])
+    near = (row.distance[k] - known) / allowed
     if near <= 1.0:
         return float(near)
     allowed += SEARCH * judged.extent[k]
-    return float((row.distance[k] - convex.of_any_size(pair)) / allowed)
+    # Every plane proves a distance, so the larger one is nearer to the truth: of needles that are
+    # 1e11 times as long as they are thick, the search finds a worse plane than the given one.
+    return float((row.distance[k] - max(known, convex.of_any_size(pair))) / allowed)

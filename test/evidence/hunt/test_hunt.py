@@ -130,3 +130,22 @@ def test_the_page_has_every_law_and_pair(one_round):
     assert all(f'| `{law}` |' in laws for law in LAWS)
     rows = [line[2:].split(' | ')[0] for line in pairs.splitlines() if line.startswith('| ')]
     assert rows == ['shapes', '---', *sorted({key.kinds for key in hunt.worst})]
+
+
+def test_a_worse_plane_of_the_search_does_not_make_a_certificate_false():
+    """Of two needles the search found 51866.8 m, and a given plane 51877.78 m: so did we."""
+    R = [0.7025062572408202, -0.49462221994123506, -0.511696998308472, -0.36604776899733704]
+    R += [0.3654755136262597, -0.8558251455476726, 0.6103228566501241, 0.7885280644847253]
+    R = np.array([*R, 0.07569347508475079]).reshape(3, 3)
+    p = np.array([-59664.985184586425, -0.7625376465078091, -49.68832135051094])
+    pair = Pair(
+        Body('Ellipsoid', (1.5130245478531883e-06, 1e5, 5.497554968322061e-06), R, np.zeros(3)),
+        Body(
+            'Ellipsoid', (3.782561385248358e-07, 24999.999906864083, 1.374388742838076e-06), R, p
+        ),
+    )
+    scenes = asking.Scenes([pair], np.random.default_rng(0), chains=False)
+    judged = scenes.ask([pair], np.zeros((1, 3)))[asking.GIVEN]
+    # A plane a little worse than the best, and far better than the one of the search.
+    judged.nhats[0] += 1e-13
+    assert asking._error(judged, 0) < 100.0
