@@ -14,7 +14,6 @@ EventsExecutor, which runs everything in one thread).
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
 import signal
@@ -89,24 +88,29 @@ class _Executor(SingleThreadedExecutor):
         self._busy_since = math.inf  # [s] of the steady clock
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Wait for a callback and execute it."""
+        """Wait for a callback and execute it.
+
+        Where another thread closes what this one was about to wait for, rclpy raises InvalidHandle
+        and looks at everything anew in its next wait.
+        """
         try:
             handler, entity, _ = self.wait_for_ready_callbacks(timeout_sec)
-        except (ShutdownException, TimeoutException):
+        except (ShutdownException, TimeoutException, InvalidHandle):
             return
         self._busy_since = time.monotonic()
         handler()
         self._busy_since = math.inf
         if (error := handler.exception()) is None:
             return
-        if self._failed is None:
+        # What was closed while its callback ran: nobody waits for the answer.
+        untold = isinstance(error, InvalidHandle)
+        if self._failed is None and not untold:
             raise error
         # Where taking the message failed, rclpy leaves the whole group busy for ever.
         if entity is not None and entity._executor_event and entity.callback_group is not None:
             entity._executor_event = False
             entity.callback_group.ending_execution(entity)
-        # What was closed while its callback ran: nobody waits for the answer.
-        if not isinstance(error, InvalidHandle):
+        if self._failed is not None and not untold:
             self._failed(error)
 
     def busy(self) -> float:
@@ -157,9 +161,7 @@ class _GroupThread(threading.Thread):
     def run(self) -> None:
         try:
             while not self._stopping.is_set():
-                # What was closed while its callback ran: nobody waits for the answer.
-                with contextlib.suppress(InvalidHandle):
-                    self._executor.spin_once(timeout_sec=_LONGEST_WAIT)
+                self._executor.spin_once(timeout_sec=_LONGEST_WAIT)
         except Exception as error:
             self.error = error
 

@@ -9,8 +9,10 @@ from collections import Counter
 import pytest
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.event_handler import EventHandler
 from rclpy.executors import SingleThreadedExecutor
 from ros.harness import environment, run_python
+from std_msgs.msg import Empty
 
 from drake_geom_ros.ros.spinning import StopSignals, spin_until_stopped
 
@@ -107,6 +109,25 @@ def test_what_is_made_later_is_served_too(node):
 
     first = node.create_timer(0.01, make)
     run()
+    assert done.done()
+
+
+def test_a_publisher_that_another_thread_closes_between_two_looks_ends_nothing(node, monkeypatch):
+    """rclpy adds the events of a publisher to its wait without looking whether it is open yet."""
+    done, run = spin(node, ())
+    publisher = node.create_publisher(Empty, 'closed', 1)
+    event = publisher.event_handlers[0]
+    add, closed = EventHandler.add_to_wait_set, []
+
+    def added(handler, wait_set):
+        if handler is event:
+            closed.append(node.destroy_publisher(publisher))
+        add(handler, wait_set)
+
+    monkeypatch.setattr(EventHandler, 'add_to_wait_set', added)
+    node.create_timer(0.01, lambda: done.set_result(None))
+    run()
+    assert closed == [True]
     assert done.done()
 
 
