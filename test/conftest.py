@@ -3,6 +3,11 @@
 import os
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+# No test judges how long anything takes: whoever calls a kernel first compiles it.
+settings.register_profile('untimed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile('untimed')
 
 # ROS is imported by the fixtures that need it: most tests run without.
 

@@ -42,7 +42,7 @@ def test_it_foretells_what_moving_does(names):
     assert unique >= 10
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.sampled_from(PAIRS), turns, places, seeds)
 def test_it_is_said_to_be_unique_only_where_it_is(names, turned, place, seed):
     """Among parallel, concentric and touching features the flag has to be honest."""
@@ -106,7 +106,7 @@ def test_general_poses_are_not_called_ambiguous():
         assert pair.ask().is_gradient_unique[0]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.sampled_from(PAIRS), st.sampled_from(DISTANCES), seeds)
 def test_moving_both_as_one_changes_nothing(names, distance, seed):
     rng = np.random.default_rng(seed)
@@ -117,7 +117,7 @@ def test_moving_both_as_one_changes_nothing(names, distance, seed):
     assert pair.ask().gradients[0] @ V == pytest.approx(0.0, abs=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.sampled_from(PAIRS), st.sampled_from((0.05, -0.01)), seeds)
 def test_it_is_the_same_with_the_roles_exchanged(names, distance, seed):
     pair = random_pair(np.random.default_rng(seed), names, distance)

@@ -108,7 +108,7 @@ def ask(question, query, fresh):
         assert a.distance == b.distance
 
 
-@settings(max_examples=EXAMPLES, deadline=None)
+@settings(max_examples=EXAMPLES)
 @given(life=lives, last=questions)
 def test_a_fresh_context_answers_the_same(life, last):
     seed, events = life

@@ -351,6 +351,6 @@ class RandomScenes(RuleBasedStateMachine):
 
 
 RandomScenes.TestCase.settings = settings(
-    max_examples=40, stateful_step_count=50, deadline=None, derandomize=True
+    max_examples=40, stateful_step_count=50, derandomize=True
 )
 test_random_scenes = RandomScenes.TestCase

@@ -144,7 +144,7 @@ def test_a_geometry_far_from_its_frame(shape):
         assert abs(answer.distance - truth + RADIUS) <= answer.error_bound
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     seed=st.integers(0, 2**32 - 1),
     links=st.lists(st.floats(-3.0, 7.0), min_size=1, max_size=8),

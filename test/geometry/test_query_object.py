@@ -105,7 +105,7 @@ angles = st.lists(st.floats(-3, 3), min_size=3, max_size=3)
 places = st.lists(st.floats(-1, 1), min_size=3, max_size=3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(st.tuples(angles, places), min_size=6, max_size=6))
 def test_depth_is_minus_the_signed_distance_of_the_same_pairs(poses):
     poses = [RigidTransform(RollPitchYaw(*rpy), p) for rpy, p in poses]
@@ -126,7 +126,7 @@ def test_depth_is_minus_the_signed_distance_of_the_same_pairs(poses):
     np.testing.assert_array_equal(distances.penetrations().depth, contacts.depth)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.lists(st.tuples(angles, places), min_size=2, max_size=2), places, angles)
 def test_the_gradient_is_what_moving_shows(poses, velocity, turn):
     shapes = [Box(0.4, 0.5, 0.6), Ellipsoid(0.2, 0.3, 0.4)]

@@ -61,7 +61,7 @@ def test_in_general_it_is_the_only_one_and_foretells_what_moving_does(name, swap
             assert pair.foretells(found.gradients[0], rng.normal(size=12))
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 @given(
     st.sampled_from(sorted(SOLIDS)),
     st.sampled_from(sorted(OTHERS)),

@@ -190,7 +190,7 @@ def snapshot(scene_graph):
     }
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(scene_graphs())
 def test_a_scene_that_was_saved_and_loaded_is_the_same(scene_graph):
     text = save_scene(scene_graph)

@@ -73,7 +73,7 @@ scenes = st.tuples(
 
 
 @given(scenes)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_all_that_overlaps_is_found_whatever_the_sizes(scene):
     seed, count, decades, spread, offset, scale = scene
     rng = np.random.default_rng(seed)

@@ -28,7 +28,7 @@ def allowed(world, filters, engine):
     return not (world.anchored[pair].all() or filters.filtered(a, b))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(ACCURACY_LEVELS), st.floats(0.05, 3.0))
 def test_whoever_looks_for_one_contact_answers_as_the_penetrations_do(seed, level, spread):
     rng = np.random.default_rng(seed)
@@ -74,7 +74,7 @@ def test_a_pair_that_waits_or_is_filtered_is_no_contact():
     assert not Engine().has_overlap(world, filters, 'exact')
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.integers(0, 2**32 - 1), st.sampled_from([4, 5, 8, 30]), st.floats(-4.0, 0.0))
 def test_the_ball_in_a_hull_is_inside_each_of_its_facets(seed, count, flatness):
     """Facets by Qhull, through scipy. Only a flat hull has none."""

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from drake_geom_ros.geometry._proximity.compiled import compiled
@@ -32,7 +32,6 @@ def lowest_of(bits):
     return lowest(bits)
 
 
-@settings(deadline=None)  # the first compiles
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 3 * LANES))
 def test_each_box_is_compared_as_it_would_be_alone(seed, count):
     """Sides are small whole numbers, so that many of them are equal."""
@@ -63,7 +62,6 @@ def test_the_lowest_bit_is_found(bits):
     assert lowest_of(bits) == (bits & -bits).bit_length() - 1
 
 
-@settings(deadline=None)
 @given(st.floats(allow_nan=False, allow_infinity=False))
 @example(1.0)
 @example(1.0 + 2.0**-24)

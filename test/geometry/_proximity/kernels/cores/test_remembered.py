@@ -150,7 +150,7 @@ _strange = st.floats(allow_nan=True, allow_infinity=True)
 _numbers = st.one_of(_strange, st.integers(-2, 300).map(float), st.integers(0, 2**53).map(float))
 
 
-@settings(max_examples=10 if config.DISABLE_JIT else 300, deadline=None)
+@settings(max_examples=10 if config.DISABLE_JIT else 300)
 @given(seed=st.integers(0, 2**16), data=st.data())
 def test_no_numbers_in_the_memory_can_spoil_an_answer(seed, data):
     """Some, or all, of what is remembered is anything; what lies behind the row is left alone."""

@@ -30,7 +30,7 @@ def _assert_closest(corners):
 
 
 @pytest.mark.parametrize('count', [2, 3, 4])
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_random_simplices(count, seed):
     rng = np.random.default_rng(seed)
@@ -38,7 +38,7 @@ def test_random_simplices(count, seed):
 
 
 @pytest.mark.parametrize('count', [2, 3, 4])
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_corners_that_coincide_or_stand_in_a_row(count, seed):
     rng = np.random.default_rng(seed)

@@ -21,7 +21,7 @@ def _case(kind, seed):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=seeds)
 def test_core_and_its_ball_have_the_support_value_of_the_shape(kind, seed):
     size, R, n, _ = _case(kind, seed)
@@ -33,7 +33,7 @@ def test_core_and_its_ball_have_the_support_value_of_the_shape(kind, seed):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=seeds)
 def test_support_point_grown_by_the_ball_is_on_the_surface(kind, seed):
     size, R, n, _ = _case(kind, seed)
@@ -43,7 +43,7 @@ def test_support_point_grown_by_the_ball_is_on_the_surface(kind, seed):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=seeds)
 def test_no_support_point_is_beyond_the_plane_of_another(kind, seed):
     """The core is convex: that the ball of an ellipsoid may be taken off is a theorem."""
@@ -57,7 +57,7 @@ def test_no_support_point_is_beyond_the_plane_of_another(kind, seed):
 
 
 @pytest.mark.parametrize('kind', KINDS)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=seeds)
 def test_the_bounding_radius_holds_the_shape(kind, seed):
     size, R, n, _ = _case(kind, seed)
