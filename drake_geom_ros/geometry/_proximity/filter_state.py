@@ -30,7 +30,14 @@ from drake_geom_ros.geometry._proximity.filter_log import (
     clique,
     group_relation,
 )
-from drake_geom_ros.geometry._proximity.filter_matrix import BASE, CURRENT, Flags, Slots
+from drake_geom_ros.geometry._proximity.filter_matrix import (
+    BASE,
+    CURRENT,
+    NO_ROW,
+    BitRows,
+    Flags,
+    Slots,
+)
 
 _ANCHORED = 0  # the body of all anchored geometries; a frame's is its id, and ids start at 1
 
@@ -51,7 +58,8 @@ class FilterState:
         self._free: list[int] = []
         self._bits = filter_matrix.empty_bits()
         self._bodies: Slots = np.zeros(0, dtype=np.int64)
-        self._named: Flags = np.zeros(0, dtype=np.bool_)
+        self._bit_rows: BitRows = np.zeros(0, dtype=np.int32)
+        self._free_rows: list[int] = []
         self._table: tuple[NDArray[np.int64], Slots] | None = None
 
     def copy(self) -> FilterState:
@@ -64,7 +72,8 @@ class FilterState:
         other._free = list(self._free)
         other._bits = self._bits.copy()
         other._bodies = self._bodies.copy()
-        other._named = self._named.copy()
+        other._bit_rows = self._bit_rows.copy()
+        other._free_rows = list(self._free_rows)
         other._table = self._table
         return other
 
@@ -87,8 +96,10 @@ class FilterState:
     def remove(self, key: int) -> None:
         """Let go of a geometry that loses the proximity role; nothing said of it remains."""
         slot = self._slot_of.pop(key)
-        filter_matrix.clear_slot(self._bits, slot)
-        self._named[slot] = False
+        filter_matrix.clear_slot(self._bits, self._bit_rows, slot)
+        if (bit_row := int(self._bit_rows[slot])) != NO_ROW:
+            self._bit_rows[slot] = NO_ROW
+            self._free_rows.append(bit_row)
         self._free.append(slot)
         self._table = None
         self.groups.forget(key)
@@ -109,7 +120,7 @@ class FilterState:
         """Return the slot of each geometry."""
         if self._table is None:
             known = np.array(self.all_keys(), dtype=np.int64)
-            self._table = known, self._rows(known.tolist())
+            self._table = known, self._slots_of(known.tolist())
         known, slots = self._table
         return slots[np.searchsorted(known, keys)]
 
@@ -119,13 +130,13 @@ class FilterState:
         return flags
 
     @property
-    def matrix(self) -> tuple[filter_matrix.Bits, Slots, Flags]:
-        """The bits, bodies and flags by slot, for compiled code, until the next change."""
-        return self._bits, self._bodies, self._named
+    def matrix(self) -> tuple[filter_matrix.Bits, Slots, BitRows]:
+        """The bits, and body and row by slot, for compiled code, until the next change."""
+        return self._bits, self._bodies, self._bit_rows
 
     def filtered(self, key_a: int, key_b: int) -> bool:
         """Return whether a pair is kept from being reported, for whatever reason."""
-        return not self.mask(self._rows((key_a,)), self._rows((key_b,)))[0]
+        return not self.mask(self._slots_of((key_a,)), self._slots_of((key_b,)))[0]
 
     def explain(self, key_a: int, key_b: int) -> list[str]:
         """Return why a pair is filtered: each of these would do alone; empty if it is not.
@@ -136,7 +147,7 @@ class FilterState:
         that ignores the other's) and ``clique NAME``. Of declarations about exactly the same
         sets the last one is named.
         """
-        body_a, body_b = self._bodies[self._rows((key_a, key_b))].tolist()
+        body_a, body_b = self._bodies[self._slots_of((key_a, key_b))].tolist()
         reasons = []
         if key_a == key_b:
             reasons.append('self')
@@ -148,8 +159,8 @@ class FilterState:
 
     def filtered_pairs(self) -> int:
         """Return how many pairs are filtered although they are not invariant."""
-        slots = self._rows(self._slot_of)
-        return int(filter_matrix.count_filtered(self._bits, self._bodies, slots))
+        slots = self._slots_of(self._slot_of)
+        return int(filter_matrix.count_filtered(*self.matrix, slots))
 
     # Declarations, groups and cliques.
 
@@ -218,7 +229,7 @@ class FilterState:
 
     def flatten(self) -> None:
         """Make the current configuration the persistent one; the history is gone."""
-        touched = self._mentioned(self._log.history())
+        touched = self._rows_of(self._mentioned(self._log.history()))
         self._bits[BASE, touched] = self._bits[CURRENT, touched]
         self._log.flatten()
 
@@ -248,33 +259,55 @@ class FilterState:
     def _write(self, entry: Entry, first_layer: int) -> None:
         slots_a, slots_b = self._sides(entry)
         self.version += filter_matrix.write_pairs(
-            self._bits, self._named, first_layer, slots_a, slots_b, entry.excludes
+            self._bits, self._bit_rows, first_layer, slots_a, slots_b, entry.excludes
         )
 
     def _replay(self, touched: Slots) -> None:
         """Build rows of the current configuration anew from the base and the history."""
-        self._bits[CURRENT, touched] = self._bits[BASE, touched]
+        bit_rows = self._rows_of(touched)
+        self._bits[CURRENT, bit_rows] = self._bits[BASE, bit_rows]
         mine = np.zeros(len(self._bodies), dtype=np.bool_)
         mine[touched] = True
         for entry in self._log.history():
             a, b = self._sides(entry)
-            filter_matrix.write_rows(self._bits, CURRENT, a[mine[a]], b, entry.excludes)
-            filter_matrix.write_rows(self._bits, CURRENT, b[mine[b]], a, entry.excludes)
+            matrix = self._bits, self._bit_rows, CURRENT
+            filter_matrix.write_rows(*matrix, a[mine[a]], b, entry.excludes)
+            filter_matrix.write_rows(*matrix, b[mine[b]], a, entry.excludes)
         self.version += 1
 
     def _sides(self, entry: Entry) -> tuple[Slots, Slots]:
-        """Return the slots of both sets of an entry."""
-        slots_a = self._rows(entry.keys_a)
-        if entry.keys_b is entry.keys_a:
-            return slots_a, slots_a
-        return slots_a, self._rows(self._slot_of if entry.keys_b is None else entry.keys_b)
+        """Return the slots of both sets of an entry; if it excludes, they have rows thereafter."""
+        slots_a = slots_b = self._slots_of(entry.keys_a)
+        if entry.keys_b is not entry.keys_a:
+            slots_b = self._slots_of(self._slot_of if entry.keys_b is None else entry.keys_b)
+        if entry.excludes and slots_a.size and slots_b.size:
+            self._give_rows(slots_a)
+            self._give_rows(slots_b)
+        return slots_a, slots_b
+
+    def _give_rows(self, slots: Slots) -> None:
+        """Give rows of the matrix to those of some slots that have none."""
+        lacking = np.unique(slots[self._bit_rows[slots] == NO_ROW])
+        if (more := len(lacking) - len(self._free_rows)) > 0:
+            former = self._bits.shape[1]
+            capacity = filter_matrix.capacity_for(former + more, former)
+            self._bits = filter_matrix.grown_bits(self._bits, capacity, len(self._bodies))
+            self._free_rows += range(former, capacity)
+        for slot in lacking:
+            self._bit_rows[slot] = self._free_rows.pop()
+
+    def _rows_of(self, slots: Slots) -> BitRows:
+        """Return the rows of those of some slots that have one."""
+        bit_rows: BitRows = self._bit_rows[slots]
+        given: BitRows = bit_rows[bit_rows != NO_ROW]
+        return given
 
     def _mentioned(self, said: Iterable[Entry]) -> Slots:
         """Return the slots of all that some entries mention, each once."""
         sides = [side for entry in said for side in self._sides(entry)]
         return np.unique(np.concatenate(sides)) if sides else np.zeros(0, dtype=np.int64)
 
-    def _rows(self, keys: Collection[int]) -> Slots:
+    def _slots_of(self, keys: Collection[int]) -> Slots:
         return np.fromiter(map(self._slot_of.__getitem__, keys), np.int64, len(keys))
 
     def _switch(self, keys: Iterable[int], active: bool) -> None:
@@ -287,10 +320,11 @@ class FilterState:
     def _grow(self) -> None:
         """Make room; the lowest slots are given out first."""
         former = len(self._bodies)
-        self._bits = filter_matrix.grown_bits(self._bits)
-        capacity = self._bits.shape[1]
-        self._bodies = np.concatenate((self._bodies, np.zeros(capacity - former, dtype=np.int64)))
-        self._named = np.concatenate((self._named, np.zeros(capacity - former, dtype=np.bool_)))
+        capacity = filter_matrix.capacity_for(former + 1, former)
+        self._bits = filter_matrix.grown_bits(self._bits, self._bits.shape[1], capacity)
+        more = capacity - former
+        self._bodies = np.concatenate((self._bodies, np.zeros(more, dtype=np.int64)))
+        self._bit_rows = np.concatenate((self._bit_rows, np.full(more, NO_ROW, dtype=np.int32)))
         self._free = list(range(capacity - 1, former - 1, -1))
 
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 # follow the first one, None for those that differ from array to array.
 Flags: TypeAlias = Annotated[NDArray[np.bool_], np.bool_, ()]
 Integers: TypeAlias = Annotated[NDArray[np.int64], np.int64, ()]
+BitRows: TypeAlias = Annotated[NDArray[np.int32], np.int32, ()]
 IndexPairs: TypeAlias = Annotated[NDArray[np.int64], np.int64, (2,)]
 Cells: TypeAlias = Annotated[NDArray[np.int64], np.int64, (4,)]
 Reals: TypeAlias = Annotated[NDArray[np.float64], np.float64, ()]

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.filter_matrix import may_report, prefetch_pair
 from drake_geom_ros.geometry._proximity.grid_pairs import pairs_between, pairs_within
 from drake_geom_ros.geometry._proximity.handing import (
+    BitRows,
     Bits,
     Flags,
     IndexPairs,
@@ -106,7 +107,7 @@ class FilterArrays(NamedTuple):
     slots: Integers  # (n,) of the geometries
     bits: Bits
     bodies: Integers
-    named: Flags
+    bit_rows: BitRows
 
 
 list_of = taker(ListArrays)
@@ -339,7 +340,7 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
         if k < ask_until:
             i, j = rows_of(codes[k + AHEAD])
             a, b = filters.slots[i], filters.slots[j]
-            prefetch_pair(filters.bits, filters.named, a, b)
+            prefetch_pair(filters.bits, filters.bit_rows, a, b)
         if codes[k] == last:
             continue
         last = codes[k]
@@ -348,7 +349,7 @@ def _keep(near, world, filters, codes):  # type: ignore[no-untyped-def]
             continue
         considered += 1
         a, b = filters.slots[i], filters.slots[j]
-        if may_report(filters.bits, filters.bodies, filters.named, a, b):
+        if may_report(filters.bits, filters.bodies, filters.bit_rows, a, b):
             codes[count] = last
             count += 1
     return considered, count

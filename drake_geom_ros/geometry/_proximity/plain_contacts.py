@@ -84,7 +84,7 @@ def _may_touch(world, filters, a, b):  # type: ignore[no-untyped-def]
     if (world.frames[a] == 0 and world.frames[b] == 0) or world.waiting[a] or world.waiting[b]:
         return False
     i, j = filters.slots[a], filters.slots[b]
-    return may_report(filters.bits, filters.bodies, filters.named, i, j)
+    return may_report(filters.bits, filters.bodies, filters.bit_rows, i, j)
 
 
 @compiled
