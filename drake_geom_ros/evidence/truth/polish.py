@@ -107,11 +107,26 @@ def _maximum(pair: MinkowskiDifference, n: Floats, E: Floats, i: int, j: int) ->
         slope -= (slope @ y) * y
         w, V = np.linalg.eigh(curve)
         step = (V / np.maximum(np.abs(w), LEAST_CURVATURE * pair.size)) @ (V.T @ slope)
-        y = y + step / max(1.0, 4 * float(np.linalg.norm(step)))
-        y /= np.linalg.norm(y)
-        if np.linalg.norm(step) < LAST_STEP:
+        y, length = _ahead(d, flats, y, step / max(1.0, 4 * float(np.linalg.norm(step))))
+        if length < LAST_STEP:
             break
     return y @ E
+
+
+def _ahead(d: Floats, flats: list[Floats], y: Floats, step: Floats) -> tuple[Floats, float]:
+    """Return where a step leads from y, and its length [rad]: halved for as long as g falls.
+
+    Along a needle g is curved on a width of the order of the needle's own, and the whole step
+    from beside it leads far beyond the maximum.
+    """
+    before = d @ y - sum(float(np.linalg.norm(M @ y)) for M in flats)
+    while True:
+        length, there = float(np.linalg.norm(step)), y + step
+        there /= np.linalg.norm(there)
+        g = d @ there - sum(float(np.linalg.norm(M @ there)) for M in flats)
+        if g >= before or length < LAST_STEP:
+            return there, length
+        step = 0.5 * step
 
 
 def _held(n: Floats, held: _Edges) -> list[Any]:

@@ -145,6 +145,11 @@ def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ign
             prefetch(R_WGs, (pairs[hit, 1], 2))
             prefetch(p_WGs, (pairs[hit, 1],))
             prefetch(frames, (pairs[hit, 1],))
+            prefetch(world.ids, (pairs[hit, 1],))
+            prefetch(outer, (pairs[hit, 1],))
+            prefetch(roundings, (pairs[hit, 1],))
+            near = np.uint64(hits[k + AHEAD // 2])
+            prefetch(p_WFs, (frames[pairs[near, 1]],))
         hit = np.uint64(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(memory, slots[hit]), row(rows, k)

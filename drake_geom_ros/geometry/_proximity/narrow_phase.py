@@ -248,8 +248,11 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 
 
 @inlined
-def _fetch(b, s, memory, p_WGs, travels, stamps, types):  # type: ignore[no-untyped-def]
+def _fetch(b, s, memory, p_WGs, travels, stamps, types, outer, roundings, starts):  # type: ignore[no-untyped-def]
     """Ask for what is read of a pair of slot s, and of its body b: bodies a come in turn."""
+    prefetch(outer, (b,))
+    prefetch(roundings, (b,))
+    prefetch(starts, (b,))
     prefetch(memory, (s,))
     prefetch(memory, (s, SLACK))
     prefetch(travels, (b,))
@@ -289,7 +292,10 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         if k < ask_until:
-            _fetch(pairs[k + AHEAD, 1], slots[k + AHEAD], memory, p_WGs, travels, stamps, types)
+            _fetch(
+                *(pairs[k + AHEAD, 1], slots[k + AHEAD], memory, p_WGs, travels, stamps, types),
+                *(outer, roundings, starts),
+            )
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, travelled = row(memory, s), travels[a] + travels[b]
         if out[SLACK] - travelled > enough:

@@ -93,6 +93,24 @@ def test_a_direction_that_is_known_needs_no_search():
     assert again == phi
 
 
+def test_newtons_method_does_not_leap_over_the_maximum_beside_a_needle():
+    """From 3e-10 rad beside it; alternate projections with 60 digits say 1.97137025287013206546."""
+    R = [0.813278321045404, -0.49050882881580077, -0.3130167110096855, 0.2841741598761591]
+    R += [-0.13460853970705094, 0.9492763495930014, -0.5077631528343195, -0.8609771366834821]
+    R = np.array([*R, 0.029915727169244604]).reshape(3, 3)
+    p = np.array([0.5558668581744719, 1.7396846574949114, -0.7563712991490479])
+    needle = (1.4339290658426254e-07, 1817.1667211231584, 7.976671784593878e-07)
+    beside = np.array([0.3178771562761479, 0.8922829535918652, -0.3206013790475129])
+    ball = Body('Sphere', (0.0001111274678975986,), np.eye(3), np.zeros(3))
+    needle = Body('Ellipsoid', needle, R, p)
+    phi, n = signed_distance(ball, needle, beside)
+    found, _ = signed_distance(ball, needle)
+    assert phi == pytest.approx(found, abs=1e-13)
+    height = float(-np.linalg.norm(np.multiply(needle.size, R.T @ n)) + p @ n) - ball.size[0]
+    assert phi == pytest.approx(height, abs=1e-12)
+    assert phi - 1.971370252870132 == pytest.approx(0.0, abs=1e-7)
+
+
 def test_the_offset_from_the_origin_costs_no_digit():
     shift = np.array([2.0**30, -(2.0**30), 2.0**30])
     p = np.array([0.5, 0.25, 0.125])
