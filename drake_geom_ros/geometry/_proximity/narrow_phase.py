@@ -248,17 +248,17 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 
 
 @inlined
-def _fetch(b, s, memory, p_WGs, travels, stamps, types, outer, roundings, starts):  # type: ignore[no-untyped-def]
-    """Ask for what is read of a pair of slot s, and of its body b: bodies a come in turn."""
-    prefetch(outer, (b,))
-    prefetch(roundings, (b,))
-    prefetch(starts, (b,))
+def _fetch(k, pairs, slots, memory, p_WGs, travels, stamps, types, outer, roundings):  # type: ignore[no-untyped-def]
+    """Ask for what is read of a pair AHEAD of pair k, and of its body b: bodies a come in turn."""
+    b, s = pairs[k + AHEAD, 1], slots[k + AHEAD]
     prefetch(memory, (s,))
     prefetch(memory, (s, SLACK))
+    prefetch(p_WGs, (b,))
     prefetch(travels, (b,))
     prefetch(stamps, (b,))
-    prefetch(p_WGs, (b,))
     prefetch(types, (b,))
+    prefetch(outer, (b,))
+    prefetch(roundings, (b,))
 
 
 @allocating
@@ -293,8 +293,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         k = turn if first < 0 else (first + turn) % slots.size
         if k < ask_until:
             _fetch(
-                *(pairs[k + AHEAD, 1], slots[k + AHEAD], memory, p_WGs, travels, stamps, types),
-                *(outer, roundings, starts),
+                k + AHEAD, pairs, slots, memory, p_WGs, travels, stamps, types, outer, roundings
             )
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, travelled = row(memory, s), travels[a] + travels[b]

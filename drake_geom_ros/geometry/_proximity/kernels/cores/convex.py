@@ -29,17 +29,16 @@ from drake_geom_ros.geometry._proximity.kernels.cores import remembered
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.depths import (
     depth_and_bounds,
-    points_on_edges,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
+    CLOSED_ASIDE,
     OVERLAP,
     distance_of_cores,
     support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_defect
-from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_of_point
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
     nearby_minimum,
@@ -64,17 +63,20 @@ from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
     bounding_radius,
     core_radius,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.witnesses import (
+    drawn_to,
+    off_surfaces,
+    witnesses_of_depth,
+)
 from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
     least_of_hull_in_barrel,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    add,
     add_scaled,
     dot,
     norm,
     scale,
     sub,
-    unrotate,
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
@@ -87,7 +89,6 @@ from drake_geom_ros.geometry._proximity.kinds import (
 )
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
-    LOOSE_SLOPE,
     NEAR_TOUCH,
     RIGHT_ANGLE,
     ROUNDING,
@@ -133,40 +134,6 @@ def is_strict(difference, n, noise):
     if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
         return False
     return widest_cap(difference, nearby_minimum(difference, n, noise), noise) > 0.0
-
-
-@compiled
-def drawn_to(distance, n, a, b):
-    """Return (a, b, miss): a and b moved by ``miss``, the least with ``b - a = distance n``."""
-    centre, away = scale(0.5, add(a, b)), 0.5 * distance
-    miss = 0.5 * norm(add_scaled(sub(b, a), -distance, n))
-    return add_scaled(centre, -away, n), add_scaled(centre, away, n), miss
-
-
-@compiled
-def witnesses_of_depth(pair, n, depth, size, a, b, aside):
-    """Return (a, b, miss): points of A and B with ``a - b = depth n``, off the cores by ``miss``.
-
-    Those given are ``aside`` [m] of one another. Where that is more than Newton's method leaves,
-    GJK looks for points that touch once B has moved out by the depth: the bodies then are apart
-    by the square of what the normal is off. Both tell points by the weights of a triangle, which
-    keep few digits where it is a sliver, as of a long capsule and a tiny hull. Edges have none.
-    """
-    noise = ROUNDING * EPS * size
-    if aside > LOOSE_SLOPE * noise:
-        kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-        moved = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
-        _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
-        if gap < aside:
-            a, b, aside = x, add_scaled(y, -depth, n), 0.5 * gap
-    if aside > noise:
-        on_edges = points_on_edges(pair, n, depth, noise, noise)
-        x, y = on_edges.a, on_edges.b
-        there = norm(sub(sub(x, y), scale(depth, n)))
-        if there < aside:
-            a, b, aside = x, y, there
-    a, b, miss = drawn_to(-depth, n, a, b)
-    return a, b, max(miss, aside)  # EPA's were moved already, by as much as they are aside
 
 
 @compiled
@@ -235,6 +202,36 @@ def bounds_of_depth(pair, depth, size):
 
 
 @allocating
+def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memory):
+    """Return the bounds by EPA, or by axes, and by the ``gap`` of GJK, which left something open.
+
+    ``overlap`` tells that the cores are thought to overlap, ``tolerance`` [m] is that of a depth.
+    """
+    depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
+        pair, difference, nowhere(gap.n), overlap, size, SHARPER_DEPTH * tolerance, memory
+    )
+    end, upper, lower, n, a, b = gap
+    open_, distance, unique, miss = upper - lower, upper, True, 0.0
+    upper = min(upper, -least)
+    if end == OVERLAP or upper + depth <= open_ + noise:  # else the bounds of GJK are tighter
+        distance, lower, n = -depth, max(lower, -depth), n_in
+        unique = unique_in or distance > noise
+        # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+        apart = norm(sub(sub(a, b), scale(depth, n)))
+        if aside <= apart:
+            a, b, apart = a_in, b_in, aside
+        a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
+        # Where h is level, n may be off the gap of GJK by what is no rounding of its points.
+        if end == CLOSED_ASIDE and miss > noise and distance > noise:
+            distance, n, a, b, miss = gap.upper, gap.n, gap.a, gap.b, 0.0
+    elif gap_along(pair, n) < -depth:
+        # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
+        n, unique = n_in, unique_in or distance > noise
+        a, b, miss = drawn_to(distance, n, a, b)
+    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+
+
+@allocating
 def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
     """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
     noise = ROUNDING * EPS * size
@@ -264,10 +261,9 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
         if overlap:
             return bounds_of_depth(pair, found, size)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
-    distance, unique = upper, True
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
     if end == BEYOND_CUTOFF:
-        return Bounds(end, distance, upper, lower, n, a, b, 0.0, True)
+        return Bounds(end, upper, upper, lower, n, a, b, 0.0, True)
     if end != OVERLAP and not near:
         if not has_its_digits(pair, difference, upper - lower, noise):
             sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
@@ -276,38 +272,10 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
                 a, b, miss = drawn_to(distance, n, a, b)
                 return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
         if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
-            return Bounds(CLOSED, distance, upper, lower, n, a, b, 0.0, True)
-    depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-        pair, difference, nowhere(n), overlap, size, SHARPER_DEPTH * depth_tolerance, memory
-    )
-    gap, upper, miss = upper - lower, min(upper, -least), 0.0
-    if end == OVERLAP or upper + depth <= gap + noise:  # else the bounds of GJK are tighter
-        distance, lower, n = -depth, max(lower, -depth), n_in
-        unique = unique_in or distance > noise
-        # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
-        apart = norm(sub(sub(a, b), scale(depth, n)))
-        if aside <= apart:
-            a, b, apart = a_in, b_in, aside
-        a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
-    elif gap_along(pair, n) < -depth:
-        # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
-        n, unique = n_in, unique_in or distance > noise
-        a, b, miss = drawn_to(distance, n, a, b)
-    found = Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+            return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True)
+    gap = Gap(end, upper, lower, n, a, b)
+    found = bounds_of_both(pair, difference, gap, overlap, size, depth_tolerance, noise, memory)
     return beside_an_axis(pair, difference, found, noise, tolerance)
-
-
-@compiled
-def off_surfaces(pair, n, a, b, miss):
-    """Return how far [m] points a and b, which were moved by ``miss``, are off both surfaces."""
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
-    q_A = unrotate(R_WA, add_scaled(a, r_A, n))
-    q_B = unrotate(R_WB, add_scaled(sub(b, p), -r_B, n))
-    in_A, _ = depth_of_point(kind_A, shape_A, q_A, 0.0)
-    in_B, _ = depth_of_point(kind_B, shape_B, q_B, 0.0)
-    # Of a hull no closed form tells it.
-    return max(min(abs(in_A + r_A), miss), min(abs(in_B + r_B), miss))
 
 
 @inlined

@@ -273,9 +273,12 @@ def depth_of_revolution(pair, u, move, size, tolerance):
     b = add_scaled(scale(b.radial, e), b.axial, u)
     lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
+    # Where h is level along the quarter, the points of the best corner are not one over the other.
+    apart = sub(a, b)
+    aside = norm(add_scaled(apart, -dot(apart, n), n))
     centre = scale(0.5, add_scaled(add(a, b), rise, n))
     slack = move + 2.0 * enough
     turn, flip = (1.0 - SAME_DIRECTION) * radial * s <= slack, 2.0 * axial * c <= slack
     unique = unique and not (s > OFF_AXIS and turn) and not (c > OFF_AXIS and flip)
     a, b = add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
-    return Depth(upper, lower, n, a, b, move, unique)
+    return Depth(upper, lower, n, a, b, max(move, aside), unique)

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    NORMAL,
+    PAIR_WIDTH,
+    WITNESS_A,
+    WITNESS_B,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores import convex
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     CLOSED,
@@ -76,7 +83,7 @@ Y = (0.0, 1.0, 0.0)
 NOT_CLOSED = Gap(OVERLAP, 0.0, 0.0, Y, Y, Y)
 
 
-def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED):
+def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED, miss=0.0):
     """Return the bounds of two cubes at p, where GJK told ``walked`` and what is else asked."""
     asked = []
 
@@ -86,12 +93,15 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED):
     pair = Pair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
     asked_for = pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf, np.zeros(0)
     # What calls something replaced cannot be compiled, whatever was compiled before.
-    beside = getattr(convex.beside_an_axis, 'py_func', convex.beside_an_axis)
-    monkeypatch.setattr(convex, 'beside_an_axis', beside)
+    for name in ('beside_an_axis', 'bounds_of_both'):
+        step = getattr(convex, name)
+        monkeypatch.setattr(convex, name, getattr(step, 'py_func', step))
     monkeypatch.setattr(convex, 'distance_of_cores', told(walked))
     monkeypatch.setattr(convex, 'depth_and_bounds', told(depth))
     monkeypatch.setattr(convex, 'sharpened', told(sharper))
-    monkeypatch.setattr(convex, 'witnesses_of_depth', lambda _, n, depth, *rest: (*rest[1:3], 0.0))
+    monkeypatch.setattr(
+        convex, 'witnesses_of_depth', lambda _, n, depth, *rest: (*rest[1:3], miss)
+    )
     search = getattr(convex.bounds_of_cores, 'py_func', convex.bounds_of_cores)
     found = search(*asked_for)
     return found, [each for each in asked if each is not sharper]
@@ -116,6 +126,38 @@ def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is
     assert asked == ([walked] if attained else [walked, depth])
     assert found.n == (1.0, 0.0, 0.0)
     assert (found.distance, found.upper, found.unique) == (2.0, 2.0, True)
+
+
+@pytest.mark.parametrize(
+    ('end', 'miss', 'of_walk'),
+    [(CLOSED_ASIDE, 1e-8, True), (CLOSED_ASIDE, 0.0, False), (OVERLAP, 1e-8, False)],
+)
+def test_points_that_need_no_move_are_taken_of_bodies_that_are_apart(
+    monkeypatch, end, miss, of_walk
+):
+    n = (0.8, 0.6, 0.0)
+    walked = Gap(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
+    found, _ = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, miss=miss)
+    if of_walk:
+        assert (found.a, found.b) == (walked.a, walked.b)
+    assert found.n == (n if of_walk else (1.0, 0.0, 0.0))
+    assert found.miss == (0.0 if of_walk else miss)
+    assert found.distance == 2.0
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_points_of_a_disk_and_a_tiny_rod_just_beside_it_lie_on_both(seed):
+    """Their normal is level: leaning by 2.4e-8 rad to the rim gains less than rounding."""
+    R = random_rotation(np.random.default_rng(seed))
+    disk, rod, p = np.array([1.0, 5e-7]), np.array([1e-9, 3e-8]), R @ [-1.0, -0.0002, 0.8]
+    out = np.zeros(PAIR_WIDTH)
+    convex.signed_distance_of_cores(CYLINDER, disk, R, CYLINDER, rod, R, p, 1e-12, np.inf, out)
+    assert out[DISTANCE] == pytest.approx(0.7999994700000003, abs=1e-15)
+    assert out[ERROR_BOUND] < 2e-14
+    for shape, q in ((disk, out[WITNESS_A:][:3]), (rod, out[WITNESS_B:][:3] - p)):
+        x, y, z = R.T @ q
+        assert max(np.hypot(x, y) - shape[0], abs(z) - shape[1]) == pytest.approx(0.0, abs=1e-14)
 
 
 @pytest.mark.parametrize('unique', [False, True])
@@ -195,7 +237,8 @@ def test_a_hint_of_poses_long_past_costs_hulls_that_are_apart_no_search_for_a_de
 
     pair = Pair(CONVEX, HULL, np.eye(3), CONVEX, HULL, np.eye(3), (2.5, 0.5, 0.0))
     convex.bounds_of_cores(pair, hint, True, 6.0, 1e-9, math.inf, np.zeros(0))  # compiles the rest
-    monkeypatch.setattr(convex, 'depth_and_bounds', search_for_depth)
+    for name in ('depth_and_bounds', 'bounds_of_both'):
+        monkeypatch.setattr(convex, name, search_for_depth)
     search = getattr(convex.bounds_of_cores, 'py_func', convex.bounds_of_cores)
     found = search(pair, hint, True, 6.0, 1e-9, math.inf, np.zeros(0))
     assert found.distance == pytest.approx(0.5, abs=1e-15)
