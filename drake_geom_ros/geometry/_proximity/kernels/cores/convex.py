@@ -221,8 +221,10 @@ def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memor
         if aside <= apart:
             a, b, apart = a_in, b_in, aside
         a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
-        # Where h is level, n may be off the gap of GJK by what is no rounding of its points.
-        if end == CLOSED_ASIDE and miss > noise and distance > noise:
+        # Where h is level, the points of GJK may span the gap as they are, along another n that
+        # lacks less than these had to be moved by.
+        moved = end == CLOSED_ASIDE and distance > noise and miss > noise
+        if moved and gap.upper - gap_along(pair, gap.n) < miss:
             distance, n, a, b, miss = gap.upper, gap.n, gap.a, gap.b, 0.0
     elif gap_along(pair, n) < -depth:
         # The gap vector of GJK may be too short to have a direction; EPA's faces have one.

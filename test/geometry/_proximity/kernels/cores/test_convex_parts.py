@@ -129,13 +129,19 @@ def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is
 
 
 @pytest.mark.parametrize(
-    ('end', 'miss', 'of_walk'),
-    [(CLOSED_ASIDE, 1e-8, True), (CLOSED_ASIDE, 0.0, False), (OVERLAP, 1e-8, False)],
+    ('end', 'lean', 'miss', 'of_walk'),
+    [
+        (CLOSED_ASIDE, 1e-8, 1e-7, True),
+        (CLOSED_ASIDE, 1e-8, 0.0, False),
+        (CLOSED_ASIDE, 1e-7, 1e-7, False),
+        (OVERLAP, 1e-8, 1e-7, False),
+    ],
 )
-def test_points_that_need_no_move_are_taken_of_bodies_that_are_apart(
-    monkeypatch, end, miss, of_walk
+def test_points_that_need_no_move_are_taken_if_their_normal_lacks_less(
+    monkeypatch, end, lean, miss, of_walk
 ):
-    n = (0.8, 0.6, 0.0)
+    """A normal that leans by an angle [rad] lacks twice as much [m]: cubes are 2 m wide."""
+    n = (1.0, lean, 0.0)
     walked = Gap(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     found, _ = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, miss=miss)
