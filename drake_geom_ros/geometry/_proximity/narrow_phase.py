@@ -292,9 +292,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         if k < ask_until:
-            _fetch(
-                k + AHEAD, pairs, slots, memory, p_WGs, travels, stamps, types, outer, roundings
-            )
+            _fetch(k, pairs, slots, memory, p_WGs, travels, stamps, types, outer, roundings)
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, travelled = row(memory, s), travels[a] + travels[b]
         if out[SLACK] - travelled > enough:
