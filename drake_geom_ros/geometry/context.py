@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, Engine
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.pose_rounding import TURN, shift_of, taken_roundings
+from drake_geom_ros.geometry._proximity.prepared import Prepared
 from drake_geom_ros.geometry._proximity.rehearsal import rehearse
 from drake_geom_ros.geometry._proximity.waiting import count_waiting_pairs
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, Named, World
@@ -32,6 +34,7 @@ class _Built(NamedTuple):
 
 
 _LAST = 0  # no source's value
+_MOST_USUAL = 16  # max_distances may come without end
 
 
 class _WaitingPairs(NamedTuple):
@@ -59,6 +62,7 @@ class SceneGraphContext:
         self._filters = filters
         self._accuracy = accuracy
         self._engine = Engine()
+        self._usual: dict[Hashable, Prepared] = {}
         self._built, self._seen = self._versions(), model.versions.any
         # The frames of sources by the values of their ids, and by _LAST those posed without one.
         self._named: dict[int, Named] = {}
@@ -70,6 +74,9 @@ class SceneGraphContext:
         if model.first_X_PFs:
             self.UpdateFramePoses(FramePoseVector(model.first_X_PFs))
 
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_usual': {}}  # the arrays of a copy are elsewhere
+
     def copy(self) -> SceneGraphContext:
         """Return a context that shares nothing that either could change."""
         other = SceneGraphContext.__new__(type(self))
@@ -77,7 +84,7 @@ class SceneGraphContext:
         other._filters = self._filters.copy()
         other._accuracy = self._accuracy
         other._partial = self._partial
-        other._engine = Engine()
+        other._engine, other._usual = Engine(), {}
         other._built, other._seen = other._versions(), other._model.versions.any
         other._named = {}
         other._world = self._up_to_date_world().copy()
@@ -102,13 +109,14 @@ class SceneGraphContext:
         other.__dict__.update(self.__dict__)
         other._model = self._snapshot
         other._filters = self._filters.copy()
-        other._engine = Engine()
+        other._engine, other._usual = Engine(), {}
         other._world = world.copy()
         return other
 
     def set_default_accuracy(self, accuracy: str) -> None:
         """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
         self._accuracy = checked_accuracy(accuracy)
+        self._usual.clear()
 
     def set_detailed_effects(self, detailed: bool) -> None:
         """Set whether ``QueryObject.effects()`` gives the seconds of cache and kernels separately.
@@ -138,7 +146,8 @@ class SceneGraphContext:
         world = self._world if is_known else self._up_to_date_world()
         own = self._named.get(source_id._value) or self._source_frames(source_id)
         given, X_PFs = poses._arrays or poses._as_arrays()
-        if world.pose(own, given, X_PFs):
+        if given is own.ids or own.names(given):
+            world.pose(own, X_PFs)
             return
         # Mostly the frames come in the order of their ids.
         if not np.array_equal(given := np.sort(given), own.ids):
@@ -185,7 +194,8 @@ class SceneGraphContext:
         ids, X_PFs = poses._arrays or poses._as_arrays()
         # Whoever poses frames names the same ones each time.
         last = known.get(_LAST)
-        if last is not None and world.pose(last, ids, X_PFs):
+        if last is not None and last.names(ids):
+            world.pose(last, X_PFs)
             return
         named = world.named(ids)
         if named is None:
@@ -195,7 +205,7 @@ class SceneGraphContext:
                 f'{self._describe(sorted(unknown.tolist()))}.'
             )
         known[_LAST] = named
-        world.pose(named, ids, X_PFs)
+        world.pose(named, X_PFs)
 
     def _describe(self, values: list[int]) -> str:
         """Name frames for an error message."""
@@ -220,6 +230,29 @@ class SceneGraphContext:
                 'SceneGraph.SetFirstPoses(poses).'
             )
         return world
+
+    def _query(
+        self, usual: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
+    ) -> Prepared:
+        """Return a query as the engine takes it: see ``Engine.prepared``.
+
+        Those at the default accuracy are kept by what is ``usual`` to be asked. Raises PoseError
+        if there are no poses that it must have.
+        """
+        if accuracy is None:
+            known = self._usual.get(usual)
+            # Either number only grows.
+            scene = self._model.versions.any + self._filters.version
+            if known is not None and known.scene == scene and known.handles is known.near.handles:
+                return known
+        level = self._accuracy if accuracy is None else checked_accuracy(accuracy)
+        world = self._posed_world()
+        query = self._engine.prepared(world, self._filters, level, cutoff, penetrating, mode)
+        if accuracy is None:
+            if len(self._usual) == _MOST_USUAL:
+                self._usual.clear()
+            self._usual[usual], query.scene = query, scene
+        return query
 
     def _placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
         """Return the world and the row of a frame in it.

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry._proximity.batches import PairBatch, PointBatch
+from drake_geom_ros.geometry._proximity.batches import PointBatch
 from drake_geom_ros.geometry._proximity.derivatives import gradients_of_pairs, places_of
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
 from drake_geom_ros.geometry._proximity.moment import Moment, Posed
@@ -21,9 +21,9 @@ Booleans = NDArray[np.bool_]
 
 
 class Derivatives(NamedTuple):
-    """Gradients (k, 12) of the distances of a batch, and which of them are unique (k,)."""
+    """Gradients (k, 12) of the distances in some rows, and which of them are unique (k,)."""
 
-    batch: PairBatch
+    rows: Floats
     gradients: Floats
     unique: Booleans
 
@@ -31,7 +31,8 @@ class Derivatives(NamedTuple):
 class PairGradients:
     """The part of a sequence of pairs that is about derivatives, computed when first asked for."""
 
-    _batch: PairBatch
+    _ids: Indices
+    _rows: Floats
     _moment: Moment | None
     _derived: Derivatives | None = None
 
@@ -87,9 +88,9 @@ class PairGradients:
 
     def _derivatives(self) -> Derivatives:
         """Return the derivatives of the distances; one compiled call."""
-        if self._derived is None or self._derived.batch is not self._batch:
-            found = gradients_of_pairs(self._scene, self._batch.ids, self._batch.rows)
-            self._derived = Derivatives(self._batch, *found)
+        if self._derived is None or self._derived.rows is not self._rows:
+            found = gradients_of_pairs(self._scene, self._ids, self._rows)
+            self._derived = Derivatives(self._rows, *found)
         return self._derived
 
     @property
@@ -98,7 +99,7 @@ class PairGradients:
 
     def _frames(self) -> Indices:
         scene = self._scene
-        frames: Indices = scene.frame_ids[scene.frames[places_of(scene, self._batch.ids)]]
+        frames: Indices = scene.frame_ids[scene.frames[places_of(scene, self._ids)]]
         return frames
 
     def _jacobian(self, J_As: ArrayLike, J_Bs: ArrayLike) -> Floats:
@@ -117,7 +118,7 @@ class PairGradients:
 class PointGradients:
     """The part of distances to points that is about derivatives."""
 
-    _batch: PointBatch
+    _arrays: PointBatch
     _moment: Moment | None
     _p_WQs: Floats  # (m, 3) [m]
 
@@ -133,10 +134,10 @@ class PointGradients:
         [m/rad, -]: to move G one way is to move the point the other way. That by the point's own
         position is ``grad_W``. Where ``is_grad_W_unique`` is False it belongs to that member.
         """
-        grads = self._batch.rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
+        grads = self._arrays.rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
         scene = self._scene
-        frames = scene.frames[places_of(scene, self._batch.ids)]
-        p_FQs = self._p_WQs[self._batch.points] - scene.p_WFs[frames]
+        frames = scene.frames[places_of(scene, self._arrays.ids)]
+        p_FQs = self._p_WQs[self._arrays.points] - scene.p_WFs[frames]
         return -np.hstack((np.cross(p_FQs, grads), grads))
 
     def distance_jacobian(self, J_Gs: ArrayLike, J_Qs: ArrayLike | None = None) -> Floats:
@@ -146,11 +147,11 @@ class PointGradients:
         the layout of ``gradients``; ``J_Qs`` (k, 3, n) or (3, n) are those of the points, which
         stay where they are without. Raises ArgumentError for other shapes.
         """
-        count = len(self._batch.rows)
+        count = len(self._arrays.rows)
         total: Floats = (self.gradients[:, None] @ _checked(J_Gs, count))[:, 0]
         if J_Qs is None:
             return total
-        grads = self._batch.rows[:, None, POINT_GRADIENT : POINT_GRADIENT + 3]
+        grads = self._arrays.rows[:, None, POINT_GRADIENT : POINT_GRADIENT + 3]
         of_points: Floats = total + (grads @ _checked(J_Qs, count, 3))[:, 0]
         return of_points
 

@@ -8,6 +8,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.geometry._proximity.batches import PairBatch
+from drake_geom_ros.geometry._proximity.cycle import ANSWERS, CANDIDATES, CONTACT
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
@@ -175,13 +177,15 @@ class QueryObject(ImageQueries):
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
-        world = context._posed_world()
-        level = context._accuracy if accuracy is None else checked_accuracy(accuracy)
+        query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
+        world = context._world
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
-        batch = context._engine.signed_distances(world, context._filters, level, 0.0, True, budget)
+        batch = context._engine.answer_of(query, world, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
-        unsure = level == 'bound' or budget > 0.0
-        return PenetrationResults(batch.penetrating() if unsure else batch, world.moment())
+        unsure = budget > 0.0 or math.isinf(query.gap)
+        if unsure:
+            batch = PairBatch(*batch).penetrating()
+        return PenetrationResults(batch, world.now or world.moment())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -191,9 +195,8 @@ class QueryObject(ImageQueries):
         interval of its distance reaches below 0: there a contact is possible.
         """
         context = self._context
-        world = context._posed_world()
-        level = context._accuracy if accuracy is None else checked_accuracy(accuracy)
-        return context._engine.has_overlap(world, context._filters, level)
+        query = context._query('contact', accuracy, 0.0, True, CONTACT)
+        return context._engine.finds_overlap(query, context._world)
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self,
@@ -219,13 +222,11 @@ class QueryObject(ImageQueries):
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        world = context._posed_world()
-        level = context._accuracy if accuracy is None else checked_accuracy(accuracy)
+        query = context._query(reach, accuracy, reach, False, ANSWERS)
+        world = context._world
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
-        batch = context._engine.signed_distances(
-            world, context._filters, level, reach, False, budget
-        )
-        return SignedDistanceResults(batch, world.moment())
+        batch = context._engine.answer_of(query, world, budget)
+        return SignedDistanceResults(batch, world.now or world.moment())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -302,9 +303,9 @@ class QueryObject(ImageQueries):
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        world = context._posed_world()
-        pairs = context._engine.candidates(world, context._filters, 0.0)
-        return world.geometries.ids[pairs]
+        query = context._query('candidates', 'bound', 0.0, False, CANDIDATES)
+        world = context._world
+        return world.geometries.ids[context._engine.candidates_of(query, world)]
 
     # Points.
 

@@ -58,6 +58,7 @@ _IN_A, _IN_B = np.s_[:, P_ACA : P_ACA + 3], np.s_[:, P_BCB : P_BCB + 3]
 _DEPTHS, _DISTANCES = np.s_[:, DEPTH], np.s_[:, DISTANCE]
 
 Floats = NDArray[np.float64]
+Ids = NDArray[np.int64]
 Record = TypeVar('Record')
 Batch = TypeVar('Batch', PairBatch, PointBatch)
 
@@ -69,9 +70,16 @@ class ResultSequence(Sequence[Record], Generic[Record, Batch]):
     with lists of records, and adds to them as one; the sum is a list.
     """
 
-    def __init__(self, batch: Batch) -> None:
-        self._batch: Batch = batch
-        self._rows: Floats = batch.rows
+    _rows: Floats
+
+    @property
+    def _batch(self) -> Batch:
+        """All arrays."""
+        raise NotImplementedError
+
+    def _take(self, batch: Batch) -> None:
+        """Have these arrays."""
+        raise NotImplementedError
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -95,8 +103,7 @@ class ResultSequence(Sequence[Record], Generic[Record, Batch]):
         arrays: list[Any] = [array[order] for array in self._batch]
         for array in arrays:
             array.flags.writeable = False
-        self._batch = type(self._batch)(*arrays)
-        self._rows = self._batch.rows
+        self._take(type(self._batch)(*arrays))
 
     def __add__(self, other: Sequence[Any]) -> list[Any]:
         if not isinstance(other, (list, ResultSequence)):
@@ -128,19 +135,30 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, batch: PairBatch, moment: Moment | None = None) -> None:
-        """Without a ``moment``, of pairs of many states, there are no derivatives."""
-        self._batch, self._rows, self._moment = batch, batch.rows, moment
+    def __init__(self, batch: tuple[Ids, Floats], moment: Moment | None = None) -> None:
+        """Have the arrays of a ``PairBatch``, which needs not be one.
+
+        Without a ``moment``, of pairs of many states, there are no derivatives.
+        """
+        self._ids, self._rows = batch
+        self._moment = moment
+
+    @property
+    def _batch(self) -> PairBatch:
+        return PairBatch(self._ids, self._rows)
+
+    def _take(self, batch: PairBatch) -> None:
+        self._ids, self._rows = batch
 
     @property
     def id_A(self) -> NDArray[np.int64]:
         """Id values (k,) of the first geometries."""
-        return self._batch.ids[_FIRST]
+        return self._ids[_FIRST]
 
     @property
     def id_B(self) -> NDArray[np.int64]:
         """Id values (k,) of the second geometries."""
-        return self._batch.ids[_SECOND]
+        return self._ids[_SECOND]
 
     @property
     def nhat_BA_W(self) -> Floats:
@@ -199,7 +217,7 @@ class PenetrationResults(_PairSequence[PenetrationAsPointPair]):
 
     def _record(self, k: int) -> PenetrationAsPointPair:
         row = self._rows[k]
-        id_A, id_B = self._batch.ids[k].tolist()
+        id_A, id_B = self._ids[k].tolist()
         return PenetrationAsPointPair(
             id_A=GeometryId(id_A),
             id_B=GeometryId(id_B),
@@ -266,7 +284,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
     def _record(self, k: int) -> SignedDistancePair:
         row = self._rows[k]
-        id_A, id_B = self._batch.ids[k].tolist()
+        id_A, id_B = self._ids[k].tolist()
         return SignedDistancePair(
             id_A=GeometryId(id_A),
             id_B=GeometryId(id_B),
@@ -289,10 +307,17 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
         self, batch: PointBatch, moment: Moment | None = None, p_WQs: Floats | None = None
     ) -> None:
         """Without a ``moment``, of points in many states, there are no derivatives."""
-        super().__init__(batch)
+        self._take(batch)
         self._moment = moment
         if p_WQs is not None:
             self._p_WQs = p_WQs
+
+    @property
+    def _batch(self) -> PointBatch:
+        return self._arrays
+
+    def _take(self, batch: PointBatch) -> None:
+        self._arrays, self._rows = batch, batch.rows
 
     @property
     def id_G(self) -> NDArray[np.int64]:

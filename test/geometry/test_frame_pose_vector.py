@@ -1,6 +1,7 @@
 """FramePoseVector: filled by id or from arrays, it is the same."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -161,3 +162,47 @@ def test_wrong_kinds_are_refused():
     with pytest.raises(RuntimeError, match=r'set_value.*beyond'):
         vector.set_value(FrameId(1), RigidTransform([0, 0, 1e308]))
     assert vector.size() == 0
+
+
+@pytest.mark.parametrize('held', [0, 1, 2, 5])
+def test_vectors_that_are_held_keep_their_poses(held):
+    """Room is used again only once nobody holds it, nor a part of what is in it."""
+    ids = np.arange(3, 23)
+    vectors, kept = [], []
+    for seed in range(12):
+        poses = random_poses(20, seed=seed)
+        vectors.append(FramePoseVector.FromArrays(ids, poses))
+        kept.append((vectors[-1]._p_PFs if seed % 2 else None, poses))
+        del vectors[: max(0, len(vectors) - held)]
+        for vector, (_, expected) in zip(vectors, kept[len(kept) - len(vectors) :], strict=True):
+            assert np.array_equal(vector._p_PFs, expected[:, :3])
+        for p_PFs, expected in kept:
+            assert p_PFs is None or np.array_equal(p_PFs, expected[:, :3])
+
+
+@pytest.mark.parametrize('spoil', [np.nan, np.inf, 1e303])
+def test_what_is_refused_leaves_no_trace(spoil):
+    ids, poses = np.arange(3, 23), random_poses(20, seed=1)
+    first = FramePoseVector.FromArrays(ids, poses)
+    bad = poses.copy()
+    bad[7, 1] = spoil
+    for _ in range(3):
+        with pytest.raises(PoseError, match=r'poses\[7\]|row 7|finite'):
+            FramePoseVector.FromArrays(ids, bad)
+    again = FramePoseVector.FromArrays(ids, poses)
+    for vector in (first, again):
+        assert np.array_equal(vector._p_PFs, poses[:, :3])
+
+
+def test_arrays_that_nobody_may_write_to_and_threads_are_taken():
+    ids = np.arange(3, 23)
+    expected = [random_poses(20, seed=seed) for seed in range(8)]
+    for poses in expected:
+        poses.flags.writeable = False
+
+    def pose(k):
+        return [FramePoseVector.FromArrays(ids, expected[k])._p_PFs.copy() for _ in range(300)]
+
+    with ThreadPoolExecutor(8) as pool:
+        for k, found in enumerate(pool.map(pose, range(8))):
+            assert all(np.array_equal(p_PFs, expected[k][:, :3]) for p_PFs in found)

@@ -86,7 +86,7 @@ def test_results_that_nobody_holds_cost_no_copy(pair):
 def test_a_copy_of_a_context_shares_no_moment(pair):
     held = pair.ask()
     expected, copy = told(pair.ask()), pair.context.copy()
-    assert copy._posed_world()._moment is None
+    assert copy._posed_world().now is None
     pair.place(*AWAY)
     pair.ask()
     np.testing.assert_array_equal(told(held)[0], expected[0])

@@ -63,3 +63,28 @@ def test_ports_want_contexts_and_poses(scene):
     ):
         with pytest.raises(RuntimeError, match=words):
             call()
+
+
+def test_poses_that_are_given_twice_or_by_several_sources_all_count(scene):
+    """Poses are taken over by the next question, whatever came in between."""
+    lift = scene.scene_graph.RegisterFrame(scene.room, GeometryFrame('lift'))
+    context = scene.scene_graph.CreateDefaultContext()
+    port = scene.scene_graph.get_source_pose_port(scene.room)
+    for step in range(4):
+        scene.fix(context, upper=(0, 0, 9), lower=(9, 0, 0))
+        port.FixValue(context, FramePoseVector({lift: RigidTransform([step, 2, 0])}))
+        scene.fix(context, upper=(0, 0, step), lower=(3, 0, 0))
+        if step % 2:
+            context.UpdateFramePoses(FramePoseVector({scene.upper: RigidTransform([0, 1, step])}))
+        query = scene.query_of(context.copy() if step > 1 else context)
+        assert query.GetPoseInWorld(lift) == RigidTransform([step, 2, 0])
+        assert query.GetPoseInWorld(scene.lower) == RigidTransform([3, step % 2, step])
+
+
+def test_a_vector_may_change_after_it_was_given(scene):
+    context = scene.scene_graph.CreateDefaultContext()
+    poses = FramePoseVector({scene.upper: RigidTransform(), scene.lower: RigidTransform()})
+    scene.scene_graph.get_source_pose_port(scene.arm).FixValue(context, poses)
+    poses.set_value(scene.lower, RigidTransform([1, 2, 3]))
+    poses.clear()
+    assert scene.query_of(context).GetPoseInWorld(scene.lower) == RigidTransform()

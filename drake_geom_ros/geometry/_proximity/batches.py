@@ -56,11 +56,6 @@ class PairBatch(NamedTuple):
     ids: Indices
     rows: Floats
 
-    def first(self, count: int) -> PairBatch:
-        """Return the first answers, as views."""
-        some: PairBatch = _new(PairBatch, (self.ids[:count], self.rows[:count]))
-        return some
-
     def penetrating(self) -> PairBatch:
         """Return those that overlap by more than touching, that is by more than rounding.
 

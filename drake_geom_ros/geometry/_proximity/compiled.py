@@ -155,13 +155,26 @@ def allocating(function: Callable[..., Any]) -> Any:
     return _compiled(function, counted=True)
 
 
+def brief(function: Callable[..., Any]) -> Any:
+    """Return the function compiled as ``compiled`` does, for one that keeps the GIL.
+
+    For what is soon done: to give the lock back and take it again costs a microsecond in the first
+    cycle after other work.
+    """
+    return _compiled(function, nogil=False)
+
+
 def _compiled(
-    function: Callable[..., Any], *, forceinline: bool = False, counted: bool = False
+    function: Callable[..., Any],
+    *,
+    forceinline: bool = False,
+    counted: bool = False,
+    nogil: bool = True,
 ) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER
     options = {
-        'nogil': True,
+        'nogil': nogil,
         'error_model': 'numpy',
         'forceinline': forceinline,
         '_nrt': counted,  # else inherited from whoever asks for the function first
@@ -174,27 +187,24 @@ def _compiled(
 
 
 class Entry:
-    """A compiled function of which there is one version, called without a look at the arguments.
+    """A compiled function that Python calls without a look at the arguments.
 
     To find the version by their types takes Numba 70 ns and more, and far longer in the first
-    cycle after other work, when code comes from memory. Nobody looks whether arguments are of the
-    types that the first call gave: an array of other numbers or another layout would be misread.
+    cycle after other work, when code comes from memory. There is one version, for arguments of
+    these ``kinds``: an array of other numbers or another layout would be misread.
     """
 
-    __slots__ = ('_dispatcher', 'call')
+    __slots__ = ('_dispatcher', '_kinds', 'call')
 
-    def __init__(self, dispatcher: Any) -> None:
-        self._dispatcher = dispatcher
-        self.call: Callable[..., Any] = self._first_call
+    def __init__(self, dispatcher: Any, *kinds: Any) -> None:
+        self._dispatcher, self._kinds = dispatcher, kinds
+        self.call: Callable[..., Any] = dispatcher if config.DISABLE_JIT else self._first_call
 
     def _first_call(self, *arguments: Any) -> Any:
-        result = self._dispatcher(*arguments)
-        if config.DISABLE_JIT:
-            self.call = self._dispatcher
-        elif len(self._dispatcher.overloads) == 1:
-            (version,) = self._dispatcher.overloads.values()
-            self.call = version.entry_point
-        return result
+        self._dispatcher.compile(self._kinds)
+        (version,) = self._dispatcher.overloads.values()
+        self.call = version.entry_point
+        return self.call(*arguments)
 
 
 def entry_options() -> dict[str, Any]:

@@ -11,12 +11,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
 
 from drake_geom_ros.geometry._proximity import kernel_table, list_making
 from drake_geom_ros.geometry._proximity.batches import gather_rows
 from drake_geom_ros.geometry._proximity.broadphase import Boxes, code_of
 from drake_geom_ros.geometry._proximity.clock import now
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.compiled import Entry, compiled, inlined
+from drake_geom_ros.geometry._proximity.given import GIVEN, array_in
 from drake_geom_ros.geometry._proximity.handing import (
     Flags,
     HandleField,
@@ -37,7 +39,8 @@ from drake_geom_ros.geometry._proximity.list_making import (
 )
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs, near_pairs
 from drake_geom_ros.geometry._proximity.plain_contacts import plain_contact
-from drake_geom_ros.geometry._proximity.posing import update
+from drake_geom_ros.geometry._proximity.poses import rows_in
+from drake_geom_ros.geometry._proximity.posing import named_of, set_poses, update
 from drake_geom_ros.geometry._proximity.records import world_of
 
 # What is asked for.
@@ -85,13 +88,15 @@ class Hands(NamedTuple):
     asked: Reals  # (ASKED,)
 
 
-# Places of ``Hands.asked``: those of ``records.Query``, and what is asked for.
-GAP, CUTOFF, PENETRATING, MODE = range(4)
-ASKED = 4
+# Places of ``Hands.asked``: those of ``records.Query``, what is asked for, under which version of
+# the filters.
+GAP, CUTOFF, PENETRATING, MODE, VERSION = range(5)
+ASKED = 5
 
 _hands_of = taker(Hands)
 _report_of = taker(ReportArrays)
 _boxes_of = taker(Boxes)
+_id_pairs_in = array_in(np.int64, 2)
 
 
 def empty_report() -> ReportArrays:
@@ -107,25 +112,25 @@ def empty_report() -> ReportArrays:
 
 
 @compiled
-def run_cycle(  # type: ignore[no-untyped-def]
+def _run_cycle(  # type: ignore[no-untyped-def]
     hands,
     lacking,
     stale,
     revision,
-    version,
-    placings,
+    named,
+    given,
     ids,
     rows,
 ):
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
-    ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
-    cycle goes on there. The world is updated to this ``revision`` if it is ``stale``; ``version``
-    and ``placings`` are those of the filters and the world. The numbers of the pairs are written
-    to the list's ``hits``, and their ``ids`` (k, 2) and ``rows`` (k, BATCH_WIDTH) if there is room
-    for all.
+    All arrays are given as they are. ``hands`` is the handle of ``Hands``. What was ``lacking``
+    (0: nothing) is there now, and the cycle goes on there. If it is ``stale``, the world gets the
+    poses ``given`` (n, POSE_WIDTH) of the frames of the handle ``named``, and is updated to this
+    ``revision``. The numbers of the pairs are written to the list's ``hits``, and their ``ids``
+    (k, 2) and ``rows`` (k, BATCH_WIDTH) if there is room for all.
     """
-    hands = _hands_of(hands)
+    hands, ids, rows = _hands_of(hands), _id_pairs_in(ids), rows_in(rows)
     gap, cutoff, mode = hands.asked[GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), _report_of(hands.report)
     moments = report.moments
@@ -133,6 +138,9 @@ def run_cycle(  # type: ignore[no-untyped-def]
         moments[BEGUN] = now()
         report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = 0, 0
         if stale:
+            poses = rows_in(given)
+            if poses.shape[0] > 0:
+                set_poses(named_of(named).rows, poses, hands.world)
             moved = update(hands.world, revision)
             report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = moved
         moments[POSED], moments[KNOWING] = now(), 0.0
@@ -146,8 +154,8 @@ def run_cycle(  # type: ignore[no-untyped-def]
             _boxes_of(hands.resting),
             filters_of(hands.filters),
             revision,
-            version,
-            placings,
+            int(hands.asked[VERSION]),
+            world.placings[0],
             cutoff,
         )
         if done > MADE:
@@ -178,6 +186,10 @@ def run_cycle(  # type: ignore[no-untyped-def]
         )
     moments[ANSWERED] = now()
     return count
+
+
+_NUMBERS = types.int64, types.boolean, types.int64
+run_cycle = Entry(_run_cycle, GIVEN, *_NUMBERS, *4 * (GIVEN,))
 
 
 @inlined

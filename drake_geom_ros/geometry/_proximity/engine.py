@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from sys import getrefcount
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +18,8 @@ from drake_geom_ros.geometry._proximity.batches import (
     frozen,
     gathered,
 )
-from drake_geom_ros.geometry._proximity.buffers import SMALL, Buffers
-from drake_geom_ros.geometry._proximity.compiled import Entry, Tell
+from drake_geom_ros.geometry._proximity.buffers import Buffers
+from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
     ANSWERS,
@@ -61,23 +63,23 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     compile_point_kernels,
     point_phase,
 )
-from drake_geom_ros.geometry._proximity.prepared import LEAST_ROOM, Prepared, PreparedQueries
+from drake_geom_ros.geometry._proximity.prepared import MOST_ROOM, SHOWN, Prepared, PreparedQueries
 from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.stepwise import Stepwise
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
-from drake_geom_ros.geometry._proximity.world import World
+from drake_geom_ros.geometry._proximity.world import NO_POSES, World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Arrays: TypeAlias = tuple[Indices, Floats]  # of a ``PairBatch``, to make which takes longer
 
 ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
 _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
+_NO_BATCH = _NO_IDS, _NO_ROWS
 _NO_KERNELS = ()
-_CYCLE = Entry(run_cycle)
-_SMALL = SMALL // (8 * BATCH_WIDTH)  # rows of an answer for which the allocator keeps the memory
 
 
 class Engine:
@@ -88,7 +90,9 @@ class Engine:
 
     def __init__(self) -> None:
         self.detailed = False  # tell the cache's seconds from those of the kernels, for some more
-        self._last: tuple[tuple[object, ...], PairBatch] | None = None
+        # The last answer, and what was asked.
+        self._last: Prepared | None = None
+        self._batch: Arrays = _NO_BATCH
         self._buffers = Buffers()
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
@@ -135,10 +139,27 @@ class Engine:
         moving = np.unique(types[~world.anchored])
         return compile_rows(table_rows(moving[:, None], np.unique(types)[None, :]), tell)
 
+    def prepared(
+        self,
+        world: World,
+        filters: FilterState,
+        accuracy: str,
+        cutoff: float,
+        penetrating: bool,
+        mode: int,
+    ) -> Prepared:
+        """Return a query of a world under filters, in a mode of ``cycle``, to be asked again."""
+        gap = _GAPS[accuracy]
+        return self._queries.prepared(world, filters, gap, cutoff, penetrating, mode)
+
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
-        prepared = self._queries.prepared(world, filters, math.inf, distance, False, CANDIDATES)
-        count = self._run(prepared, world, filters)
+        prepared = self.prepared(world, filters, 'bound', distance, False, CANDIDATES)
+        return self.candidates_of(prepared, world)
+
+    def candidates_of(self, prepared: Prepared, world: World) -> Indices:
+        """Return ``candidates`` of a prepared query."""
+        count = self._run(prepared, world)
         near = prepared.near
         pairs: Indices = near.arrays.pairs[near.arrays.hits[:count]]
         self._counts[FAR] = near.count - count
@@ -158,24 +179,37 @@ class Engine:
         Of pairs that are answered from bounds alone, by the level or because the narrow phase has
         spent its ``time_budget`` [s] (0: none), all that may be.
         """
-        query = _GAPS[accuracy], cutoff, penetrating
-        prepared = self._queries.prepared(world, filters, *query, ANSWERS)
-        if self._last is not None and not world.is_stale:
-            answered, batch = self._last
-            if answered == (prepared, world.revision, world.placings, filters.version):
-                return self._as_before(batch)
-        limited = time_budget > 0.0 and accuracy != 'bound'
-        if self.detailed or limited:
-            budget = time_budget if limited else 0.0
-            batch = self._answer_in_steps(world, filters, query, budget)
+        prepared = self.prepared(world, filters, accuracy, cutoff, penetrating, ANSWERS)
+        return PairBatch(*self.answer_of(prepared, world, time_budget))
+
+    def answer_of(self, prepared: Prepared, world: World, time_budget: float = 0.0) -> Arrays:
+        """Return ids and rows of ``signed_distances`` of a prepared query."""
+        stands = self._last is prepared and not world.is_stale
+        if stands and prepared.answered_at == world.revision:
+            return self._as_before()
+        self._last, self._batch = None, _NO_BATCH  # its arrays may be free
+        if time_budget > 0.0 or self.detailed:
+            limited = not math.isinf(prepared.gap)
+            batch: Arrays = self._answer_in_steps(prepared, world, time_budget if limited else 0.0)
+        elif prepared.room > MOST_ROOM:
+            batch = self._answer_at_length(prepared, world)
         else:
-            batch = self._answer_at_once(prepared, world, filters)
-        moment = prepared, world.revision, world.placings, filters.version
+            # Hardly any Python from here on: of the first cycle after other work, which is what a
+            # robot has each time, most is its code that comes from memory.
+            if getrefcount(prepared.ids) > SHOWN or getrefcount(prepared.rows) > SHOWN:
+                prepared.take_others()
+            count = self._run(prepared, world, prepared.ids, prepared.rows)
+            if count <= prepared.room:
+                ids, rows = prepared.shown
+                batch = ids[:count], rows[:count]
+            else:
+                batch = self._gathered(prepared, world, count)
         # What was left at its bounds is refined when somebody asks again.
-        self._last = None if self._unrefined else (moment, batch)
+        if not self._unrefined:
+            self._last, self._batch, prepared.answered_at = prepared, batch, world.revision
         if prepared.is_long:
-            self._last = None
-            self._queries.forget_list(cutoff)
+            self._last, self._batch = None, _NO_BATCH
+            self._queries.forget_list(prepared.cutoff)
         return batch
 
     def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
@@ -183,9 +217,13 @@ class Engine:
 
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
-        gap = _GAPS[accuracy]
-        prepared = self._queries.prepared(world, filters, gap, 0.0, True, CONTACT)
-        return self._run(prepared, world, filters) > 0
+        return self.finds_overlap(
+            self.prepared(world, filters, accuracy, 0.0, True, CONTACT), world
+        )
+
+    def finds_overlap(self, prepared: Prepared, world: World) -> bool:
+        """Return ``has_overlap`` of a prepared query."""
+        return self._run(prepared, world) > 0
 
     def distance_of_pair(
         self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
@@ -256,7 +294,7 @@ class Engine:
         self._moments[POSED] = time.perf_counter()
         self._moments[FILTERING] = self._moments[KNOWING] = 0.0
 
-    def _as_before(self, batch: PairBatch) -> PairBatch:
+    def _as_before(self) -> Arrays:
         """Return the last answer, which still stands."""
         self._moments[:] = time.perf_counter()
         told = self._report.told
@@ -266,33 +304,26 @@ class Engine:
         self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[FILTERING], self._moments[ANSWERED] = 0.0, time.perf_counter()
         self._moments[KNOWING] = self._moments[ANSWERED] - self._moments[COMPILED]
-        return batch
+        return self._batch
 
     def _run(
-        self,
-        prepared: Prepared,
-        world: World,
-        filters: FilterState,
-        ids: Indices = _NO_IDS,
-        rows: Floats = _NO_ROWS,
+        self, prepared: Prepared, world: World, ids: Indices = _NO_IDS, rows: Floats = _NO_ROWS
     ) -> int:
         """Run a cycle; return how many pairs it is about."""
         self._kernels, self._unrefined = _NO_KERNELS, 0
-        stale, lacking = world.is_stale, 0
-        revision, version, placings = world.revision + stale, filters.version, world.placings
-        while True:
-            count: int = _CYCLE.call(
-                prepared.hands, lacking, stale, revision, version, placings, ids, rows
-            )
-            world.revision, world.is_stale = revision, False
-            if count >= 0:
-                return count
-            lacking = -count
-            if lacking == LACKS_KERNELS:
+        stale = world.is_stale
+        revision = world.revision + stale
+        posed = stale, revision, world.given_for.handle, world.given
+        count: int = run_cycle.call(prepared.hands, 0, *posed, ids, rows)
+        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        while count < 0:
+            if count == -LACKS_KERNELS:
                 self._compile_for(world, prepared.near)
             else:
-                prepared.near.make_room(lacking)
-                prepared.hand_over(filters)
+                prepared.near.make_room(-count)
+                prepared.hand_over(prepared.filters)
+            count = run_cycle.call(prepared.hands, -count, *posed, ids, rows)
+        return count
 
     def _compile_for(self, world: World, near: NearList) -> None:
         """Compile the kernels of the pairs of a list."""
@@ -300,39 +331,32 @@ class Engine:
         near.know_kernels()
         self._moments[COMPILED] = time.perf_counter()
 
-    def _answer_at_once(self, prepared: Prepared, world: World, filters: FilterState) -> PairBatch:
-        """Return the answer, in one compiled call where its length is about as before."""
+    def _answer_at_length(self, prepared: Prepared, world: World) -> PairBatch:
+        """Return a long answer, in one compiled call where it is about as long as before."""
         room = prepared.room
-        self._last = None  # its arrays may be free
-        is_small = room <= _SMALL
-        if is_small:
-            prepared.take_arrays()
-            ids, rows = prepared.ids, prepared.rows
-        else:
-            ids = self._buffers.empty((room, 2), np.int64)
-            rows = self._buffers.empty((room, BATCH_WIDTH))
-        count = self._run(prepared, world, filters, ids, rows)
-        if not room // 2 <= count <= room:
-            prepared.room = max(LEAST_ROOM, count + count // 4)
+        ids = self._buffers.empty((room, 2), np.int64)
+        rows = self._buffers.empty((room, BATCH_WIDTH))
+        count = self._run(prepared, world, ids, rows)
         if count > room:
-            near = prepared.near
-            hits = near.arrays.hits[:count]
-            batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
-            self._moments[ANSWERED] = time.perf_counter()
-            return batch
-        return prepared.shown.first(count) if is_small else frozen(ids[:count], rows[:count])
+            return self._gathered(prepared, world, count)
+        if count < room // 2:
+            prepared.make_room(count)
+        return frozen(ids[:count], rows[:count])
 
-    def _answer_in_steps(
-        self,
-        world: World,
-        filters: FilterState,
-        query: tuple[float, float, bool],
-        budget: float,
-    ) -> PairBatch:
+    def _gathered(self, prepared: Prepared, world: World, count: int) -> PairBatch:
+        """Return so many answers of a cycle that had no room for them."""
+        near = prepared.near
+        hits = near.arrays.hits[:count]
+        prepared.make_room(count)
+        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
+        self._moments[ANSWERED] = time.perf_counter()
+        return batch
+
+    def _answer_in_steps(self, prepared: Prepared, world: World, budget: float) -> PairBatch:
         """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
-        prepared = self._queries.prepared(world, filters, *query, LIST)
-        self._run(prepared, world, filters)
-        near, (gap, _, _) = prepared.near, query
+        query = gap, _, _ = prepared.gap, prepared.cutoff, prepared.penetrating
+        filters, near = prepared.filters, prepared.near
+        self._run(self._queries.prepared(world, filters, *query, LIST), world)
         if not (math.isinf(gap) or near.has_kernels):
             self._compile_for(world, near)
         hits = self._steps.answer_list(world, near, query, budget)

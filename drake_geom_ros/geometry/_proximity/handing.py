@@ -21,6 +21,8 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.given import GIVEN, data_of
+
 # The fields of records that are handed over: the type of their numbers, and the extents that
 # follow the first one, None for those that differ from array to array.
 Flags: TypeAlias = Annotated[NDArray[np.bool_], np.bool_, ()]
@@ -70,7 +72,7 @@ def handle_of(record: tuple[Any, ...]) -> Handle:
 
 
 def taker(record: type[tuple[Any, ...]]) -> Any:
-    """Return the compiled function that makes a record of its handle."""
+    """Return the compiled function that makes a record of its handle, or of a handle ``GIVEN``."""
     if config.DISABLE_JIT:
         return lambda handle: handle
     kinds = [
@@ -84,7 +86,10 @@ def taker(record: type[tuple[Any, ...]]) -> Any:
     def take(typingctx, handle):  # type: ignore[no-untyped-def]
         def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
             (given,) = values
-            data = make_array(handle)(context, builder, given).data
+            if handle is GIVEN:
+                data = data_of(builder, given)
+            else:
+                data = make_array(handle)(context, builder, given).data
             numbers = _Numbers(builder, data)
             arrays = [
                 _array(context, builder, kind, numbers.next(), [numbers.next(), *extents], numbers)

@@ -38,15 +38,12 @@ FADING = 15 / 16  # of the pace in an update: a body that stops is still taken f
 
 
 class NamedFrames(NamedTuple):
-    """Frames that poses are given for, and where they are in a world."""
+    """Frames that poses are given for."""
 
-    ids: Integers  # (n,)
-    rows: Integers  # (n,)
+    rows: Integers  # (n,) of a world
 
 
-_named_of = taker(NamedFrames)
-
-OTHERS = -1  # ``set_named_poses``: poses are for other frames than those named
+named_of = taker(NamedFrames)
 
 
 @compiled
@@ -71,22 +68,6 @@ def set_poses(rows, X_news, world):  # type: ignore[no-untyped-def]
             moved[f] = True
             any_moved = True
     return any_moved
-
-
-@compiled
-def set_named_poses(named, ids, X_news, world):  # type: ignore[no-untyped-def]
-    """Do what ``set_poses`` does with frames named by a handle of ``NamedFrames``.
-
-    Return OTHERS, and do nothing, where ``ids`` (n,) are not those, in their order; else 1 if a
-    frame moved, and 0.
-    """
-    named = _named_of(named)
-    if ids.size != named.ids.size:
-        return OTHERS
-    for k in range(ids.size):
-        if ids[k] != named.ids[k]:
-            return OTHERS
-    return 1 if set_poses(named.rows, X_news, world) else 0
 
 
 @inlined

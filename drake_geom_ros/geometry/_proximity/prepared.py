@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, PairBatch, frozen
-from drake_geom_ros.geometry._proximity.buffers import UNHELD
+from drake_geom_ros.geometry._proximity.buffers import SMALL, UNHELD
 from drake_geom_ros.geometry._proximity.cycle import (
     ASKED,
     CONTACT_A,
@@ -24,6 +24,7 @@ from drake_geom_ros.geometry._proximity.cycle import (
     GAP,
     MODE,
     PENETRATING,
+    VERSION,
     Hands,
     ReportArrays,
 )
@@ -38,6 +39,7 @@ Indices = NDArray[np.int64]
 
 SHOWN = UNHELD + 1  # references to an array of which there is one view
 LEAST_ROOM = 16  # rows made ready for an answer
+MOST_ROOM = SMALL // (8 * BATCH_WIDTH)  # likewise; more go where ``Buffers`` has room for them
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
 
@@ -56,8 +58,11 @@ class Prepared:
 
     __slots__ = (
         '_asked',
+        '_others',
         '_report',
         '_world',
+        'answered_at',
+        'cutoff',
         'filters',
         'gap',
         'handles',
@@ -65,26 +70,32 @@ class Prepared:
         'ids',
         'is_long',
         'near',
+        'penetrating',
         'room',
         'rows',
+        'scene',
         'shown',
         'version',
     )
     filters: FilterState
     version: int  # of the filters
     shown: PairBatch  # views of ``ids`` and ``rows`` that cannot be written to
+    scene: int  # the version of the scene in which this stands; see ``SceneGraphContext``
+    answered_at: int  # the revision of the world for which there is an answer, under these filters
 
     def __init__(self, asked: Asked, world: World, near: NearList, report: Handle) -> None:
-        self.gap, self._asked = asked.gap, np.zeros(ASKED)
+        self.gap, self.cutoff, self.penetrating = asked.gap, asked.cutoff, asked.penetrating
+        self._asked = np.zeros(ASKED)
         self._asked[[GAP, CUTOFF, PENETRATING, MODE]] = (
             *(asked.gap, asked.cutoff),
             *(asked.penetrating, asked.mode),
         )
         self._world, self._report, self.near = world, report, near
-        self.room = LEAST_ROOM
-        self._make_arrays()
+        self.room, self.scene = LEAST_ROOM, -1
+        self.make_arrays()
+        self._others = self.ids, self.rows, self.shown
 
-    def _make_arrays(self) -> None:
+    def make_arrays(self) -> None:
         """Make room for ids and rows of an answer; ``shown`` to others it cannot be changed."""
         self.ids, self.rows = (
             np.empty((self.room, 2), np.int64),
@@ -92,19 +103,36 @@ class Prepared:
         )
         self.shown = frozen(self.ids.view(), self.rows.view())
 
-    def take_arrays(self) -> None:
-        """Have room for an answer in ``ids`` and ``rows``: that of the last one, if not held.
+    def make_room(self, count: int) -> None:
+        """Have room for so many answers, and some more, from now on."""
+        self.room = max(LEAST_ROOM, count + count // 4)
+        if self.room <= MOST_ROOM:
+            self.make_arrays()
+
+    def take_others(self) -> None:
+        """Have room for an answer elsewhere: where the one before the last was, if not held.
+
+        Who asks in a loop holds the last answer until the next is there.
+        """
+        (self.ids, self.rows, self.shown), self._others = (
+            self._others,
+            (self.ids, self.rows, self.shown),
+        )
+        if self.is_held() or len(self.ids) != self.room:
+            self.make_arrays()
+
+    def is_held(self) -> bool:
+        """Tell whether somebody has an answer in ``ids`` or ``rows``, or a part of it.
 
         Who holds a part of an array holds the array, as what is ``shown`` does.
         """
-        held = sys.getrefcount(self.ids) > SHOWN or sys.getrefcount(self.rows) > SHOWN
-        if held or len(self.ids) < self.room:
-            self._make_arrays()
+        return sys.getrefcount(self.ids) > SHOWN or sys.getrefcount(self.rows) > SHOWN
 
     def hand_over(self, filters: FilterState) -> None:
         """Take the arrays that are there now."""
         self.near.look_at(self._world, filters)
-        self.filters, self.version = filters, filters.version
+        self.filters, self.version, self.answered_at = filters, filters.version, -1
+        self._asked[VERSION] = filters.version
         self.handles = self.near.handles  # who has the handle of handles keeps these, too
         hands = Hands(self._world.handle, *self.handles, self._report, ADDRESSES, self._asked)
         self.hands = handle_of(hands)

@@ -33,6 +33,7 @@ Indices = NDArray[np.int64]
 class WorldArrays(NamedTuple):
     """All arrays of a ``World`` of nf frames and n geometries, for a handle."""
 
+    placings: Integers  # (1,) how often something got its first pose
     # Of frames (nf,).
     moved: Flags
     parents: Integers

@@ -23,11 +23,7 @@ from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, POINT_KERNELS
 from drake_geom_ros.geometry._proximity.point_phase import compile_point_kernels
 from drake_geom_ros.geometry._proximity.pose_rounding import shift_of
-from drake_geom_ros.geometry._proximity.poses import (
-    POSE_WIDTH,
-    read_frame_poses,
-    read_known_poses,
-)
+from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, read_frame_poses
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, Named, World
 
 
@@ -78,8 +74,9 @@ def _rehearse() -> tuple[World, Engine]:
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
         X_PFs = np.empty((count - 1, POSE_WIDTH))
         read_frame_poses(named.ids, poses, X_PFs)
-        read_known_poses(named.ids, named.ids, poses, X_PFs)
-        world.pose(named, named.ids, X_PFs)
+        world.pose(named, X_PFs)
+        world.copy()  # takes what was given without a query
+        world.pose(named, X_PFs)
         for reach in (0.0, math.inf):
             engine.signed_distances(world, filters, 'bound', reach)
         engine.has_overlap(world, filters, 'bound')

@@ -9,25 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.buffers import UNHELD
-from drake_geom_ros.geometry._proximity.compiled import Entry
 from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.moment import Moment, Posed
 from drake_geom_ros.geometry._proximity.plain_contacts import balls_inside
-from drake_geom_ros.geometry._proximity.poses import packed_poses
+from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, packed_poses
 from drake_geom_ros.geometry._proximity.posing import (
-    OTHERS,
     PACE,
     NamedFrames,
-    set_named_poses,
+    set_poses,
     update,
 )
 from drake_geom_ros.geometry._proximity.records import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-_POSING = Entry(set_named_poses)
 
 
 class FrameTable(NamedTuple):
@@ -57,17 +54,31 @@ class Named:
 
     def __init__(self, ids: Indices, rows: Indices) -> None:
         self.ids, self.rows = ids, rows
-        self.handle = handle_of(NamedFrames(ids, rows))
+        self.handle = handle_of(NamedFrames(rows))
+
+    def names(self, ids: Indices) -> bool:
+        """Tell whether ids (n,), which nobody changes, are those named, in their order."""
+        if ids is not self.ids:
+            if not np.array_equal(ids, self.ids):
+                return False
+            self.ids = ids  # who comes again brings the same array
+        return True
 
     def __reduce__(self) -> tuple[type[Named], tuple[Indices, Indices]]:
         return Named, (self.ids, self.rows)  # the arrays of a copy are elsewhere
 
 
+_NOBODY = Named(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+NO_POSES = np.zeros((0, POSE_WIDTH))
+_HELD = UNHELD + 1  # references to what a world and a name refer to
+
+
 class World:
     """The poses of a scene's frames and the posed, packed proximity geometry.
 
-    Poses go in through ``set_poses``; ``update`` brings everything that hangs on a moved frame up
-    to date and leaves the rest alone. A frame that never had a pose *waits* for it, and whatever
+    Poses go in through ``pose``, which only notes them; ``update``, or the compiled call that
+    answers a query, brings everything that hangs on a moved frame up to date and leaves the rest
+    alone. A frame that never had a pose *waits* for it, and whatever
     hangs on it: where that is nobody knows, so queries leave it out.
     """
 
@@ -76,27 +87,29 @@ class World:
         count = len(frames.ids)
         self.frames = frames
         self.geometries = geometries
-        self.R_PFs = np.tile(np.eye(3), (count, 1, 1))
-        self.p_PFs = np.zeros((count, 3))
-        self.R_WFs = self.R_PFs.copy()
-        self.p_WFs = self.p_PFs.copy()
+        self._R_PFs = np.tile(np.eye(3), (count, 1, 1))
+        self._p_PFs = np.zeros((count, 3))
+        self.R_WFs = self._R_PFs.copy()
+        self.p_WFs = self._p_PFs.copy()
         # What rounding did to X_WF: TURN and SHIFT, see ``pose_rounding``.
         self._frame_roundings = np.zeros((count, 2))
         self._order = np.argsort(frames.ids)
         self._sorted_ids = frames.ids[self._order]
         self._moved = np.ones(count, dtype=np.bool_)
+        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
+        self.given_for, self.given = _NOBODY, NO_POSES
         self.is_stale = True  # world poses and bounds have to be brought up to date
         self._posed = np.zeros(count, dtype=np.bool_)
         self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
+        self._placings = np.zeros(1, dtype=np.int64)
         self._allocate_geometries()
-        self.placings = 0  # grows with each first pose
         self._place(np.zeros(1, dtype=np.int64))
 
     def _allocate_geometries(self) -> None:
         """Make room for the posed geometry and compute what does not depend on poses."""
         table = self.geometries
         n = len(table.ids)
-        self.revision = 0  # of the world poses: grows with each update that moves something
+        self.revision = 0  # of the world poses: grows with each update
         self.stamps = np.zeros(n, dtype=np.int64)  # revision in which a geometry last moved
         # How far any point of a geometry can have come since the first update, along the path
         # [m], never less than the truth.
@@ -127,7 +140,7 @@ class World:
     def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        self._moment: Moment | None = None  # that of now, if a result asked for it
+        self.now: Moment | None = None  # that of now, if a result asked for it
         self._posed_now = Posed(
             ids=table.ids,
             types=table.types,
@@ -139,10 +152,11 @@ class World:
             p_WFs=self.p_WFs,
         )
         arrays = WorldArrays(
+            placings=self._placings,
             moved=self._moved,
             parents=self.frames.parents,
-            R_PFs=self.R_PFs,
-            p_PFs=self.p_PFs,
+            R_PFs=self._R_PFs,
+            p_PFs=self._p_PFs,
             R_WFs=self.R_WFs,
             p_WFs=self.p_WFs,
             frame_roundings=self._frame_roundings,
@@ -170,6 +184,23 @@ class World:
         self.handle = handle_of(arrays)
 
     @property
+    def placings(self) -> int:
+        """How often something got its first pose."""
+        return int(self._placings[0])
+
+    @property
+    def R_PFs(self) -> Floats:
+        """Orientations of the frames in their parents (nf, 3, 3)."""
+        self._take_given()
+        return self._R_PFs
+
+    @property
+    def p_PFs(self) -> Floats:
+        """Positions of the frames in their parents (nf, 3) [m]."""
+        self._take_given()
+        return self._p_PFs
+
+    @property
     def paces(self) -> Floats:
         """How far any point of each geometry came lately in one update (n,) [m], fading."""
         return self._kept[:, PACE]
@@ -181,6 +212,7 @@ class World:
 
     def copy(self) -> World:
         """Return a world with poses of its own; the tables, which never change, are shared."""
+        self._take_given()
         other = World.__new__(World)
         other.__dict__.update(self.__dict__)
         for name, value in self.__dict__.items():
@@ -195,7 +227,7 @@ class World:
         rows = {int(frame): row for row, frame in enumerate(self.frames.ids)}
         pairs = [(k, rows[int(f)]) for k, f in enumerate(frames.ids) if int(f) in rows]
         new, old = (np.array(side) for side in zip(*pairs, strict=True))
-        other.R_PFs[new], other.p_PFs[new] = self.R_PFs[old], self.p_PFs[old]
+        other._R_PFs[new], other._p_PFs[new] = self.R_PFs[old], self.p_PFs[old]
         other._place(new[self._posed[old]])
         return other
 
@@ -221,7 +253,7 @@ class World:
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
         self.waiting[:] = ~self.placed[self.geometries.frames]
-        self.placings += 1
+        self._placings += 1
 
     def unposed_frames(self) -> Indices:
         """Return the FrameId values of the frames that never had a pose, parents first."""
@@ -238,40 +270,44 @@ class World:
 
     def set_poses(self, rows: Indices, R_PFs: Floats, p_PFs: Floats) -> None:
         """Set X_PF of the frames in ``rows`` (n,), as ``pose`` does."""
-        named = Named(self.frames.ids[rows], np.asarray(rows, dtype=np.int64))
-        self.pose(named, named.ids, packed_poses(R_PFs, p_PFs))
+        rows = np.asarray(rows, dtype=np.int64)
+        self.pose(Named(self.frames.ids[rows], rows), packed_poses(R_PFs, p_PFs))
 
-    def pose(self, named: Named, ids: Indices, X_PFs: Floats) -> bool:
-        """Set X_PF (n, POSE_WIDTH) of frames; a pose that did not change is not a move.
+    def pose(self, named: Named, X_PFs: Floats) -> None:
+        """Take X_PF (n, POSE_WIDTH) of frames, which nobody changes any more, for the next update.
 
-        Return False, and do nothing, where ``ids`` (n,) are not those named, in their order.
+        A pose that did not change is not a move.
         """
-        told = _POSING.call(named.handle, ids, X_PFs, self.handle)
-        if told == OTHERS:
-            return False
+        if self.given_for is not named:
+            self._take_given()
+            self.given_for = named
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
-        if told:
-            self.is_stale = True
-            # Results that are still held have to remember where things were. A moment that nobody
-            # refers to, nor ever asked, serves the next results as well.
-            if self._moment is not None and (
-                sys.getrefcount(self._moment) > UNHELD or self._moment.is_kept()
-            ):
-                self._moment.keep()
-                self._moment = None
-        return True
+        self.given, self.is_stale = X_PFs, True
+        # Results that are still held have to remember where things were. A moment that nobody
+        # refers to, nor ever asked, serves the next results as well.
+        moment = self.now
+        if moment is not None and (sys.getrefcount(moment) > _HELD or moment.is_kept()):
+            moment.keep()
+            self.now = None
+
+    def _take_given(self) -> None:
+        """Have the poses that were given in ``_R_PFs`` and ``_p_PFs``, and their frames marked."""
+        given, self.given = self.given, NO_POSES
+        if len(given):
+            set_poses(self.given_for.rows, given, self.handle)
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
-        if self._moment is None:
-            self._moment = Moment(self._posed_now)
-        return self._moment
+        if self.now is None:
+            self.now = Moment(self._posed_now)
+        return self.now
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self.is_stale:
             return 0, 0
+        self._take_given()
         counts = update(self.handle, self.revision + 1)
         self.revision, self.is_stale = self.revision + 1, False
         return counts  # type: ignore[no-any-return]

@@ -49,7 +49,7 @@ class PairWitnesses:
         self, found: SignedDistanceResults | PenetrationResults, V_WFs: Floats, number: Any
     ) -> None:
         self._found, self._number = found, number
-        self._ids, self._rows = found._batch.ids, found._batch.rows
+        self._ids, self._rows = found._ids, found._rows
         self._places = places_of(found._scene, self._ids)
         frames = found._scene.frames[self._places]
         self.velocities = V_WFs[frames[:, 0]], V_WFs[frames[:, 1]]

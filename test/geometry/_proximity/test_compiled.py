@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import config
+from numba import config, types
 from numba.core import event
 
 import drake_geom_ros
@@ -182,18 +182,20 @@ def total(numbers, factor):
     return factor * result
 
 
-def test_an_entry_is_what_the_first_call_compiled():
-    entry = compiled.Entry(total)
-    before = entry.call
-    assert entry.call(np.arange(4.0), 2) == 12.0
-    assert entry.call is not before
-    assert entry.call(np.arange(5.0), 3) == 30.0
-    assert config.DISABLE_JIT or len(total.overloads) == 1
+def test_an_entry_is_compiled_for_its_kinds_when_it_is_first_called():
+    entry = compiled.Entry(total, types.float64[::1], types.int64)
+    assert config.DISABLE_JIT or not total.overloads
+    for count, factor, expected in ((4, 2, 12.0), (5, 3, 30.0)):
+        assert entry.call(np.arange(float(count)), factor) == expected
+        assert config.DISABLE_JIT or len(total.overloads) == 1
 
 
-@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
-def test_an_entry_of_two_versions_finds_them_by_the_types():
-    total(np.arange(4), 2)
-    entry = compiled.Entry(total)
-    assert entry.call(np.arange(4.0), 2) == 12.0
-    assert entry.call(np.arange(5), 2) == 20.0
+@compiled.brief
+def halved(x):
+    return 0.5 * x
+
+
+def test_what_is_brief_is_compiled_as_all_is():
+    assert halved(3.0) == 1.5
+    if not config.DISABLE_JIT:
+        assert halved.targetoptions == {**total.targetoptions, 'nogil': False}

@@ -91,7 +91,8 @@ def test_a_scene_that_rests_becomes_sharp_and_then_costs_nothing():
     np.testing.assert_array_equal(answer.ids, expected.ids)
     np.testing.assert_allclose(answer.rows[:, DISTANCE], expected.rows[:, DISTANCE], atol=1e-9)
     assert (
-        engine.signed_distances(world, filters, 'exact', math.inf, time_budget=NOTHING) is answer
+        engine.signed_distances(world, filters, 'exact', math.inf, time_budget=NOTHING).rows
+        is answer.rows
     )
     assert engine.effects.cached_pairs == 66
 
