@@ -182,7 +182,7 @@ class QueryObject(ImageQueries):
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         batch = context._engine.answer_of(query, world, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
-        unsure = budget > 0.0 or math.isinf(query.gap)
+        unsure = query.is_bound or budget > 0.0
         if unsure:
             batch = PairBatch(*batch).penetrating()
         return PenetrationResults(batch, world.now or world.moment())

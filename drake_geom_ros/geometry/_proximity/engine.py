@@ -189,7 +189,7 @@ class Engine:
             return self._as_before()
         self._last, self._batch = None, _NO_BATCH  # its arrays may be free
         if time_budget > 0.0 or self.detailed:
-            limited = not math.isinf(prepared.gap)
+            limited = not prepared.is_bound
             batch: Arrays = self._answer_in_steps(prepared, world, time_budget if limited else 0.0)
         elif prepared.room > MOST_ROOM:
             batch = self._answer_at_length(prepared, world)

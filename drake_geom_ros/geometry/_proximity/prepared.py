@@ -68,6 +68,7 @@ class Prepared:
         'handles',
         'hands',
         'ids',
+        'is_bound',
         'is_long',
         'near',
         'penetrating',
@@ -85,6 +86,7 @@ class Prepared:
 
     def __init__(self, asked: Asked, world: World, near: NearList, report: Handle) -> None:
         self.gap, self.cutoff, self.penetrating = asked.gap, asked.cutoff, asked.penetrating
+        self.is_bound = math.isinf(asked.gap)  # to be answered from bounds alone
         self._asked = np.zeros(ASKED)
         self._asked[[GAP, CUTOFF, PENETRATING, MODE]] = (
             *(asked.gap, asked.cutoff),

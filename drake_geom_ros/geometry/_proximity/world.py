@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+from sys import getrefcount
 from typing import NamedTuple
 
 import numpy as np
@@ -287,7 +287,7 @@ class World:
         # Results that are still held have to remember where things were. A moment that nobody
         # refers to, nor ever asked, serves the next results as well.
         moment = self.now
-        if moment is not None and (sys.getrefcount(moment) > _HELD or moment.is_kept()):
+        if moment is not None and (getrefcount(moment) > _HELD or moment.is_kept()):
             moment.keep()
             self.now = None
 
