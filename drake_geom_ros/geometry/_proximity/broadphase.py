@@ -198,14 +198,17 @@ def _choose_buckets(boxes, count, least, largest):  # type: ignore[no-untyped-de
 
 @inlined
 def _finest(boxes, box, farthest):  # type: ignore[no-untyped-def]
-    """Return the finest grid whose cells are wide enough for a box, and for where bodies are."""
+    """Return the finest grid whose cells are wide enough for a box, and for where bodies are.
+
+    And how wide they are [m].
+    """
     grid, width = 0, boxes.width[0]
     wanted = max(LOOSE * box, FARTHEST_CELL * farthest)
     while width < wanted:
         grid, width = grid + 1, width * STEP
     while width >= STEP * wanted and wanted > 0.0:
         grid, width = grid - 1, width / STEP
-    return grid
+    return grid, width
 
 
 @compiled
@@ -214,9 +217,8 @@ def _find_cells(boxes, rows, p_WGs, farthest):  # type: ignore[no-untyped-def]
     used = 0
     boxes.starts[: boxes.counts[MASK] + 2] = 0
     for k in range(rows.size):
-        grid = _finest(boxes, boxes.widths[k], farthest)
+        grid, width = _finest(boxes, boxes.widths[k], farthest)
         used = _grid_of(boxes.grids, used, grid)
-        width = width_of(boxes, grid)
         for c in range(3):
             boxes.found[k, c] = math.floor(p_WGs[rows[k], c] / width)
         boxes.found[k, GRID] = grid

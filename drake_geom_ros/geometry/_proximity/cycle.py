@@ -44,7 +44,7 @@ from drake_geom_ros.geometry._proximity.posing import named_of, set_poses, updat
 from drake_geom_ros.geometry._proximity.records import world_of
 
 # What is asked for.
-LIST = 0  # no more than the list
+LIST = 0  # no more than the list, and the kernels of its pairs
 CANDIDATES = 1  # its pairs whose boxes are within the cutoff
 CONTACT = 2  # one pair that the query is about
 ANSWERS = 3  # all of them, and their rows
@@ -165,7 +165,7 @@ def _run_cycle(  # type: ignore[no-untyped-def]
         report.told[LISTED_PAIRS] = near.numbers[PAIRS]
         moments[FILTERING] = near.lengths[list_making.FILTERING] if done == MADE else 0.0
         moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
-        if mode >= CONTACT and not math.isinf(gap) and near.numbers[HAS_KERNELS] == 0:
+        if mode != CANDIDATES and not math.isinf(gap) and near.numbers[HAS_KERNELS] == 0:
             if not has_each(world.types, near.pairs, near.numbers[PAIRS], report.compiled):
                 return -LACKS_KERNELS
             near.numbers[HAS_KERNELS] = 1

@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.batches import (
     PairBatch,
     PointBatch,
     frozen,
+    gather_rows,
     gathered,
 )
 from drake_geom_ros.geometry._proximity.buffers import Buffers
@@ -65,6 +66,7 @@ from drake_geom_ros.geometry._proximity.point_phase import (
 )
 from drake_geom_ros.geometry._proximity.prepared import MOST_ROOM, SHOWN, Prepared, PreparedQueries
 from drake_geom_ros.geometry._proximity.records import empty_memory
+from drake_geom_ros.geometry._proximity.sharing import LONG, THREADS, share
 from drake_geom_ros.geometry._proximity.stepwise import Stepwise
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import NO_POSES, World
@@ -331,8 +333,13 @@ class Engine:
         near.know_kernels()
         self._moments[COMPILED] = time.perf_counter()
 
-    def _answer_at_length(self, prepared: Prepared, world: World) -> PairBatch:
-        """Return a long answer, in one compiled call where it is about as long as before."""
+    def _answer_at_length(self, prepared: Prepared, world: World) -> Arrays:
+        """Return a long answer, in one compiled call where it is about as long as before.
+
+        Or by threads, where it took long before.
+        """
+        if THREADS > 1 and prepared.seconds > LONG:
+            return self._answer_shared(prepared, world)
         room = prepared.room
         ids = self._buffers.empty((room, 2), np.int64)
         rows = self._buffers.empty((room, BATCH_WIDTH))
@@ -341,6 +348,7 @@ class Engine:
             return self._gathered(prepared, world, count)
         if count < room // 2:
             prepared.make_room(count)
+        prepared.seconds = float(self._moments[ANSWERED] - self._moments[COMPILED])
         return frozen(ids[:count], rows[:count])
 
     def _gathered(self, prepared: Prepared, world: World, count: int) -> PairBatch:
@@ -354,13 +362,34 @@ class Engine:
 
     def _answer_in_steps(self, prepared: Prepared, world: World, budget: float) -> PairBatch:
         """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
-        query = gap, _, _ = prepared.gap, prepared.cutoff, prepared.penetrating
-        filters, near = prepared.filters, prepared.near
-        self._run(self._queries.prepared(world, filters, *query, LIST), world)
-        if not (math.isinf(gap) or near.has_kernels):
-            self._compile_for(world, near)
-        hits = self._steps.answer_list(world, near, query, budget)
+        self._list_pairs(prepared, world)
+        near = prepared.near
+        hits = self._steps.answer_list(world, near, prepared.query, budget)
         self._unrefined = self._steps.unrefined
-        batch = gathered(world, hits, near.pairs, near.slots, near.memory, gap)
+        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
         self._moments[ANSWERED] = time.perf_counter()
         return batch
+
+    def _list_pairs(self, prepared: Prepared, world: World) -> None:
+        """Bring the list of a query up to date, and see that there are kernels for its pairs."""
+        self._run(self._queries.prepared(world, prepared.filters, *prepared.query, LIST), world)
+
+    def _answer_shared(self, prepared: Prepared, world: World) -> Arrays:
+        """Return a long answer, by threads."""
+        self._list_pairs(prepared, world)
+        near = prepared.near
+        hits = self._steps.answer_shared(world, near, prepared.query)
+        count = len(hits)
+        if count <= MOST_ROOM:
+            prepared.make_room(count)
+        ids = self._buffers.empty((count, 2), np.int64)
+        rows = self._buffers.empty((count, BATCH_WIDTH))
+        memory = near.pairs, near.slots, near.memory, prepared.gap, world.handle
+
+        def gather(first: int, last: int) -> None:
+            gather_rows(hits[first:last], *memory, ids[first:last], rows[first:last])
+
+        share(count, gather)
+        self._moments[ANSWERED] = time.perf_counter()
+        prepared.seconds = THREADS * float(self._moments[ANSWERED] - self._moments[COMPILED])
+        return frozen(ids, rows)

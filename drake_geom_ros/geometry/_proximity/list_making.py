@@ -32,7 +32,7 @@ from drake_geom_ros.geometry._proximity.handing import (
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN, SLACK, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
-from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, until
+from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, MANY, prefetch, until
 from drake_geom_ros.geometry._proximity.posing import PACE
 
 UPDATES_AHEAD = 16.0  # that a margin is made for; fewer lists, more pairs to look at
@@ -372,8 +372,13 @@ def _carry(near, codes):  # type: ignore[no-untyped-def]
     for rest in range(old, before):
         near.free[free] = near.slots[rest]
         free += 1
+    many = codes.size > MANY
     for k in range(codes.size):
         if slots[k] < 0:
+            if many and free > AHEAD:
+                ahead = near.free[free - AHEAD]
+                prefetch(near.memory, (ahead,))
+                prefetch(near.memory, (ahead, 8))
             free -= 1
             slot = near.free[free]
             slots[k] = slot

@@ -71,10 +71,11 @@ class Prepared:
         'is_bound',
         'is_long',
         'near',
-        'penetrating',
+        'query',
         'room',
         'rows',
         'scene',
+        'seconds',
         'shown',
         'version',
     )
@@ -82,10 +83,12 @@ class Prepared:
     version: int  # of the filters
     shown: PairBatch  # views of ``ids`` and ``rows`` that cannot be written to
     scene: int  # the version of the scene in which this stands; see ``SceneGraphContext``
+    seconds: float  # that the narrow phase of a long answer took last, of one thread
     answered_at: int  # the revision of the world for which there is an answer, under these filters
 
     def __init__(self, asked: Asked, world: World, near: NearList, report: Handle) -> None:
-        self.gap, self.cutoff, self.penetrating = asked.gap, asked.cutoff, asked.penetrating
+        self.gap, self.cutoff = asked.gap, asked.cutoff
+        self.query = asked.gap, asked.cutoff, asked.penetrating
         self.is_bound = math.isinf(asked.gap)  # to be answered from bounds alone
         self._asked = np.zeros(ASKED)
         self._asked[[GAP, CUTOFF, PENETRATING, MODE]] = (
@@ -93,7 +96,7 @@ class Prepared:
             *(asked.penetrating, asked.mode),
         )
         self._world, self._report, self.near = world, report, near
-        self.room, self.scene = LEAST_ROOM, -1
+        self.room, self.scene, self.seconds = LEAST_ROOM, -1, 0.0
         self.make_arrays()
         self._others = self.ids, self.rows, self.shown
 

@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     bound_pairs,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
+from drake_geom_ros.geometry._proximity.sharing import share
 from drake_geom_ros.geometry._proximity.world import World
 
 Floats = NDArray[np.float64]
@@ -82,6 +83,33 @@ class Stepwise:
             self._counts,
         )
         return hits[:found]
+
+    def answer_shared(
+        self, world: World, near: NearList, query: tuple[float, float, bool]
+    ) -> Indices:
+        """Return what ``answer`` does of a list, by threads."""
+        room = near.arrays.hits
+
+        def answer(first: int, last: int) -> tuple[int, int, Indices]:
+            counts = np.zeros_like(self._counts)
+            found = answer_pairs(
+                ADDRESSES,
+                near.pairs[first:last],
+                near.slots[first:last],
+                near.memory,
+                world.handle,
+                world.revision,
+                query,
+                -1,
+                _AT_ONCE,
+                room[first:last],
+                counts,
+            )
+            return first, found, counts
+
+        parts = share(near.count, answer)
+        self._counts[:] = sum(counts for _, _, counts in parts)
+        return np.concatenate([room[first : first + found] + first for first, found, _ in parts])
 
     def answer_apart(
         self, world: World, near: NearList, query: tuple[float, float, bool]
