@@ -26,7 +26,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.handing import (
     Bounds,
-    Cells,
+    IndexPairs,
     Integers,
     Reals,
     SingleRows,
@@ -50,7 +50,8 @@ ORDINARY = 4.0  # times the mean width: such boxes make the cells of grid 0
 MOST_GRIDS = 1200  # more than there are powers of four
 MOST_BUCKETS = 2**21
 ROW_BITS, SECOND_ROW = 32, 2**32 - 1  # of a code
-GRID = 3  # column of ``cells``: the grid's number; its cells are STEP^number those of grid 0
+# Columns of ``cells``. A grid's number tells how wide its cells are: STEP^number those of grid 0.
+BUCKET, GRID = 0, 1
 BODIES, GRIDS, MASK, STEP_Y, STEP_Z = 0, 1, 2, 3, 4  # of ``counts``
 PLACES = 63 // LANES  # whose boxes' bits are one number
 LOWER, UPPER = 0, 3  # columns of ``bounds``, 3 each
@@ -62,7 +63,7 @@ class Boxes(NamedTuple):
     rows: Integers  # (n,) of the world
     bounds: Bounds  # (n, 6) LOWER and UPPER ends [m], in one place of memory
     sides: SingleRows  # (6, n + LANES) the same, see ``kernels.side_by_side``
-    cells: Cells  # (n, 4) the cell along x, y and z, and its GRID
+    cells: IndexPairs  # (n, 2) BUCKET and GRID of each cell
     starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
     grids: Integers  # (MOST_GRIDS,) those that are in use
     # (5,) of bodies and of grids; one less than the number of buckets; buckets from one cell to
@@ -72,8 +73,7 @@ class Boxes(NamedTuple):
     width: Reals  # (1,) of the cells of grid 0 [m]
     # While boxes are put in, in the order of the rows that are given.
     widths: Reals  # (n,) the largest of each [m]
-    found: Cells  # (n, 4) the cells
-    buckets: Integers  # (n,)
+    found: IndexPairs  # (n, 2) the cells
 
 
 def room_for(count: int) -> Boxes:
@@ -83,15 +83,14 @@ def room_for(count: int) -> Boxes:
         rows=np.zeros(count, dtype=np.int64),
         bounds=np.zeros((count, 6)),
         sides=empty_sides(count),
-        cells=np.zeros((count, 4), dtype=np.int64),
+        cells=np.zeros((count, 2), dtype=np.int64),
         starts=np.zeros(buckets + 1, dtype=np.int64),
         grids=np.zeros(MOST_GRIDS, dtype=np.int64),
         counts=np.zeros(5, dtype=np.int64),
         places=np.zeros(PLACES, dtype=np.int64),
         width=np.zeros(1),
         widths=np.zeros(count),
-        found=np.zeros((count, 4), dtype=np.int64),
-        buckets=np.zeros(count, dtype=np.int64),
+        found=np.zeros((count, 2), dtype=np.int64),
     )
 
 
@@ -219,12 +218,10 @@ def _find_cells(boxes, rows, p_WGs, farthest):  # type: ignore[no-untyped-def]
     for k in range(rows.size):
         grid, width = _finest(boxes, boxes.widths[k], farthest)
         used = _grid_of(boxes.grids, used, grid)
-        for c in range(3):
-            boxes.found[k, c] = math.floor(p_WGs[rows[k], c] / width)
-        boxes.found[k, GRID] = grid
-        x, y, z = boxes.found[k, 0], boxes.found[k, 1], boxes.found[k, 2]
-        bucket = bucket_of(boxes.counts, x, y, z, grid)
-        boxes.buckets[k] = bucket
+        g = rows[k]
+        x, y = math.floor(p_WGs[g, 0] / width), math.floor(p_WGs[g, 1] / width)
+        bucket = bucket_of(boxes.counts, x, y, math.floor(p_WGs[g, 2] / width), grid)
+        boxes.found[k, BUCKET], boxes.found[k, GRID] = bucket, grid
         boxes.starts[bucket] += 1
     boxes.counts[BODIES], boxes.counts[GRIDS] = rows.size, used
 
@@ -245,19 +242,20 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
     # From the ends of the buckets back: then their starts are what is left.
     for k in range(rows.size - 1, -1, -1):
         if k >= AHEAD:
-            prefetch(boxes.starts, (boxes.buckets[k - AHEAD],))
-            at = boxes.starts[boxes.buckets[k - AHEAD // 2]] - 1  # or next to it
+            prefetch(boxes.starts, (boxes.found[k - AHEAD, BUCKET],))
+            at = boxes.starts[boxes.found[k - AHEAD // 2, BUCKET]] - 1  # or next to it
             prefetch(boxes.bounds, (at,))
             prefetch(boxes.cells, (at,))
-            for c in range(6):
-                prefetch(boxes.sides, (c, at))
-        boxes.starts[boxes.buckets[k]] -= 1
-        at, g = boxes.starts[boxes.buckets[k]], rows[k]
+        bucket = boxes.found[k, BUCKET]
+        boxes.starts[bucket] -= 1
+        at, g = boxes.starts[bucket], rows[k]
         boxes.rows[at] = g
         for c in range(3):
             p, half = p_WGs[g, c], _half(p_WGs, half_extents, paddings, g, c)
             boxes.bounds[at, LOWER + c], boxes.bounds[at, UPPER + c] = p - half, p + half
-            boxes.sides[LOWER + c, at] = below(p - half)
-            boxes.sides[UPPER + c, at] = above(p + half)
-        for c in range(4):
-            boxes.cells[at, c] = boxes.found[k, c]
+        boxes.cells[at, BUCKET], boxes.cells[at, GRID] = bucket, boxes.found[k, GRID]
+    # In order, side by side: six places far apart for each in the order of the rows take longer.
+    for c in range(3):
+        for at in range(rows.size):
+            boxes.sides[LOWER + c, at] = below(boxes.bounds[at, LOWER + c])
+            boxes.sides[UPPER + c, at] = above(boxes.bounds[at, UPPER + c])

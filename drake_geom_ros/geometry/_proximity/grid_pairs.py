@@ -14,6 +14,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.broadphase import (
     BODIES,
+    BUCKET,
     GRID,
     GRIDS,
     LOWER,
@@ -152,8 +153,7 @@ def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
     """
     cells, counts, starts = boxes.cells, boxes.counts, boxes.starts
     for a in range(counts[BODIES]):
-        grid, box = cells[a, GRID], box_at(boxes.sides, a)
-        bucket = bucket_of(counts, cells[a, 0], cells[a, 1], cells[a, 2], grid)
+        bucket, grid, box = cells[a, BUCKET], cells[a, GRID], box_at(boxes.sides, a)
         # Those behind it in its own cell, and the next cell, which begins where that one ends.
         bits, count = _look(boxes, a, box, boxes, a + 1, bucket + 2, 0, nobody, codes, count)
         for k in range(FORWARD.shape[0]):
