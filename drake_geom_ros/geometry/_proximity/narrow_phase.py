@@ -287,7 +287,7 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # Not how deep they are: boxes that overlap have a gap of 0, and a solid may leap (see above).
     reach, found, ask_until = max(cutoff, 0.0), 0, until(slots.size) if first < 0 else 0
-    enough, sharpest = (math.inf, gap) if math.isinf(gap) else (reach, 0.0)
+    enough = math.inf if math.isinf(gap) else reach
     counts[:] = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
@@ -299,9 +299,9 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             counts[FAR] += 1
             continue
         size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
-        rests = latest <= out[SEEN] and sharpest <= out[GAP] <= gap
+        rests = latest <= out[SEEN] and 0.0 <= out[GAP] <= gap < math.inf
         # What stopped at a cutoff says enough about smaller ones only.
-        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff or math.isinf(out[GAP])):
+        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff):
             counts[CACHED] += 1
         else:
             least = -math.inf

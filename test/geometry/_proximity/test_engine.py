@@ -219,3 +219,15 @@ def test_two_half_spaces_are_left_out():
 def test_a_query_that_was_not_asked_has_no_effects():
     for name, value in vars(Effects()).items():
         assert not value, name
+
+
+@pytest.mark.parametrize('accuracy', ACCURACY_LEVELS)
+def test_a_wider_question_before_leaves_no_trace(accuracy):
+    """Who asked for more of the same poses gets what one gets who asks for the first time."""
+    world = random_world(np.random.default_rng(0), 120, types=(1, 2, 3, 4), spread=0.6)
+    filters, engine = filters_of(world), Engine()
+    for cutoff in (math.inf, 0.3, 0.11, 0.1, 0.0, 0.1):
+        found = engine.signed_distances(world, filters, accuracy, cutoff)
+        alone = Engine().signed_distances(world, filters, accuracy, cutoff)
+        np.testing.assert_array_equal(found.ids, alone.ids)
+        np.testing.assert_array_equal(found.rows, alone.rows)
