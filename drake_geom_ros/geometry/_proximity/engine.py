@@ -24,6 +24,7 @@ from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
     ANSWERS,
+    BEGUN,
     BODIES_MOVED,
     CANDIDATES,
     COMPILED,
@@ -376,7 +377,12 @@ class Engine:
 
     def _answer_shared(self, prepared: Prepared, world: World) -> Arrays:
         """Return a long answer, by threads."""
+        begun = time.perf_counter()
+        moved = world.update_shared()
+        posed = time.perf_counter()
         self._list_pairs(prepared, world)
+        self._report.told[[FRAMES_MOVED, BODIES_MOVED]] = moved
+        self._moments[BEGUN] -= posed - begun
         near = prepared.near
         hits = self._steps.answer_shared(world, near, prepared.query)
         count = len(hits)

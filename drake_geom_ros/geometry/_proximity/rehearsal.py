@@ -81,6 +81,8 @@ def _rehearse() -> tuple[World, Engine]:
             engine.signed_distances(world, filters, 'bound', reach)
         engine.has_overlap(world, filters, 'bound')
         engine.candidates(world, filters, 0.0)
+    world.pose(named, X_PFs)
+    world.update_shared()
     _leave_at_bounds(world, filters)
     engine.detailed = True  # then Python calls what else only compiled code does
     engine.signed_distances(world, filters, 'bound', 1.0)

@@ -20,8 +20,11 @@ from drake_geom_ros.geometry._proximity.posing import (
     NamedFrames,
     set_poses,
     update,
+    update_frames,
+    update_geometries,
 )
 from drake_geom_ros.geometry._proximity.records import WorldArrays
+from drake_geom_ros.geometry._proximity.sharing import share
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -296,6 +299,27 @@ class World:
         given, self.given = self.given, NO_POSES
         if len(given):
             set_poses(self.given_for.rows, given, self.handle)
+
+    def update_shared(self) -> tuple[int, int]:
+        """Do what ``update`` does, by threads."""
+        if not self.is_stale:
+            return 0, 0
+        rows, given, revision = self.given_for.rows, self.given, self.revision + 1
+
+        def set_some(first: int, last: int) -> None:
+            set_poses(rows[first:last], given[first:last], self.handle)
+
+        def pose_some(first: int, last: int) -> int:
+            moved: int = update_geometries(self.handle, revision, first, last)
+            return moved
+
+        share(len(given), set_some)
+        frames = update_frames(self.handle)
+        is_new = bool(self._moved[0])
+        geometries = sum(share(self.geometry_count if is_new else len(self.movable), pose_some))
+        self._moved[:] = False
+        self.revision, self.given, self.is_stale = revision, NO_POSES, False
+        return frames, geometries
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""

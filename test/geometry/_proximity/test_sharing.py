@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 import pytest
-from oracles.worlds import filters_of, random_world, shuffle
+from oracles.worlds import filters_of, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity import engine as engines
 from drake_geom_ros.geometry._proximity import sharing
@@ -105,3 +105,30 @@ def test_a_forked_process_has_threads_of_its_own(threads):
         os.waitpid(child, 0)
     assert ended
     assert status == 0
+
+
+@pytest.mark.parametrize('number', [1, 2, 5])
+def test_a_world_is_posed_by_threads_as_by_one(threads, number):
+    rng = np.random.default_rng(2)
+    worlds = [random_world(np.random.default_rng(3), 40, anchored=15) for _ in range(2)]
+    threads(number)
+    rows = np.arange(1, 26)
+    for step in range(4):
+        some = rows if step % 2 else rng.choice(rows, 7, replace=False)
+        poses = random_rotations(rng, len(some)), rng.normal(size=(len(some), 3))
+        for world in worlds:
+            world.set_poses(some, *poses)
+        shared, alone = worlds
+        assert shared.update_shared() == alone.update() == (len(some), len(some))
+        assert shared.update_shared() == alone.update() == (0, 0)
+        assert shared.revision == alone.revision
+        for name in ('R_WFs', 'p_WFs', 'R_WGs', 'p_WGs', 'half_extents', 'stamps', 'travels'):
+            np.testing.assert_array_equal(getattr(shared, name), getattr(alone, name))
+
+
+def test_a_new_world_is_posed_by_threads_as_well(threads):
+    threads(3)
+    shared, alone = (random_world(np.random.default_rng(4), 9).copy() for _ in range(2))
+    fresh = [world.rebuilt(world.frames, world.geometries) for world in (shared, alone)]
+    assert fresh[0].update_shared() == fresh[1].update() == (9, 9)
+    np.testing.assert_array_equal(fresh[0].p_WGs, fresh[1].p_WGs)
