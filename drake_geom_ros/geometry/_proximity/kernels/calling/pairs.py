@@ -31,8 +31,9 @@ SLACK = 13
 SEEN = 14
 GAP = 15
 SLOT_WIDTH = 16  # two lines of the cache
-# Columns that a slot may have beyond, for what a kernel of two hulls remembers (``remembered``).
-MEMORY_WIDTH = 73
+# Columns that a slot may have beyond, for what a kernel of two hulls remembers (``remembered``):
+# with them it takes eight lines of the cache.
+MEMORY_WIDTH = 48
 
 _vector = types.float64[::1]
 _matrix = types.float64[:, ::1]

@@ -32,6 +32,10 @@ if config.DISABLE_JIT:
         """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
         return array[start:].view(np.int32)
 
+    def wide_integers(array: Any, start: int) -> Any:
+        """Return what an array of numbers of 64 bits has from start on as integers of 64 bits."""
+        return array[start:].view(np.int64)
+
     def outlive(array: Any) -> None:
         """Keep an array until here: views of it hold no reference."""
 
@@ -101,6 +105,21 @@ else:
             data = builder.bitcast(data, context.get_data_type(types.int32).as_pointer())
             count = builder.mul(builder.sub(size, first), size.type(2))
             return _view(context, builder, kind, data, [count])
+
+        return kind(array, types.intp), codegen
+
+    @intrinsic
+    def wide_integers(typingctx, array, start):
+        """Return what an array of numbers of 64 bits has from start on as integers of 64 bits."""
+        kind = types.Array(types.int64, 1, 'C')
+
+        def codegen(context, builder, signature, values):
+            given, first = values
+            whole = make_array(array)(context, builder, given)
+            (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
+            data = builder.gep(whole.data, [first])
+            data = builder.bitcast(data, context.get_data_type(types.int64).as_pointer())
+            return _view(context, builder, kind, data, [builder.sub(size, first)])
 
         return kind(array, types.intp), codegen
 

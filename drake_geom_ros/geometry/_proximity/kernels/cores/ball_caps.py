@@ -56,24 +56,19 @@ def ball_in_difference(pair):
 
 
 @inlined
-def is_in_ball_cap(points, faces, planes, f, ball, rival):
-    """Tell whether h is at least ``rival`` wherever face f is nearer than that, by the ball.
+def is_cap_of_ball(x, y, z, n, offset, ball, rival):
+    """Tell whether h is at least ``rival`` wherever a face is nearer than that, by the ball.
 
-    Of a point x of the face that is true if ``c . x >= (rival - R) |x|``. The corners tell it of
-    the whole face, or its offset, for it is nearer only within an angle y of its normal, ``cos y =
-    offset / rival``, and the cap goes as far as z from c, ``cos z = (rival - R) / |c|``. Of a face
-    that has the origin before it nothing is told.
+    The face has the corners x, y, z and a plane. Of a point p of it that is true if ``c . p >=
+    (rival - R) |p|``. The corners tell it of the whole face, or its offset, for it is nearer only
+    within an angle y of its normal, ``cos y = offset / rival``, and the cap goes as far as z from
+    c, ``cos z = (rival - R) / |c|``. Of a face that has the origin before it nothing is told.
     """
-    f, edge, away = np.uint64(f), rival - ball.radius, ball.away
-    offset = planes[f, OFFSET]
+    edge, away = rival - ball.radius, ball.away
     if offset <= 0.0 or edge >= away:
         return False
     c = ball.centre
-    least = min(
-        dot(c, vector_in(points, faces[f, 0])),
-        dot(c, vector_in(points, faces[f, 1])),
-        dot(c, vector_in(points, faces[f, 2])),
-    )
+    least = min(dot(c, x), dot(c, y), dot(c, z))
     if least >= edge * (min(offset, rival) if edge <= 0.0 else rival):
         return True
     near = offset / rival
@@ -82,4 +77,19 @@ def is_in_ball_cap(points, faces, planes, f, ball, rival):
     if edge > near * away or edge <= -away:
         return False
     sines = math.sqrt((away - edge) * (away + edge) * (1.0 - near) * (1.0 + near))
-    return dot(c, vector_in(planes, f)) >= edge * near + sines
+    return dot(c, n) >= edge * near + sines
+
+
+@inlined
+def is_in_ball_cap(points, faces, planes, f, ball, rival):
+    """Tell whether face f of a ``polytope`` is in the cap of a ball."""
+    f = np.uint64(f)
+    return is_cap_of_ball(
+        vector_in(points, faces[f, 0]),
+        vector_in(points, faces[f, 1]),
+        vector_in(points, faces[f, 2]),
+        vector_in(planes, f),
+        planes[f, OFFSET],
+        ball,
+        rival,
+    )

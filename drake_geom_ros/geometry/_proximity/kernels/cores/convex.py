@@ -8,7 +8,7 @@ those of ``supports``. In this order, each only where the one before could not c
 3. overlapping: ``depths``, which starts from what Newton's method found;
 4. ``gjk`` from the best normal so far, and ``epa`` for what that leaves open.
 
-Hulls have no derivatives and start at 3 with a hint, at 4 without.
+Hulls have no derivatives and start at 3; beside another body at 4, without a hint.
 
 Where the answer is not unique (UNIQUE is 0) the direction is the one that was come to first, which
 depends on the poses and the hint alone: the same call gives the same answer. UNIQUE is 1 where the
@@ -25,7 +25,6 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     write,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
-from drake_geom_ros.geometry._proximity.kernels.cores import remembered
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.depths import (
     depth_and_bounds,
@@ -39,17 +38,27 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     support_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_defect
+from drake_geom_ros.geometry._proximity.kernels.cores.memory import is_where_it_was
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
     nearby_minimum,
     nowhere,
     set_shares,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Bounds, Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import (
+    Bounds,
+    Gap,
+    Minimum,
+    Overlap,
+    Pair,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.remembered import remembered_depth
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
     along_centres,
     gap_along,
     hint_of,
+    narrower,
+    narrower_on_line,
     start_of_hulls,
     start_of_sums,
 )
@@ -207,8 +216,12 @@ def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memor
 
     ``overlap`` tells that the cores are thought to overlap, ``tolerance`` [m] is that of a depth.
     """
+    start = nowhere(gap.n)
+    if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
+        narrow = narrower_on_line(pair, narrower(pair, gap.n, Overlap(np.inf, gap.n)))
+        start = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
-        pair, difference, nowhere(gap.n), overlap, size, SHARPER_DEPTH * tolerance, memory
+        pair, difference, start, overlap, size, SHARPER_DEPTH * tolerance, memory
     )
     end, upper, lower, n, a, b = gap
     open_, distance, unique, miss = upper - lower, upper, True, 0.0
@@ -252,8 +265,8 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
             return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
         overlap = lower < 0.0
     else:
-        n, overlap = start_of_hulls(pair, n, hinted, noise)
-        newton = nowhere(n)
+        narrow, overlap = start_of_hulls(pair, n, hinted, noise)
+        n, newton = narrow.n, Minimum(NOTHING, narrow.n, narrow.width, 0.0)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
         found = depth_and_bounds(
@@ -262,6 +275,8 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
         overlap = found.lower > 0.0
         if overlap:
             return bounds_of_depth(pair, found, size)
+        if found.upper < -noise:  # what was found to part them
+            n = found.n
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
     if end == BEYOND_CUTOFF:
@@ -301,16 +316,18 @@ def width_of(found):
 
 
 @inlined
-def bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory):
+def bounds_of_best_start(pair, n, width, hinted, size, tolerance, cutoff, memory):
     """Return the bounds of the signed distance of two cores, from another start if one is bad.
+
+    ``width`` [m] is that of their overlap along n.
 
     A bad hint can lead where nothing better is found than bounds that are far apart, and so can
     the line of centres of a needle; the normal that was found there is as a rule a good hint.
     """
     noise = ROUNDING * EPS * size
     remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
-    if remembers and remembered.is_where_it_was(memory, pair.p_AB, size):
-        sure, depth = remembered.remembered_depth(pair, n, memory, size, noise)
+    if remembers and is_where_it_was(memory, pair.p_AB, size):
+        sure, depth = remembered_depth(pair, Overlap(width, n), memory, size, noise)
         if sure:
             return bounds_of_depth(pair, depth, size)
     found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
@@ -342,7 +359,9 @@ def signed_distance_of_cores(
     cutoff += r_A + r_B
     found = bounds_along(pair, n)
     if not found.lower > cutoff:
-        found = bounds_of_best_start(pair, n, hinted, size, tolerance, cutoff, memory)
+        found = bounds_of_best_start(
+            pair, n, -found.lower, hinted, size, tolerance, cutoff, memory
+        )
     end, distance, upper, lower, n, a, b, miss, unique = found
     method = ITERATIVE
     if end == BEYOND_CUTOFF:

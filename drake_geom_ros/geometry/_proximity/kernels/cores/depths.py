@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
     nearby_minimum,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Touch
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Overlap, Touch
 from drake_geom_ros.geometry._proximity.kernels.cores.remembered import depth_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.cores.settling import settle, settle_by_turns
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -83,11 +83,14 @@ def depth_and_bounds(pair, difference, newton, near, size, tolerance, memory):
     """Return the depth of two cores; where its bounds are far apart, axes may do better.
 
     That is the case in symmetric positions and where the difference has no volume. ``newton`` is
-    what ``nearby_minimum`` of the difference has just found, or its direction alone.
+    what ``nearby_minimum`` of the difference has just found, or its direction alone; of two hulls
+    it has the width along that. ``near`` tells that the cores are thought to overlap: if they turn
+    out not to, ``upper`` is below 0, and nothing else is looked for.
     """
     noise = ROUNDING * EPS * size
     found = iterated_depth(pair, difference, newton, near, size, tolerance, memory)
-    if found.upper - found.lower <= 4.0 * max(tolerance, noise):
+    apart = near and found.upper < -noise
+    if apart or found.upper - found.lower <= 4.0 * max(tolerance, noise):
         return found
     h, m, a, b = least_along_axes(pair, found.upper)
     if h >= found.upper:
@@ -101,12 +104,12 @@ def depth_and_bounds(pair, difference, newton, near, size, tolerance, memory):
 def iterated_depth(pair, difference, newton, near, size, tolerance, memory):
     """Return the depth of two cores, by the cheapest way there is for the pair."""
     kind_A, kind_B, n = pair.kind_A, pair.kind_B, newton.n
+    noise = ROUNDING * EPS * size
     if kind_A == CONVEX and kind_B == CONVEX:
-        sure, found = depth_of_hulls(pair, n, memory, size, ROUNDING * EPS * size)
-        if sure:
+        sure, found = depth_of_hulls(pair, Overlap(newton.h, n), memory, size, noise)
+        if sure or (near and found.upper < -noise):
             return found
     u, move = common_axis(pair)
-    noise = ROUNDING * EPS * size
     enough = max(tolerance, noise)
     if move <= 0.5 * enough:
         h, floor, n, a, b, aside, unique = depth_of_revolution(pair, u, move, size, tolerance)

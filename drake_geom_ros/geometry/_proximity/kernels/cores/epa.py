@@ -143,41 +143,47 @@ def ring_points(pair, n, tilt, points):
 
 
 @compiled
-def witness(points, faces, planes, first, total, n, upper, rival, s_A, s_B):
+def closest_in_face(points, i, j, k, foot):
+    """Return (away, a, b): how far the triangle of vertices i, j, k is from ``foot``, and where.
+
+    a and b are the points of A and of B whose difference is nearest.
+    """
+    x = sub(vector_in(points, i), foot)
+    y, z = sub(vector_in(points, j), foot), sub(vector_in(points, k), foot)
+    t = closest_on_triangle(x, y, z)
+    a = weighted(vector_in(points, i, 3), vector_in(points, j, 3), vector_in(points, k, 3), t)
+    b = weighted(vector_in(points, i, 6), vector_in(points, j, 6), vector_in(points, k, 6), t)
+    return norm(weighted(x, y, z, t)), a, b
+
+
+@inlined
+def moved_to_planes(a, b, n, upper, s_A, s_B):
+    """Return (a, b): moved along n to the planes of the points s_A, s_B, with a - b = upper n."""
+    rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
+    centre = scale(0.5, add_scaled(add(a, b), rise, n))
+    return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
+
+
+@compiled
+def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
     """Return (a, b, aside): points on the supporting planes of A and B with a - b = upper n.
 
-    Of the faces from ``first`` to ``total``, they come from the point nearest to upper n, moved
-    out to the planes. On a flat of the difference it may be in any face, and not in the one that
-    was expanded. ``aside`` is how far that point is from upper n: as far, at most, a and b were
-    put off their surfaces.
+    They come from the point of the faces nearest to upper n, moved out to the planes. On a flat of
+    the difference it may be in any face, and not in the one that was expanded. ``aside`` is how
+    far that point is from upper n: as far, at most, a and b were put off their surfaces.
     """
     foot = scale(upper, n)
     a, b, least = s_A, s_B, np.inf
-    for f in range(np.uint64(first), np.uint64(total)):
+    for f in range(np.uint64(total)):
         if planes[f, OFFSET] > rival or faces[f, ALIVE] == 0:  # most are too far away
             continue
         if dot((planes[f, 0], planes[f, 1], planes[f, 2]), n) < SAME_DIRECTION:
             continue
-        i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
-        x = sub(vector_in(points, i), foot)
-        y, z = sub(vector_in(points, j), foot), sub(vector_in(points, k), foot)
-        t = closest_on_triangle(x, y, z)
-        away = norm(weighted(x, y, z, t))
+        away, x, y = closest_in_face(points, faces[f, 0], faces[f, 1], faces[f, 2], foot)
         if away < least:
-            least = away
-            a = weighted(
-                vector_in(points, i, 3), vector_in(points, j, 3), vector_in(points, k, 3), t
-            )
-            b = weighted(
-                vector_in(points, i, 6), vector_in(points, j, 6), vector_in(points, k, 6), t
-            )
-    rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
-    centre = scale(0.5, add_scaled(add(a, b), rise, n))
-    return (
-        add_scaled(centre, 0.5 * upper, n),
-        add_scaled(centre, -0.5 * upper, n),
-        least,
-    )
+            a, b, least = x, y, away
+    a, b = moved_to_planes(a, b, n, upper, s_A, s_B)
+    return a, b, least
 
 
 @inlined
@@ -287,7 +293,7 @@ def depth_at(points, faces, planes, total, least, lower, enough, unique):
     if least.exact:
         lower = min(lower, best)
     else:
-        a, b, aside = witness(points, faces, planes, 0, total, n, best, best + enough, a, b)
+        a, b, aside = witness(points, faces, planes, total, n, best, best + enough, a, b)
     if lower <= 0.0:
         lower = -(abs(best) + aside)
     return Depth(best, lower, n, a, b, aside, unique)

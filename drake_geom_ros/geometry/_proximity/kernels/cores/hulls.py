@@ -6,8 +6,7 @@ not 0, go on: the vertices extreme along -x, x, -y, y, -z, z, the places of n + 
 lists of the neighbours of each vertex along the edges (``hull_parameters`` makes them). A vertex
 is named by the place of its x, 1 to n. Vertices alone make a hull too, whose ball is not known.
 
-Where all vertices are looked at, the largest product is found first, of several at a time, and
-then whose it is: of 64 vertices that takes half as long as to keep both one by one.
+Where all vertices are looked at, ``summit`` does it, several at a time.
 
 A large hull is climbed, from neighbour to neighbour, for as long as that leads farther along the
 direction: on a convex polytope there is no other summit. At a vertex that is almost flat rounding
@@ -21,6 +20,7 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.larger import larger
+from drake_geom_ros.geometry._proximity.kernels.summit import summit
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
@@ -85,16 +85,10 @@ def _farthest_of_few(shape, n, x, y, z):
 @compiled
 def _farthest_of_all(shape, x, y, z):
     """Return the first of the vertices that are extreme along (x, y, z)."""
-    n, first = _count(shape), np.uint64(1)
+    n = _count(shape)
     if n < SEVERAL:
         return _farthest_of_few(shape, n, x, y, z)
-    value = -math.inf
-    for k in range(first, n + first):
-        value = larger(_along(shape, n, k, x, y, z), value)
-    best = n
-    for k in range(first, n + first):
-        best = min(best, k if _along(shape, n, k, x, y, z) == value else n)
-    return np.int64(best)
+    return summit(shape, np.int64(n), x, y, z)
 
 
 @inlined

@@ -91,14 +91,11 @@ def normal(a, b, c):
 
 
 @compiled
-def set_plane(faces, planes, points, f, size):
-    """Fill the plane of face f: of its corners, or at a sliver of its point nearest the origin."""
-    f = np.uint64(f)
-    a, b, c = (
-        vector_in(points, faces[f, 0]),
-        vector_in(points, faces[f, 1]),
-        vector_in(points, faces[f, 2]),
-    )
+def plane_of(a, b, c, size):
+    """Return (n, offset) of a triangle: of its corners, or at a sliver of its point nearest to 0.
+
+    ``n`` is a unit normal, ``offset`` [m] the least one of the corners along it.
+    """
     n = normal(a, b, c)
     x, y, z = dot(n, a), dot(n, b), dot(n, c)
     offset = min(x, y, z)
@@ -113,6 +110,19 @@ def set_plane(faces, planes, points, f, size):
         away = min(dot(m, a), dot(m, b), dot(m, c))
         if n == ZERO or (m != ZERO and away > offset):
             n, offset = m, away
+    return n, offset
+
+
+@compiled
+def set_plane(faces, planes, points, f, size):
+    """Fill the plane of face f."""
+    f = np.uint64(f)
+    n, offset = plane_of(
+        vector_in(points, faces[f, 0]),
+        vector_in(points, faces[f, 1]),
+        vector_in(points, faces[f, 2]),
+        size,
+    )
     for k in range(3):
         planes[f, k] = n[k]
     planes[f, OFFSET] = offset

@@ -25,6 +25,13 @@ class Pair(NamedTuple):
     p_AB: Vector
 
 
+class Overlap(NamedTuple):
+    """The width h(n) [m] of the overlap of two cores along a unit n; below 0 they are apart."""
+
+    width: float
+    n: Vector
+
+
 class Gap(NamedTuple):
     """How far two cores are apart: ``lower <= distance <= upper = |b - a|`` [m].
 

@@ -7,9 +7,12 @@ since then: a hint is followed only if it is no worse than the line of centres.
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
+from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import ball_in_difference
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import likely_normal, width
-from drake_geom_ros.geometry._proximity.kernels.vectors import dot, sub, unit
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, scale, sub, unit
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 
 
 @compiled
@@ -45,15 +48,28 @@ def start_of_sums(difference, p, n, hinted):
     return likely_normal(difference, line)
 
 
+@compiled
+def narrower(pair, n, narrow):
+    """Return the overlap along n, or ``narrow`` where that is as narrow or n is 0."""
+    width = -gap_along(pair, n)
+    return Overlap(width, n) if width < narrow.width and dot(n, n) > 0.5 else narrow
+
+
+@inlined
+def narrower_on_line(pair, narrow):
+    """Return the overlap along the line of the balls in two cores, or one as narrow."""
+    return narrower(pair, unit(scale(-1.0, ball_in_difference(pair).centre)), narrow)
+
+
 @inlined
 def start_of_hulls(pair, n, hinted, noise):
-    """Return (n, overlap): where to begin with hulls, and whether they seem to overlap there.
+    """Return (narrow, overlap): where to begin with hulls, and whether they seem to overlap there.
 
     EPA looks at all of both hulls: before, the line of centres may show that they are apart.
+    Without a hint it is worth its while where both bodies are hulls.
     """
-    overlap = hinted and gap_along(pair, n) < -noise
-    if overlap:
-        line = along_centres(pair.p_AB)
-        if gap_along(pair, line) > noise:
-            return line, False
-    return n, overlap
+    narrow = Overlap(-gap_along(pair, n), n)
+    if narrow.width > noise:
+        narrow = narrower_on_line(pair, narrow)
+    hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
+    return narrow, (hinted or hulls) and narrow.width > noise

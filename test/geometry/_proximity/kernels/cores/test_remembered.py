@@ -26,9 +26,12 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.cores import (
     ball_caps,
     convex,
-    polytope,
+    memory,
     remembered,
+    small_polytope,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
+from drake_geom_ros.geometry._proximity.kernels.cores.starts import gap_along
 from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 
@@ -101,23 +104,43 @@ def test_hulls_that_do_not_move_need_no_more_than_what_is_remembered():
     pair, row = _overlapping(rng), _wide()
     for _ in range(3):  # the first tells where they are, the second keeps
         first = _answer(pair, row).copy()
-    memory = row[SLOT_WIDTH:].copy()
-    assert memory[0] >= 4.0
+    kept = row[SLOT_WIDTH:].copy()
+    assert kept[0] >= 4.0
     for n in (tuple(-first[NORMAL : NORMAL + 3]), X):  # that of last time, and any
-        sure, depth = remembered.remembered_depth(pair, n, memory, _size(pair), 1e-15)
+        narrow = Overlap(-gap_along(pair, n), n)
+        sure, depth = remembered.remembered_depth(pair, narrow, kept, _size(pair), 1e-15)
         assert sure
         assert -first[DISTANCE] == pytest.approx(depth.upper, abs=1e-15)
-        np.testing.assert_array_equal(memory, row[SLOT_WIDTH:])
+        np.testing.assert_array_equal(kept, row[SLOT_WIDTH:])
 
 
 def test_along_a_normal_that_parts_the_hulls_nothing_is_looked_at():
     rng = np.random.default_rng(2)
-    pair, memory = _overlapping(rng), np.zeros(MEMORY_WIDTH)
+    pair, kept = _overlapping(rng), np.zeros(MEMORY_WIDTH)
     apart = core_pair(*pair[:6], (0.5, 0.0, 0.0))
-    memory[:2] = 4.0
-    sure, _ = remembered.remembered_depth(apart, X, memory, _size(apart), 1e-15)
+    kept[:2] = 4.0
+    narrow = Overlap(-gap_along(apart, X), X)
+    sure, depth = remembered.remembered_depth(apart, narrow, kept, _size(apart), 1e-15)
     assert not sure
-    assert memory[0] == 0.0
+    assert depth.upper == narrow.width < 0.0
+    assert kept[0] == 0.0
+
+
+def test_hulls_that_turn_out_to_be_apart_tell_a_direction_that_parts_them():
+    """By a start along which they overlap."""
+    rng, told = np.random.default_rng(12), 0
+    for _ in range(20 * COUNT):
+        pair = _overlapping(rng)
+        pair = core_pair(*pair[:6], tuple(1.6 * np.array(pair.p_AB)))
+        n = tuple(random_directions(rng, 1)[0])
+        narrow = Overlap(-gap_along(pair, n), n)
+        sure, depth = remembered.depth_of_hulls(pair, narrow, np.zeros(0), _size(pair), 1e-15)
+        assert depth.upper <= narrow.width
+        if narrow.width > 0.0 and depth.upper < 0.0:
+            told += 1
+            assert not sure
+            assert gap_along(pair, depth.n) == pytest.approx(-depth.upper, abs=1e-15)
+    assert told > 0
 
 
 def test_the_depth_is_the_true_one():
@@ -163,29 +186,24 @@ def test_no_numbers_in_the_memory_can_spoil_an_answer(seed, data):
     for k in changed:
         row[SLOT_WIDTH + k] = data.draw(_numbers)
     if data.draw(st.booleans()):
-        row[SLOT_WIDTH + remembered.POSITION :][:3] = pair.p_AB
+        row[SLOT_WIDTH + memory.POSITION :][:3] = pair.p_AB
     room[row.size :] = 7.0
     _assert_same(_answer(pair, row), alone)
     assert (room[row.size :] == 7.0).all()
 
 
-def _growth():
-    """Return what a polytope grows in, after what these views do not keep alive."""
-    block = np.empty(polytope.growth_numbers(remembered.MOST_GROWN))
-    return block, polytope.growth_arrays(block, remembered.MOST_GROWN)
-
-
 def _closed_surface(rng, count):
     """Return a memory of a closed surface whose vertices are any pairs of vertices."""
-    memory = np.zeros(MEMORY_WIDTH)
-    _block, growth = _growth()
-    points, faces = growth[:2]
+    kept = np.zeros(MEMORY_WIDTH)
+    # These views do not keep the block alive.
+    _block = np.empty(small_polytope.growth_numbers())
+    points, corners, _, masks, _, _ = small_polytope.growth_arrays(_block)
     pair = _overlapping(rng)
-    remembered.double_pyramid(pair, X, points, faces)
-    remembered.keep(memory, points, faces, 2 * remembered.SIDES, growth[5], growth[4])
+    remembered.double_pyramid(pair, Overlap(math.inf, X), points, corners)
+    memory.keep(kept, points, corners, 2 * remembered.SIDES, masks)
     i, j = rng.integers(1, 8, (2, count))
-    memory[remembered.FIRST_NAME :][:count] = i + remembered.NAMES * j
-    return memory
+    kept[memory.FIRST_NAME :][:count] = i + memory.NAMES * j
+    return kept
 
 
 @pytest.mark.parametrize('few', [1, 2, 3, 8])
@@ -195,44 +213,13 @@ def test_a_closed_surface_of_any_vertices_leads_to_the_same_answer(few):
     for _ in range(20 * COUNT):
         pair, row = _overlapping(rng), _wide()
         alone = _answer(pair, row)[:PAIR_WIDTH].copy()
-        memory = _closed_surface(rng, 2 + remembered.SIDES)
-        names = rng.choice(memory[remembered.FIRST_NAME :][: 2 + remembered.SIDES], few)
-        memory[remembered.FIRST_NAME :][: 2 + remembered.SIDES] = rng.choice(
-            names, 2 + remembered.SIDES
-        )
-        memory[remembered.POSITION :][:3] = pair.p_AB
-        row[SLOT_WIDTH:] = memory
+        count = 2 + remembered.SIDES
+        kept = _closed_surface(rng, count)
+        names = rng.choice(kept[memory.FIRST_NAME :][:count], few)
+        kept[memory.FIRST_NAME :][:count] = rng.choice(names, count)
+        kept[memory.POSITION :][:3] = pair.p_AB
+        row[SLOT_WIDTH:] = kept
         _assert_same(_answer(pair, row), alone)
-
-
-def test_what_is_kept_is_recalled_as_it_was():
-    rng = np.random.default_rng(8)
-    pair, memory = _overlapping(rng), np.zeros(MEMORY_WIDTH)
-    _block, growth = _growth()
-    points, faces = growth[:2]
-    assert remembered.double_pyramid(pair, X, points, faces) > 0.0
-    total = 2 * remembered.SIDES
-    remembered.keep(memory, points, faces, total, growth[5], growth[4])
-    _other_block, (again, its_faces, *_) = _growth()
-    assert remembered.recall(memory, pair, again, its_faces) == (2 + remembered.SIDES, total)
-    triangles = [
-        np.asarray(p)[f[:total, :3], :9] for p, f in ((points, faces), (again, its_faces))
-    ]
-    np.testing.assert_allclose(triangles[1], triangles[0], atol=1e-15)
-    np.testing.assert_array_equal(its_faces[:total, 3:], faces[:total, 3:])
-
-
-@pytest.mark.parametrize('column', range(6))
-def test_a_surface_with_one_link_or_corner_wrong_is_not_closed(column):
-    rng = np.random.default_rng(9)
-    memory = _closed_surface(rng, 2 + remembered.SIDES)
-    pair = _overlapping(rng)
-    _block, (points, faces, *_) = _growth()
-    total = 2 * remembered.SIDES
-    assert remembered.recall(memory, pair, points, faces) == (2 + remembered.SIDES, total)
-    bits = int(memory[remembered.FIRST_FACE])
-    memory[remembered.FIRST_FACE] = float(bits ^ (1 << (8 * column)))
-    assert remembered.recall(memory, pair, points, faces) == (0, 0)
 
 
 def test_no_direction_in_the_cap_of_a_ball_is_narrower():

@@ -1,0 +1,116 @@
+"""What two hulls remember of an earlier answer: a polytope, as numbers in a result row.
+
+``memory`` holds the numbers of vertices and of faces, where B was from A, MOST_VERTICES names and
+MOST_FACES faces, two a number. A name is the place of A's vertex (see ``hulls``) and, times NAMES,
+that of B's. A face is, in eight bits each, its three vertices. Nothing is remembered where the
+first number is 0. All of it is looked at before it is believed.
+"""
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
+from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
+from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
+    MOST_GROWN,
+    NAME,
+    at,
+    is_closed,
+    set_corners,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import add, dot, rotate, sub, vector_at
+from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
+
+MOST_VERTICES = 22
+MOST_FACES = 2 * MOST_VERTICES - 4
+POSITION = 2  # 3: of B from A [m]
+FIRST_NAME = 5
+FIRST_FACE = FIRST_NAME + MOST_VERTICES
+FAR = 0.125  # of the size: what moved as far since is not looked for where it was
+NAMES = 2**24
+MOST_BITS = 2**48  # which names and pairs of faces are below
+
+
+@inlined
+def is_where_it_was(memory, p, size):
+    """Tell whether B is about where it was from A when it was remembered."""
+    moved = sub(p, vector_at(memory, POSITION))
+    return dot(moved, moved) <= (FAR * size) * (FAR * size)
+
+
+@inlined
+def remember_position(memory, p):
+    """Remember where B is from A."""
+    for k in range(3):
+        memory[POSITION + k] = p[k]
+
+
+@compiled
+def recall_faces(memory, corners, count, total):
+    """Fill in the faces; tell whether their numbers can be such."""
+    for k in range((total + 1) // 2):
+        number = memory[FIRST_FACE + k]
+        if not 0.0 <= number < MOST_BITS:
+            return False
+        bits = np.int64(number)
+        f = 2 * k
+        set_corners(corners, f, bits & 255, (bits >> 8) & 255, (bits >> 16) & 255)
+        f += 1  # beyond the last one it is written, but nobody looks there
+        set_corners(corners, f, (bits >> 24) & 255, (bits >> 32) & 255, bits >> 40)
+    highest = 0
+    for k in range(3):
+        for f in range(np.uint64(total)):
+            highest = max(highest, corners[at(k, f)])
+    return highest < count
+
+
+@compiled
+def recall(memory, pair, points, corners, masks):
+    """Fill in the vertices at their poses, and the faces; return (count, total), 0 for nothing."""
+    _, shape_A, R_WA, _, shape_B, R_WB, p = pair
+    if not (4.0 <= memory[0] <= MOST_VERTICES and 4.0 <= memory[1] <= MOST_FACES):
+        return 0, 0
+    count, total = int(memory[0]), int(memory[1])
+    if not recall_faces(memory, corners, count, total):
+        return 0, 0
+    if not is_closed(corners, count, total, masks):
+        return 0, 0
+    for k in range(count):
+        name = memory[FIRST_NAME + k]
+        if not 0.0 <= name < MOST_BITS:
+            return 0, 0
+        i, j = int(name) % NAMES, int(name) // NAMES
+        if not (1 <= i <= shape_A[VERTEX_COUNT] and 1 <= j <= shape_B[VERTEX_COUNT]):
+            return 0, 0
+        a, b = (rotate(R_WA, vertex_at(shape_A, i)), add(p, rotate(R_WB, vertex_at(shape_B, j))))
+        put(points, k, a, b)
+        points[k, NAME] = float(i + NAMES * j)
+    return count, total
+
+
+@compiled
+def keep(memory, points, corners, total, numbers):
+    """Remember the faces and their vertices; nothing where they are too many.
+
+    ``numbers`` is scratch, for those of the vertices.
+    """
+    memory[0] = 0.0
+    if total > MOST_FACES:
+        return
+    count = 0
+    for v in range(MOST_GROWN):
+        numbers[v] = -1
+    for f in range(np.uint64(total)):
+        bits = np.int64(0)
+        for k in range(3):
+            v = np.uint64(corners[at(k, f)])
+            if numbers[v] < 0:
+                if count == MOST_VERTICES:
+                    return
+                numbers[v] = count
+                memory[FIRST_NAME + count] = points[v, NAME]
+                count += 1
+            bits |= numbers[v] << (8 * k)
+        here = FIRST_FACE + np.int64(f) // 2
+        memory[here] = float(bits) if np.int64(f) % 2 == 0 else memory[here] + 2.0**24 * bits
+    memory[0], memory[1] = float(count), float(total)

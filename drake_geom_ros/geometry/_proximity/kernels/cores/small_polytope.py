@@ -1,0 +1,266 @@
+"""A polytope of few vertices: all its triangles are looked at in each step, and none is linked.
+
+Two hulls take 10 to 25 vertices. Links, a heap and dead faces (``polytope``) then cost more than
+they save: not by their arithmetic, but by the branches that a processor guesses wrong. Here loops
+over all faces, several at a time, tell which is nearest and which see a vertex; these are taken
+out, and the last faces fill their places. An edge of such a face is on the horizon where none of
+them has it the other way round. For that, the ends of the edges from a vertex are the bits of a
+number: no polytope has more vertices than MOST_GROWN.
+
+``corners`` has three rows of numbers, one a face, of its vertices, counter-clockwise seen from
+outside. ``planes`` has rows for the unit normals out of the polytope, for the least offset of the
+vertices along them, and for the *key*: the offset again, or infinite where a face need not be
+looked at; what follows is scratch. Their rows are parts of flat arrays, MOST_ROWS long (``at``):
+LLVM then knows that they do not overlap, and makes one operation of those for several faces.
+Vertices are the rows of ``gjk.put``, with a name at the end.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.kernels.calling.views import (
+    integers,
+    part,
+    table,
+    wide_integers,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
+from drake_geom_ros.geometry._proximity.kernels.larger import larger
+from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, vector_in
+from drake_geom_ros.geometry._proximity.tolerances import (
+    COPLANAR,
+    EPS,
+    LARGE_SQUARE,
+    SMALL_SQUARE,
+)
+
+# Vertices that a polytope may grow to; most take 10 to 25. Faces are 2 n - 4, but for surfaces
+# that are recalled, which may be several.
+MOST_GROWN = 40
+MOST_ROWS = 96
+POINT_WIDTH = 10
+NAME = 9  # column of the points
+OFFSET, KEY = 3, 4  # rows of the planes, after the normal
+PLANE_ROWS = 5
+ABOVE = 5  # rows of scratch: how far a vertex is above a face
+PLACES = 6  # 9: x, y and z of the corners
+MOST_EDGES = 3 * MOST_ROWS + 1
+
+
+@inlined
+def growth_numbers():
+    """Return how many numbers a polytope needs to grow in."""
+    return (POINT_WIDTH + 2) * MOST_GROWN + (PLACES + 9) * MOST_ROWS + 2 * MOST_ROWS + MOST_EDGES
+
+
+@allocating
+def growth_arrays(block):
+    """Return what a polytope grows in: (points, corners, planes, masks, seen, horizon).
+
+    All are views of a block of ``growth_numbers``; the last three are scratch.
+    """
+    numbers = POINT_WIDTH * MOST_GROWN
+    end = numbers + (PLACES + 9) * MOST_ROWS
+    rest = integers(block, end + 2 * MOST_GROWN)
+    return (
+        table(block, 0, MOST_GROWN, POINT_WIDTH),
+        part(rest, 0, 3 * MOST_ROWS),
+        part(block, numbers, end),
+        part(wide_integers(block, end), 0, 2 * MOST_GROWN),
+        part(rest, 3 * MOST_ROWS, 4 * MOST_ROWS),
+        part(rest, 4 * MOST_ROWS, 4 * MOST_ROWS + 2 * MOST_EDGES),
+    )
+
+
+@inlined
+def at(row, f):
+    """Return the place of face f in a row of corners or planes."""
+    return np.uint64(row * MOST_ROWS) + np.uint64(f)
+
+
+@inlined
+def corner(points, corners, k, f):
+    """Return corner k of face f."""
+    return vector_in(points, corners[at(k, f)])
+
+
+@inlined
+def normal_of(planes, f):
+    """Return the unit normal of face f."""
+    return planes[at(0, f)], planes[at(1, f)], planes[at(2, f)]
+
+
+@inlined
+def set_corners(corners, f, i, j, k):
+    """Make face f that of the vertices i, j and k."""
+    corners[at(0, f)], corners[at(1, f)], corners[at(2, f)] = i, j, k
+
+
+@inlined
+def place_of(planes, row, f):
+    """Return the three numbers of scratch of a face that begin in a row."""
+    return planes[at(row, f)], planes[at(row + 1, f)], planes[at(row + 2, f)]
+
+
+@inlined
+def set_plane(planes, f, n, offset):
+    """Set the plane and the key of face f."""
+    planes[at(0, f)], planes[at(1, f)], planes[at(2, f)] = n
+    planes[at(OFFSET, f)], planes[at(KEY, f)] = offset, offset
+
+
+@inlined
+def set_planes(points, corners, planes, first, total, size):
+    """Set the planes and keys of the faces from first to total; return the least offset [m].
+
+    What ``polytope.set_planes`` does: a loop without choices, of several faces at a time when
+    their corners are side by side, and ``plane_of`` for the faces that would lose digits so.
+    """
+    for f in range(np.uint64(first), np.uint64(total)):
+        for k in range(3):
+            v = np.uint64(corners[at(k, f)])
+            for c in range(3):
+                planes[at(PLACES + 3 * k + c, f)] = points[v, c]
+    least, unset = -np.inf, 0  # of the opposites, for the sake of ``larger``
+    for f in range(np.uint64(first), np.uint64(total)):
+        a, b, c = (
+            place_of(planes, PLACES, f),
+            place_of(planes, PLACES + 3, f),
+            place_of(planes, PLACES + 6, f),
+        )
+        n = cross(sub(b, a), sub(c, b))
+        squared = dot(n, n)
+        usual = (squared > SMALL_SQUARE) & (squared < LARGE_SQUARE)
+        n = scale(1.0 / math.sqrt(squared if usual else 1.0), n)
+        x, y, z = dot(n, a), dot(n, b), dot(n, c)
+        highest = larger(larger(x, y), z)
+        offset = -larger(larger(-x, -y), -z)
+        usual = usual & (highest - offset <= COPLANAR * EPS * size)
+        set_plane(planes, f, n, offset if usual else np.inf)
+        least = larger(-offset if usual else -np.inf, least)
+        unset |= 0 if usual else 1
+    if unset == 0:
+        return -least
+    return set_slivers(points, corners, planes, first, total, size, -least)
+
+
+@compiled
+def set_slivers(points, corners, planes, first, total, size, least):
+    """Set the planes that ``set_planes`` left out; return the least offset of all [m]."""
+    for f in range(np.uint64(first), np.uint64(total)):
+        if planes[at(OFFSET, f)] == np.inf:
+            n, offset = plane_of(
+                corner(points, corners, 0, f),
+                corner(points, corners, 1, f),
+                corner(points, corners, 2, f),
+                size,
+            )
+            set_plane(planes, f, n, offset)
+            least = min(least, offset)
+    return least
+
+
+@inlined
+def nearest(planes, total):
+    """Return the first of the faces whose key is least; the number of faces if that is 0."""
+    end, least = np.uint64(total), -np.inf  # of the keys' opposites, for the sake of ``larger``
+    for f in range(np.uint64(0), end):
+        least = larger(-planes[at(KEY, f)], least)
+    best = end
+    for f in range(np.uint64(0), end):
+        best = min(best, f if -planes[at(KEY, f)] == least else end)
+    return np.int64(best)
+
+
+@inlined
+def faces_that_see(planes, total, w, thickness, seen):
+    """List the faces that see w, which is more than ``thickness`` [m] above them; return how many.
+
+    Faces in one plane with w would else be taken out as rounding falls.
+    """
+    for f in range(np.uint64(total)):
+        m = planes[at(0, f)], planes[at(1, f)], planes[at(2, f)]
+        planes[at(ABOVE, f)] = dot(m, w) - planes[at(OFFSET, f)]
+    count = 0
+    for f in range(np.uint64(total)):
+        seen[np.uint64(count)] = f
+        count += 1 if planes[at(ABOVE, f)] > thickness else 0
+    return count
+
+
+@inlined
+def horizon_of(corners, seen, count, masks, horizon):
+    """Fill in the edges around ``count`` faces that are listed; return how many, or 0.
+
+    None are told of where they come to a vertex twice, which only rounding, or a polytope that is
+    not convex, can make: a cone over them would not be linked in one way.
+    """
+    one = np.int64(1)
+    for s in range(np.uint64(count)):
+        f = np.uint64(seen[s])
+        for k in range(3):
+            masks[np.uint64(corners[at(k, f)])] = 0
+    for s in range(np.uint64(count)):
+        f = np.uint64(seen[s])
+        for k in range(3):
+            masks[np.uint64(corners[at(k, f)])] |= one << np.int64(corners[at((k + 1) % 3, f)])
+    edges, starts, twice = 0, np.int64(0), np.int64(0)
+    for s in range(np.uint64(count)):
+        f = np.uint64(seen[s])
+        for k in range(3):
+            start, end = np.int64(corners[at(k, f)]), np.int64(corners[at((k + 1) % 3, f)])
+            here = np.uint64(2 * edges)
+            horizon[here], horizon[here + np.uint64(1)] = start, end
+            outer = one - ((masks[np.uint64(end)] >> start) & one)
+            twice |= outer & (starts >> start)
+            starts |= outer << start
+            edges += outer
+    return 0 if twice != 0 else edges
+
+
+@inlined
+def expand(growth, count, total, thickness):
+    """Put a cone with the apex ``count`` in place of the faces that see it.
+
+    Return the new number of faces, whose last ones are those of the cone, and how many these are:
+    0 where nothing was changed.
+    """
+    points, corners, planes, masks, seen, horizon = growth
+    killed = faces_that_see(planes, total, vector_in(points, count), thickness, seen)
+    edges = horizon_of(corners, seen, killed, masks, horizon)
+    if edges == 0 or total - killed + edges > MOST_ROWS:
+        return total, 0
+    for s in range(killed):
+        here, last = np.uint64(seen[np.uint64(killed - 1 - s)]), np.uint64(total - 1 - s)
+        for k in range(3):
+            corners[at(k, here)] = corners[at(k, last)]
+        for k in range(PLANE_ROWS):
+            planes[at(k, here)] = planes[at(k, last)]
+    first = total - killed
+    for e in range(np.uint64(edges)):
+        start, end = horizon[e + e], horizon[e + e + np.uint64(1)]
+        set_corners(corners, np.uint64(first) + e, start, end, count)
+    return first + edges, edges
+
+
+@compiled
+def is_closed(corners, count, total, masks):
+    """Tell whether faces of ``count`` vertices are closed surfaces.
+
+    Then each edge is there once in each direction.
+    """
+    one, spoilt = np.int64(1), np.int64(0)
+    for v in range(np.uint64(2 * count)):
+        masks[v] = 0
+    for f in range(np.uint64(total)):
+        for k in range(3):
+            start, end = np.int64(corners[at(k, f)]), np.int64(corners[at((k + 1) % 3, f)])
+            there, back = np.uint64(start), np.uint64(count + end)
+            spoilt |= ((masks[there] >> end) & one) | np.int64(start == end)
+            masks[there] |= one << end
+            masks[back] |= one << start
+    for v in range(np.uint64(count)):
+        spoilt |= masks[v] ^ masks[v + np.uint64(count)]
+    return spoilt == 0
