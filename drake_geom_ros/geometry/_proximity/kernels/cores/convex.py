@@ -252,6 +252,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
     noise = ROUNDING * EPS * size
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
+    hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
     if difference.last > 0:
         n = start_of_sums(difference, pair.p_AB, n, hinted)
         gap, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
@@ -266,7 +267,9 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
         overlap = lower < 0.0
     else:
         narrow, overlap = start_of_hulls(pair, n, hinted, noise)
-        n, newton = narrow.n, Minimum(NOTHING, narrow.n, narrow.width, 0.0)
+        n, newton = narrow.n, nowhere(narrow.n)
+        if hulls:
+            newton = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
         found = depth_and_bounds(
@@ -275,7 +278,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
         overlap = found.lower > 0.0
         if overlap:
             return bounds_of_depth(pair, found, size)
-        if found.upper < -noise:  # what was found to part them
+        if hulls and found.upper < -noise:  # what was found to part them
             n = found.n
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)

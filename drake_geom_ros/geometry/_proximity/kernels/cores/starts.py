@@ -69,7 +69,14 @@ def start_of_hulls(pair, n, hinted, noise):
     Without a hint it is worth its while where both bodies are hulls.
     """
     narrow = Overlap(-gap_along(pair, n), n)
-    if narrow.width > noise:
-        narrow = narrower_on_line(pair, narrow)
-    hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
-    return narrow, (hinted or hulls) and narrow.width > noise
+    if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
+        if narrow.width > noise:
+            narrow = narrower_on_line(pair, narrow)
+        return narrow, narrow.width > noise
+    overlap = hinted and narrow.width > noise
+    if overlap:
+        line = along_centres(pair.p_AB)
+        width = -gap_along(pair, line)
+        if width < -noise:
+            return Overlap(width, line), False
+    return narrow, overlap

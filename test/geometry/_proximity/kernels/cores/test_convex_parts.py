@@ -229,7 +229,7 @@ def test_bounds_that_stay_loose_are_sought_from_elsewhere(
     monkeypatch.setattr(convex, 'bounds_of_cores', bounds_of_cores)
     pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (0.0, 4.0, 0.0))
     search = getattr(convex.bounds_of_best_start, 'py_func', convex.bounds_of_best_start)
-    found = search(pair, (1.0, 0.0, 0.0), hinted, 6.0, 1e-9, math.inf, np.zeros(0))
+    found = search(pair, (1.0, 0.0, 0.0), 1.0, hinted, 6.0, 1e-9, math.inf, np.zeros(0))
     assert seen == starts
     assert found.n == (0.0, float(kept), 1.0)
 
