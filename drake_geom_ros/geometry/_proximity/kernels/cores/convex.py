@@ -48,12 +48,12 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
 from drake_geom_ros.geometry._proximity.kernels.cores.records import (
     Bounds,
     Gap,
+    Minimum,
     Overlap,
     Pair,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.remembered import remembered_depth
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
-    along,
     along_centres,
     gap_along,
     hint_of,
@@ -218,7 +218,8 @@ def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memor
     """
     start = nowhere(gap.n)
     if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
-        start = along(narrower_on_line(pair, narrower(pair, gap.n, Overlap(np.inf, gap.n))))
+        narrow = narrower_on_line(pair, narrower(pair, gap.n, Overlap(np.inf, gap.n)))
+        start = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, start, overlap, size, SHARPER_DEPTH * tolerance, memory
     )
@@ -251,6 +252,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
     noise = ROUNDING * EPS * size
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
     difference = difference_of(pair)
+    hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
     if difference.last > 0:
         n = start_of_sums(difference, pair.p_AB, n, hinted)
         gap, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
@@ -264,8 +266,10 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
             return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
         overlap = lower < 0.0
     else:
-        newton, overlap = start_of_hulls(pair, n, hinted, noise)
-        n = newton.n
+        narrow, overlap = start_of_hulls(pair, n, hinted, noise)
+        n, newton = narrow.n, nowhere(narrow.n)
+        if hulls:
+            newton = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
     if overlap:  # or so it seems: that they do is certain when a ball is in the difference
         # (Not the literal True: for that Numba would compile all of EPA once more.)
         found = depth_and_bounds(
@@ -274,9 +278,7 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
         overlap = found.lower > 0.0
         if overlap:
             return bounds_of_depth(pair, found, size)
-        if (
-            found.upper < -noise and newton.h < np.inf
-        ):  # two hulls, and what was found to part them
+        if hulls and found.upper < -noise:  # what was found to part them
             n = found.n
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
     near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)

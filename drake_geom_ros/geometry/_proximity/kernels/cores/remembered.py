@@ -78,7 +78,7 @@ SIDES = 5
 COS_TILT, SIN_TILT = math.cos(0.8), math.sin(0.8)
 _ANGLES = 2.0 * np.pi / SIDES * np.arange(SIDES)
 TURNS = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
-MORE = 6  # vertices that are added to those that are remembered, at most
+MORE = 8
 
 
 @inlined
@@ -278,7 +278,8 @@ def remembered_depth(pair, narrow, memory, size, noise):
     growth = growth_arrays(block)
     points, corners, planes, masks, _, _ = growth
     count, total = recall(memory, pair, points, corners, masks)
-    if total > 0 and set_planes(points, corners, planes, 0, total, size) > 0.0:
+    if total > 0:
+        set_planes(points, corners, planes, 0, total, size)
         found = grown(pair, growth, ball, count, total, count + MORE, narrow, size, noise)
     sure, depth = closed_depth(growth, found, size, noise)
     remember_position(memory, pair.p_AB)

@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.views import (
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
 from drake_geom_ros.geometry._proximity.kernels.larger import larger
+from drake_geom_ros.geometry._proximity.kernels.summit import LANES
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, vector_in
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
@@ -39,7 +40,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 # Vertices that a polytope may grow to; most take 10 to 25. Faces are 2 n - 4, but for surfaces
 # that are recalled, which may be several.
 MOST_GROWN = 40
-MOST_ROWS = 96
+MOST_ROWS = 96  # LANES of them are for what is not looked at
 POINT_WIDTH = 10
 NAME = 9  # column of the points
 OFFSET, KEY = 3, 4  # rows of the planes, after the normal
@@ -113,18 +114,20 @@ def set_plane(planes, f, n, offset):
 
 @inlined
 def set_planes(points, corners, planes, first, total, size):
-    """Set the planes and keys of the faces from first to total; return the least offset [m].
+    """Set the planes and keys of the faces from first to total.
 
-    What ``polytope.set_planes`` does: a loop without choices, of several faces at a time when
-    their corners are side by side, and ``plane_of`` for the faces that would lose digits so.
+    What ``polytope.set_planes`` does: a loop without choices, and ``plane_of`` for the faces that
+    would lose digits so. Corners are put side by side, and the faces are made a multiple of LANES:
+    then all is done for LANES of them at a time (what comes out of the rows beyond the last face,
+    whatever these hold, nobody looks at).
     """
     for f in range(np.uint64(first), np.uint64(total)):
         for k in range(3):
             v = np.uint64(corners[at(k, f)])
             for c in range(3):
                 planes[at(PLACES + 3 * k + c, f)] = points[v, c]
-    least, unset = -np.inf, 0  # of the opposites, for the sake of ``larger``
-    for f in range(np.uint64(first), np.uint64(total)):
+    whole = np.uint64((total - first + LANES - 1) // LANES * LANES)
+    for f in range(np.uint64(first), np.uint64(first) + whole):
         a, b, c = (
             place_of(planes, PLACES, f),
             place_of(planes, PLACES + 3, f),
@@ -139,16 +142,16 @@ def set_planes(points, corners, planes, first, total, size):
         offset = -larger(larger(-x, -y), -z)
         usual = usual & (highest - offset <= COPLANAR * EPS * size)
         set_plane(planes, f, n, offset if usual else np.inf)
-        least = larger(-offset if usual else -np.inf, least)
-        unset |= 0 if usual else 1
-    if unset == 0:
-        return -least
-    return set_slivers(points, corners, planes, first, total, size, -least)
+    unset = 0
+    for f in range(np.uint64(first), np.uint64(total)):
+        unset |= 1 if planes[at(OFFSET, f)] == np.inf else 0
+    if unset != 0:
+        set_slivers(points, corners, planes, first, total, size)
 
 
 @compiled
-def set_slivers(points, corners, planes, first, total, size, least):
-    """Set the planes that ``set_planes`` left out; return the least offset of all [m]."""
+def set_slivers(points, corners, planes, first, total, size):
+    """Set the planes that ``set_planes`` left out."""
     for f in range(np.uint64(first), np.uint64(total)):
         if planes[at(OFFSET, f)] == np.inf:
             n, offset = plane_of(
@@ -158,8 +161,6 @@ def set_slivers(points, corners, planes, first, total, size, least):
                 size,
             )
             set_plane(planes, f, n, offset)
-            least = min(least, offset)
-    return least
 
 
 @inlined
@@ -230,7 +231,7 @@ def expand(growth, count, total, thickness):
     points, corners, planes, masks, seen, horizon = growth
     killed = faces_that_see(planes, total, vector_in(points, count), thickness, seen)
     edges = horizon_of(corners, seen, killed, masks, horizon)
-    if edges == 0 or total - killed + edges > MOST_ROWS:
+    if edges == 0 or total - killed + edges > MOST_ROWS - LANES:
         return total, 0
     for s in range(killed):
         here, last = np.uint64(seen[np.uint64(killed - 1 - s)]), np.uint64(total - 1 - s)

@@ -9,8 +9,7 @@ from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import ball_in_difference
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
-from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING, nowhere
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Minimum, Overlap
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import likely_normal, width
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, scale, sub, unit
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
@@ -64,26 +63,20 @@ def narrower_on_line(pair, narrow):
 
 @inlined
 def start_of_hulls(pair, n, hinted, noise):
-    """Return (newton, overlap): where to begin with hulls, and whether they seem to overlap there.
+    """Return (narrow, overlap): where to begin with hulls, and whether they seem to overlap there.
 
-    EPA looks at all of both hulls: before, another direction may show that they are apart. Without
-    a hint it is worth its while where both bodies are hulls; what is returned has the width of
-    their overlap then, and else none.
+    EPA looks at all of both hulls: before, the line of centres may show that they are apart.
+    Without a hint it is worth its while where both bodies are hulls.
     """
     narrow = Overlap(-gap_along(pair, n), n)
-    overlap = narrow.width > noise
     if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
-        if overlap:
+        if narrow.width > noise:
             narrow = narrower_on_line(pair, narrow)
-        return along(narrow), narrow.width > noise
-    if hinted and overlap:
+        return narrow, narrow.width > noise
+    overlap = hinted and narrow.width > noise
+    if overlap:
         line = along_centres(pair.p_AB)
-        if gap_along(pair, line) > noise:
-            return nowhere(line), False
-    return nowhere(n), hinted and overlap
-
-
-@inlined
-def along(narrow):
-    """Return the overlap in a direction as what ``nearby_minimum`` has not looked for yet."""
-    return Minimum(NOTHING, narrow.n, narrow.width, 0.0)
+        width = -gap_along(pair, line)
+        if width < -noise:
+            return Overlap(width, line), False
+    return narrow, overlap
