@@ -84,12 +84,13 @@ def depth_and_bounds(pair, difference, newton, near, size, tolerance, memory):
 
     That is the case in symmetric positions and where the difference has no volume. ``newton`` is
     what ``nearby_minimum`` of the difference has just found, or its direction alone; of two hulls
-    it has the width along that. ``near`` tells that the cores are thought to overlap: if they turn
+    it has the width along that. ``near`` tells that cores are thought to overlap: if hulls turn
     out not to, ``upper`` is below 0, and nothing else is looked for.
     """
     noise = ROUNDING * EPS * size
     found = iterated_depth(pair, difference, newton, near, size, tolerance, memory)
-    apart = near and found.upper < -noise
+    hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
+    apart = hulls and near and found.upper < -noise
     if apart or found.upper - found.lower <= 4.0 * max(tolerance, noise):
         return found
     h, m, a, b = least_along_axes(pair, found.upper)
