@@ -73,6 +73,7 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
             'bounds',
             'prefetch',
             'side_by_side',
+            'summit',
             'vectors',
             'larger',
             'closed_forms',

@@ -220,9 +220,8 @@ class Engine:
 
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
-        return self.finds_overlap(
-            self.prepared(world, filters, accuracy, 0.0, True, CONTACT), world
-        )
+        prepared = self.prepared(world, filters, accuracy, 0.0, True, CONTACT)
+        return self.finds_overlap(prepared, world)
 
     def finds_overlap(self, prepared: Prepared, world: World) -> bool:
         """Return ``has_overlap`` of a prepared query."""
@@ -379,10 +378,10 @@ class Engine:
         """Return a long answer, by threads."""
         begun = time.perf_counter()
         moved = world.update_shared()
-        posed = time.perf_counter()
+        spent = time.perf_counter() - begun
         self._list_pairs(prepared, world)
         self._report.told[[FRAMES_MOVED, BODIES_MOVED]] = moved
-        self._moments[BEGUN] -= posed - begun
+        self._moments[BEGUN] -= spent
         near = prepared.near
         hits = self._steps.answer_shared(world, near, prepared.query)
         count = len(hits)

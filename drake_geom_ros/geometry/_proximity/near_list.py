@@ -133,11 +133,6 @@ class NearList:
         """What is known of the pairs, by slot; see ``records.empty_memory``."""
         return self.arrays.memory
 
-    @property
-    def has_kernels(self) -> bool:
-        """Whether the kernels of all pairs are known to be compiled."""
-        return bool(self.arrays.numbers[HAS_KERNELS])
-
     def know_kernels(self) -> None:
         """Note that the kernels of all pairs are compiled."""
         self.arrays.numbers[HAS_KERNELS] = 1
