@@ -85,8 +85,9 @@ set_up() {
     set -m
     step kernels "$venv/.stamp-kernels" "$packages_key" compile_kernels 9<&- &
     set +m
-    local kernels=$!
-    trap 'kill -- "-$kernels" 2>/dev/null || true' EXIT
+    local kernels=$! owner=$BASHPID
+    # A heartbeat that is ended as soon as it is forked runs the trap of the shell it came from.
+    trap '((BASHPID != owner)) || kill -- "-$kernels" 2>/dev/null || true' EXIT
     step messages "$prefix/.stamp" "$messages_key" build_messages
     wait "$kernels"
   ) 9<"$root/run"

@@ -150,6 +150,23 @@ def test_steps_run_once_and_in_order(folder):
     assert (folder / 'beside').read_text() == 'kernels\n'
 
 
+def test_what_is_ended_as_soon_as_it_is_forked_does_not_end_the_kernels(folder):
+    """As the heartbeat of messages that are there at once: bash runs inherited traps in it."""
+    steps = """
+logged() {
+  local i
+  if [[ $1 == kernels ]]; then until [[ -e $prefix ]]; do sleep 0.1; done; fi
+  if [[ $1 == messages ]]; then
+    for i in {1..50}; do sleep 1 & kill "$!"; wait "$!" || true; done
+  fi
+  "$2"
+}
+"""
+    code, _, errors = shell(folder, FAKE_STEPS + steps + 'set_up')
+    assert code == 0, errors
+    assert (folder / 'beside').read_text() == 'kernels\n'
+
+
 BUSY = 'compile_kernels() { echo $BASHPID >"$root/busy"; sleep 60; }\n'
 
 
