@@ -34,6 +34,13 @@ def sweep(megabytes: int) -> Callable[[], object]:
     return lambda: np.add(memory, 1, out=memory)
 
 
+def stay_awake(seconds: float) -> None:
+    """Read the clock, and touch nothing else."""
+    until = time.perf_counter() + seconds
+    while time.perf_counter() < until:
+        pass
+
+
 def other_work() -> dict[str, Callable[[], object]]:
     """Return what is done in between, by name."""
     source = inspect.getsource(inspect)
@@ -42,6 +49,7 @@ def other_work() -> dict[str, Callable[[], object]]:
         '8 MB swept': sweep(8),
         '128 MB swept': sweep(128),
         'a file parsed': lambda: ast.parse(source),
+        'awake for 10 ms': lambda: stay_awake(0.01),
         'asleep for 10 ms': lambda: time.sleep(0.01),
     }
 
