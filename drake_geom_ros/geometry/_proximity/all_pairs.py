@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
     lowest,
     overlapping,
 )
+from drake_geom_ros.geometry._proximity.list_arrays import ORIGIN
 from drake_geom_ros.geometry._proximity.tolerances import EPS, SINGLE_LARGEST
 
 
@@ -25,22 +26,19 @@ def _finite(value):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _set_sides(near, distance):  # type: ignore[no-untyped-def]
-    """Write the sides of boxes, of which the lower ones are out by a distance [m].
+def set_side(near, g, distance):  # type: ignore[no-untyped-def]
+    """Write the sides of a box, of which the lower ones are out by a distance [m].
 
-    They are measured from the first box, for far from World's origin they keep their digits so. A
-    plane is everywhere.
+    They are measured from ORIGIN, for far from World's they keep their digits so. A plane is
+    everywhere.
     """
-    lowers, uppers, sides = near.lowers, near.uppers, near.sides
-    x, y, z = _finite(lowers[0, 0]), _finite(lowers[0, 1]), _finite(lowers[0, 2])
-    for g in range(lowers.shape[0]):
-        for c, origin in enumerate((x, y, z)):
-            lower, upper = lowers[g, c], uppers[g, c]
-            if near.is_plane[g]:
-                lower, upper = -math.inf, math.inf
-            rounding = 8.0 * EPS * (abs(lower) + abs(upper) + abs(origin) + distance)
-            sides[c, g] = below((lower - origin) - distance - rounding)
-            sides[3 + c, g] = above((upper - origin) + rounding)
+    for c in range(3):
+        origin, lower, upper = near.lengths[ORIGIN + c], near.lowers[g, c], near.uppers[g, c]
+        if near.is_plane[g]:
+            lower, upper = -math.inf, math.inf
+        rounding = 8.0 * EPS * (abs(lower) + abs(upper) + abs(origin) + distance)
+        near.sides[c, g] = below((lower - origin) - distance - rounding)
+        near.sides[3 + c, g] = above((upper - origin) + rounding)
 
 
 @inlined
@@ -60,7 +58,7 @@ def _are_within(lowers, uppers, i, k, distance):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_pair(near, frames, i, k, distance):  # type: ignore[no-untyped-def]
+def is_pair(near, frames, i, k, distance):  # type: ignore[no-untyped-def]
     """Tell whether two bodies whose rounded boxes overlap are a pair of the list."""
     if frames[i] == 0 and frames[k] == 0:
         return False
@@ -79,7 +77,10 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
     n, count, sides = near.is_plane.size, 0, near.sides
     if n == 0:
         return 0
-    _set_sides(near, distance)
+    for c in range(3):
+        near.lengths[ORIGIN + c] = _finite(near.lowers[0, c])
+    for g in range(n):
+        set_side(near, g, distance)
     for i in range(n):
         box = box_at(sides, i)
         for first in range(i + 1, n, LANES):
@@ -87,6 +88,6 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
             while bits != 0:
                 k = first + lowest(bits)
                 bits &= bits - 1
-                kept = _is_pair(near, world.frames, i, k, distance)
+                kept = is_pair(near, world.frames, i, k, distance)
                 count = put_code(near.found, count, i, k, kept)
     return count

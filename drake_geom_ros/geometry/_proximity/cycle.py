@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import types
 
-from drake_geom_ros.geometry._proximity import kernel_table, list_making
+from drake_geom_ros.geometry._proximity import kernel_table, list_arrays
 from drake_geom_ros.geometry._proximity.batches import gather_rows
 from drake_geom_ros.geometry._proximity.broadphase import Boxes, code_of
 from drake_geom_ros.geometry._proximity.clock import now
@@ -28,15 +28,15 @@ from drake_geom_ros.geometry._proximity.handing import (
 )
 from drake_geom_ros.geometry._proximity.kernel_table import has_each
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
-from drake_geom_ros.geometry._proximity.list_making import (
+from drake_geom_ros.geometry._proximity.list_arrays import (
     HAS_KERNELS,
     LACKS_SLOTS,
     MADE,
     PAIRS,
-    bring_up_to_date,
     filters_of,
     list_of,
 )
+from drake_geom_ros.geometry._proximity.list_making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs, near_pairs
 from drake_geom_ros.geometry._proximity.plain_contacts import plain_contact
 from drake_geom_ros.geometry._proximity.poses import rows_in
@@ -49,7 +49,7 @@ CANDIDATES = 1  # its pairs whose boxes are within the cutoff
 CONTACT = 2  # one pair that the query is about
 ANSWERS = 3  # all of them, and their rows
 
-LACKS_KERNELS = LACKS_SLOTS + 1  # of the pairs of the list; the others are those of list_making
+LACKS_KERNELS = LACKS_SLOTS + 1  # of the pairs of the list; the others are those of list_arrays
 
 # Places of ``ReportArrays.told``.
 FRAMES_MOVED, BODIES_MOVED = 0, 1
@@ -161,9 +161,9 @@ def _run_cycle(  # type: ignore[no-untyped-def]
         if done > MADE:
             return -done
         report.told[LIST_MADE] = done
-        report.told[CONSIDERED] = near.numbers[list_making.CONSIDERED]
+        report.told[CONSIDERED] = near.numbers[list_arrays.CONSIDERED]
         report.told[LISTED_PAIRS] = near.numbers[PAIRS]
-        moments[FILTERING] = near.lengths[list_making.FILTERING] if done == MADE else 0.0
+        moments[FILTERING] = near.lengths[list_arrays.FILTERING] if done == MADE else 0.0
         moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
         if mode != CANDIDATES and not math.isinf(gap) and near.numbers[HAS_KERNELS] == 0:
             if not has_each(world.types, near.pairs, near.numbers[PAIRS], report.compiled):

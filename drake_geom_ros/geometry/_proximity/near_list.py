@@ -3,9 +3,10 @@
 A list is made for a little more than the distance that is asked for: the box of each body gets a
 margin of as far as the body is expected to come in some updates, and the list stands until a body
 leaves its box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with margins of each
-body's own). Only then the broad phase runs again, and only for the bodies that move. Where
-somebody moves so fast that no margin lasts, nobody gets one: the list is made for each update, and
-has no pair too many.
+body's own). Only then the broad phase runs again, and only for the bodies that move. A body so
+fast that no margin lasts gets none. Of few bodies, a few fast ones are looked at alone in each
+update; where there are more, nobody gets a margin: the list is made for each update, and has no
+pair too many.
 
 What was answered for a pair stays in its *slot* for as long as the pair is near: the row of its
 last answer, in which revision of the world that was, how sharp, and its *slack*: the certified
@@ -20,7 +21,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity import list_making
 from drake_geom_ros.geometry._proximity.broadphase import Boxes, room_for
 from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
@@ -28,20 +28,25 @@ from drake_geom_ros.geometry._proximity.handing import handle_of, taker
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.side_by_side import empty_sides
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE
-from drake_geom_ros.geometry._proximity.list_making import (
+from drake_geom_ros.geometry._proximity.list_arrays import (
     CONSIDERED,
     FREE,
     HAS_KERNELS,
     LACKS_CODES,
     LACKS_RESTING,
+    LENGTHS,
     MADE,
     NEEDED,
+    NUMBERS,
     PAIRS,
     REACH,
     RESTING_WITHIN,
     FilterArrays,
     ListArrays,
+    filters_of,
+    list_of,
 )
+from drake_geom_ros.geometry._proximity.list_making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.records import world_of
 from drake_geom_ros.geometry._proximity.world import World
 
@@ -64,14 +69,15 @@ class NearList:
         codes = np.zeros(64 + 8 * n, dtype=np.int64)
         rows, none = np.zeros(n, dtype=np.int64), np.zeros(0, dtype=np.int64)
         self.arrays = ListArrays(
-            numbers=np.zeros(list_making.NUMBERS, dtype=np.int64),
-            lengths=np.zeros(list_making.LENGTHS),
+            numbers=np.zeros(NUMBERS, dtype=np.int64),
+            lengths=np.zeros(LENGTHS),
             is_plane=is_plane,
             active=~world.anchored & ~is_plane,
             lowers=np.zeros((n, 3)),
             uppers=np.zeros((n, 3)),
             paddings=np.zeros(n),
             rest_paddings=np.zeros(n),
+            has_left=np.zeros(n, dtype=np.bool_),
             rows=rows,
             tally=np.zeros(n + 1, dtype=np.int64),
             sides=empty_sides(n),
@@ -191,12 +197,12 @@ def _bring_up_to_date(  # type: ignore[no-untyped-def]
     world, near, boxes, resting, filters, revision, version, placings, distance
 ):
     """Do what ``list_making.bring_up_to_date`` does, by handles."""
-    return list_making.bring_up_to_date(
-        list_making.list_of(near),
+    return bring_up_to_date(
+        list_of(near),
         world_of(world),
         _boxes_of(boxes),
         _boxes_of(resting),
-        list_making.filters_of(filters),
+        filters_of(filters),
         revision,
         version,
         placings,

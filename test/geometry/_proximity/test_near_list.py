@@ -8,7 +8,9 @@ from oracles.worlds import filters_of, geometry_table, random_rotations, random_
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.list_making import FEW, PATIENCE
+from drake_geom_ros.geometry._proximity.list_arrays import MADE_AT
+from drake_geom_ros.geometry._proximity.list_boxes import PATIENCE
+from drake_geom_ros.geometry._proximity.list_making import FEW
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.world import FrameTable, World
@@ -97,6 +99,61 @@ def test_teleports_are_met_by_a_list_without_margins():
         assert near.bring_up_to_date(world, filters, 0.0)
         assert near_pairs(world, 0.0) <= listed(near)
     assert len(near.pairs) <= 2 * len(near_pairs(world, 0.0))
+
+
+def boxes_within(near, world, distance):
+    """Return the pairs whose boxes, as the list has them, are within a distance."""
+    i, j = np.triu_indices(world.geometry_count, k=1)
+    lowers, uppers = near.arrays.lowers, near.arrays.uppers
+    meet = (lowers[i] - distance <= uppers[j]) & (lowers[j] - distance <= uppers[i])
+    keep = meet.all(axis=1) & ~(world.anchored[i] & world.anchored[j])
+    return set(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
+
+
+@pytest.mark.parametrize('far', [0.0, 1e5])
+@pytest.mark.parametrize('moving', [1, 6, 15, 40])
+@pytest.mark.parametrize('length', [0.002, 0.3])
+def test_an_amended_list_is_as_one_that_was_made_whole(moving, length, far):
+    """It has the pairs whose boxes meet, less those that the filters of now leave out."""
+    rng = np.random.default_rng(moving)
+    world = random_world(rng, 60, anchored=10)
+    world.set_poses(np.arange(1, 51), world.R_PFs[1:51], world.p_PFs[1:51] + far)
+    world.update()
+    filters, near = filters_of(world), NearList(world)
+    keys = world.geometries.ids.tolist()
+    amended = 0
+    for step in range(200):
+        distance = (0.0, 0.05)[step // 100]
+        if step % 9 == 0:
+            sides = [tuple(rng.choice(keys, 8, replace=False).tolist()) for _ in range(2)]
+            filters.apply([(int(rng.integers(0, 2)), *sides)])
+        before = near.arrays.numbers[MADE_AT]
+        made = near.bring_up_to_date(world, filters, distance)
+        amended += made and near.arrays.numbers[MADE_AT] == before
+        met = boxes_within(near, world, near.reach)
+        assert near_pairs(world, distance) <= met
+        assert near.considered == len(met)
+        assert listed(near) == {(i, j) for i, j in met if not filters.filtered(keys[i], keys[j])}
+        frames = 1 + rng.choice(50, moving, replace=False)
+        creep(rng, world, frames, length)
+        if step % 10 == 0:
+            creep(rng, world, frames[:1], 30.0)
+    assert amended > 100 or moving == 40
+
+
+def test_a_list_is_amended_with_the_room_that_it_lacks():
+    """Somebody who comes from afar into a crowd has more pairs than there is room for."""
+    rng = np.random.default_rng(6)
+    world = random_world(rng, 250, spread=50.0)
+    filters, near = filters_of(world), NearList(world)
+    near.bring_up_to_date(world, filters, 0.0)
+    for first in range(1, 240, 40):  # at most a quarter of them at once
+        frames = np.arange(first, first + 40)
+        world.set_poses(frames, world.R_PFs[frames], rng.uniform(-0.1, 0.1, (40, 3)))
+        world.update()
+        assert near.bring_up_to_date(world, filters, 0.0)
+        assert listed(near) == boxes_within(near, world, 0.0)
+    assert near.count > 240 * 239 / 2 * 0.9
 
 
 def test_all_pairs():

@@ -1,0 +1,87 @@
+"""The boxes for which a near list stands: of each body, with a margin for its next updates."""
+
+from __future__ import annotations
+
+from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.list_arrays import CHECKED_AT, MADE_AT
+from drake_geom_ros.geometry._proximity.posing import PACE
+
+UPDATES_AHEAD = 16.0  # that a margin is made for; fewer lists, more pairs to look at
+WIDEST_MARGIN = 0.5  # of a body's radius
+LEAST_AHEAD = 4.0  # updates that a margin has to last: it costs as much as a list or two
+PATIENCE = 64  # updates without a move after which a body counts as resting
+
+
+@inlined
+def who_left(near, world, revision, most):  # type: ignore[no-untyped-def]
+    """Put those into ``rows`` that are no longer in their boxes; return how many.
+
+    Where there are more than the ``most``, the others are not looked for.
+    """
+    count, since = 0, near.numbers[CHECKED_AT]
+    near.numbers[CHECKED_AT] = revision
+    if since == revision:
+        return 0
+    for k in range(world.movable.size):
+        g = world.movable[k]
+        if world.stamps[g] <= since:
+            continue
+        for c in range(3):
+            p, half = world.p_WGs[g, c], world.half_extents[g, c]
+            if not (p - half >= near.lowers[g, c] and p + half <= near.uppers[g, c]):
+                near.rows[count] = g
+                count += 1
+                break
+        if count > most:
+            break
+    return count
+
+
+@inlined
+def _lasts(world, g):  # type: ignore[no-untyped-def]
+    """Tell whether a margin of a body lasts for a while, as it moved lately."""
+    return world.kept[g, PACE] * LEAST_AHEAD <= WIDEST_MARGIN * world.outer[g]
+
+
+@inlined
+def set_box(near, world, g, with_margin, distance):  # type: ignore[no-untyped-def]
+    """Set the margin and the padding of a body, and the box that it is to stay in."""
+    margin = 0.0
+    if with_margin and near.active[g] and _lasts(world, g):
+        margin = min(UPDATES_AHEAD * world.kept[g, PACE], WIDEST_MARGIN * world.outer[g])
+    near.paddings[g] = margin + 0.5 * distance
+    for c in range(3):
+        p, side = world.p_WGs[g, c], world.half_extents[g, c] + margin
+        near.lowers[g, c], near.uppers[g, c] = p - side, p + side
+
+
+@inlined
+def set_boxes(near, world, revision, distance, every, most):  # type: ignore[no-untyped-def]
+    """Wake up who has moved since the list was made, and set margins.
+
+    Where more than the ``most`` are too fast for a margin to last, nobody gets one.
+
+    Return how many are active, and how many of them have rested for some time. ``lowers`` and
+    ``uppers`` get the boxes for which the next list stands, ``paddings`` margins and half the
+    distance [m], of those that are not anchored or of ``every`` body. ``rows`` begins with the
+    active ones.
+    """
+    count, idle, fast, made = 0, 0, 0, near.numbers[MADE_AT]
+    stamps, movable = world.stamps, world.movable
+    for k in range(movable.size):
+        g = movable[k]
+        if made > 0 and stamps[g] > made and not near.is_plane[g]:
+            near.active[g] = True
+        if near.active[g]:
+            near.rows[count] = g
+            count += 1
+            idle += stamps[g] <= revision - PATIENCE
+            fast += not _lasts(world, g)
+    if every or 2 * movable.size > near.active.size:
+        for g in range(near.active.size):  # in order, which takes half as long
+            set_box(near, world, g, fast <= most, distance)
+    else:
+        for k in range(movable.size):
+            set_box(near, world, movable[k], fast <= most, distance)
+    near.numbers[MADE_AT] = near.numbers[CHECKED_AT] = revision
+    return count, idle
