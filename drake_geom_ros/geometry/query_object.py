@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.cycle import ANSWERS, CANDIDATES, CONTAC
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.pair_table import unsupported
+from drake_geom_ros.geometry._proximity.point_cycle import are_allowed
 from drake_geom_ros.geometry.bounding_boxes import Obb
 from drake_geom_ros.geometry.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
@@ -324,21 +325,20 @@ class QueryObject(ImageQueries):
         """
         reach = _checked_distance('threshold', threshold)
         self._level(accuracy)
-        p_WQs = np.asarray(p_WQ, dtype=np.float64)
+        p_WQs = np.array(p_WQ, dtype=np.float64, order='C', ndmin=2)  # the results keep it
         if p_WQs.shape == (3, 1):
-            p_WQs = p_WQs[:, 0]
-        if p_WQs.ndim not in (1, 2) or p_WQs.shape[-1] != 3:
+            p_WQs = p_WQs.reshape(1, 3)
+        if p_WQs.ndim != 2 or p_WQs.shape[1] != 3:
             raise ArgumentError(
-                f'ComputeSignedDistanceToPoint was given p_WQ of shape {p_WQs.shape}; '
+                f'ComputeSignedDistanceToPoint was given p_WQ of shape {np.shape(p_WQ)}; '
                 'it must be one point (3,) or points (m, 3), in metres.'
             )
-        if not (np.abs(p_WQs) <= FARTHEST).all():  # no NaN is
+        if not are_allowed.call(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
         world = context._posed_world()
-        points = np.array(np.atleast_2d(p_WQs), order='C')  # the results keep it
-        batch = context._engine.point_distances(world, points, reach)
-        return PointDistanceResults(batch, world.moment(), points)
+        batch = context._engine.point_distances(world, p_WQs, reach)
+        return PointDistanceResults(batch, world.moment(), p_WQs)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

@@ -256,7 +256,10 @@ def test_one_point():
     for bad, word in (
         ([0, 0], 'shape'),
         ([0, 0, math.nan], 'finite'),
+        ([[0, 0, 0], [0, -math.inf, 0], [0, 0, 0]], 'finite'),
+        ([[0, 0, 0], [-1e303, 0, 0]], r'-1e\+303 m'),
         (np.zeros((2, 2, 3)), 'shape'),
+        (1.0, 'shape'),
     ):
         with pytest.raises(ArgumentError, match=word):
             scene.query.ComputeSignedDistanceToPoint(bad)

@@ -94,7 +94,7 @@ GAP, CUTOFF, PENETRATING, MODE, VERSION = range(5)
 ASKED = 5
 
 _hands_of = taker(Hands)
-_report_of = taker(ReportArrays)
+report_of = taker(ReportArrays)
 _boxes_of = taker(Boxes)
 _id_pairs_in = array_in(np.int64, 2)
 
@@ -109,6 +109,20 @@ def empty_report() -> ReportArrays:
         distances=np.zeros(0),
         compiled=kernel_table.COMPILED_ROWS,
     )
+
+
+@inlined
+def pose_world(world, report, stale, revision, named, given):  # type: ignore[no-untyped-def]
+    """Give a world its poses, as ``_run_cycle`` does, and report so."""
+    told, moments = report.told, report.moments
+    moments[BEGUN] = now()
+    told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
+    if stale:
+        poses = rows_in(given)
+        if poses.shape[0] > 0:
+            set_poses(named_of(named).rows, poses, world)
+        told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
+    moments[POSED], moments[KNOWING] = now(), 0.0
 
 
 @compiled
@@ -132,18 +146,10 @@ def _run_cycle(  # type: ignore[no-untyped-def]
     """
     hands, ids, rows = _hands_of(hands), _id_pairs_in(ids), rows_in(rows)
     gap, cutoff, mode = hands.asked[GAP], hands.asked[CUTOFF], hands.asked[MODE]
-    world, near, report = world_of(hands.world), list_of(hands.near), _report_of(hands.report)
+    world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
     moments = report.moments
     if lacking == 0:
-        moments[BEGUN] = now()
-        report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = 0, 0
-        if stale:
-            poses = rows_in(given)
-            if poses.shape[0] > 0:
-                set_poses(named_of(named).rows, poses, hands.world)
-            moved = update(hands.world, revision)
-            report.told[FRAMES_MOVED], report.told[BODIES_MOVED] = moved
-        moments[POSED], moments[KNOWING] = now(), 0.0
+        pose_world(hands.world, report, stale, revision, named, given)
         if mode == CONTACT and _is_plain_contact(world, filters_of(hands.filters), report, gap):
             return 1
     if lacking != LACKS_KERNELS:

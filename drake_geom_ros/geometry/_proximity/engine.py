@@ -45,12 +45,10 @@ from drake_geom_ros.geometry._proximity.cycle import (
 from drake_geom_ros.geometry._proximity.effects import Effects, seconds_by_step
 from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.kernel_table import (
-    ADDRESSES,
     compile_rows,
     table_rows,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
-from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import Method
 from drake_geom_ros.geometry._proximity.narrow_phase import (
     BY_METHOD,
@@ -59,12 +57,8 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
     WIDE,
 )
 from drake_geom_ros.geometry._proximity.near_list import NearList
-from drake_geom_ros.geometry._proximity.point_phase import (
-    POINT_ADDRESSES,
-    POINT_ROWS,
-    compile_point_kernels,
-    point_phase,
-)
+from drake_geom_ros.geometry._proximity.point_cycle import PointQueries
+from drake_geom_ros.geometry._proximity.point_phase import POINTS_COMPILED, compile_point_kernels
 from drake_geom_ros.geometry._proximity.prepared import MOST_ROOM, SHOWN, Prepared, PreparedQueries
 from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.sharing import LONG, THREADS, share
@@ -101,6 +95,7 @@ class Engine:
         self._report = empty_report()
         self._queries = PreparedQueries(self._report)
         self._steps = Stepwise(self._report)
+        self._points = PointQueries(self._report, self._buffers)
         self._unrefined = 0
         self._kernels: Sequence[str] = _NO_KERNELS
 
@@ -189,7 +184,7 @@ class Engine:
         """Return ids and rows of ``signed_distances`` of a prepared query."""
         stands = self._last is prepared and not world.is_stale
         if stands and prepared.answered_at == world.revision:
-            return self._as_before()
+            return self._as_before(prepared.near)
         self._last, self._batch = None, _NO_BATCH  # its arrays may be free
         if time_budget > 0.0 or self.detailed:
             limited = not prepared.is_bound
@@ -252,37 +247,15 @@ class Engine:
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
-        self._begin(world)
-        self._moments[LISTED] = time.perf_counter()
-        table = world.geometries
+        self._kernels, self._unrefined = _NO_KERNELS, 0
+        if world.shape_types <= POINTS_COMPILED:
+            return self._points.answer(world, p_WQs, threshold)
+        begun = time.perf_counter()
         self._kernels = compile_point_kernels(world.shape_types)
-        self._moments[COMPILED] = time.perf_counter()
-        capacity = len(p_WQs) * len(table.types)
-        rows = self._buffers.empty((capacity, POINT_WIDTH))
-        points = self._buffers.empty((capacity,), np.uint32)
-        ids = self._buffers.empty((capacity,), np.int64)
-        found = np.zeros(capacity, dtype=np.bool_)
-        self._counts[:] = 0
-        count = point_phase(
-            POINT_ADDRESSES,
-            ADDRESSES,
-            POINT_ROWS[table.types],
-            world.handle,
-            p_WQs,
-            threshold,
-            rows,
-            found,
-            points,
-            ids,
-            self._counts[BY_METHOD:],
-        )
-        self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = capacity
-        self._counts[FAR] = capacity - count
-        self._moments[ANSWERED] = time.perf_counter()
-        if world.is_whole:
-            return PointBatch(ids[:count], points[:count], rows[:count])
-        there = np.flatnonzero(~world.waiting[np.searchsorted(table.ids, ids[:count])])
-        return PointBatch(ids[there], points[there], rows[there])
+        spent = time.perf_counter() - begun
+        batch = self._points.answer(world, p_WQs, threshold)
+        self._moments[:COMPILED] -= spent
+        return batch
 
     # Steps.
 
@@ -296,13 +269,14 @@ class Engine:
         self._moments[POSED] = time.perf_counter()
         self._moments[FILTERING] = self._moments[KNOWING] = 0.0
 
-    def _as_before(self) -> Arrays:
-        """Return the last answer, which still stands."""
+    def _as_before(self, near: NearList) -> Arrays:
+        """Return the last answer, about the pairs of a list, which still stands."""
         self._moments[:] = time.perf_counter()
         told = self._report.told
         told[FRAMES_MOVED] = told[BODIES_MOVED] = told[LIST_MADE] = 0
+        told[CONSIDERED], told[LISTED_PAIRS] = near.considered, near.count
         self._counts[:] = 0
-        self._counts[CACHED] = told[LISTED_PAIRS]
+        self._counts[CACHED] = near.count
         self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[FILTERING], self._moments[ANSWERED] = 0.0, time.perf_counter()
         self._moments[KNOWING] = self._moments[ANSWERED] - self._moments[COMPILED]

@@ -35,20 +35,20 @@ BLOCK = 64  # points: their rows of one geometry, far from each other, stay in t
 # By shape type: the point kernels, compiled once a process, and the pair table's row of a point.
 POINT_ADDRESSES = address_table(TYPE_COUNT)
 POINT_ROWS = table_rows(np.full(TYPE_COUNT, SPHERE), np.arange(TYPE_COUNT))
-_COMPILED: set[int] = set()
+POINTS_COMPILED: set[int] = set()  # shape types
 
 
 def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str]:
     """Compile what points to shapes of these types need; return the names of new kernels."""
     names: dict[str, None] = {}
-    missing = sorted(types - _COMPILED)
+    missing = sorted(types - POINTS_COMPILED)
     for number, kind in enumerate(missing, 1):
         name = POINT_KERNELS[kind]
         with compilation(tell, name, number, len(missing)):
             if name == BY_PAIR_KERNEL:
                 names.update(dict.fromkeys(compile_rows(POINT_ROWS[[kind]])))
             POINT_ADDRESSES[kind] = compiled_address(load_kernel(name), POINTS_SIGNATURE)
-        _COMPILED.add(kind)
+        POINTS_COMPILED.add(kind)
         names[name] = None
     return list(names)
 
@@ -94,6 +94,14 @@ def point_phase(  # type: ignore[no-untyped-def]
                 Span(first, last, g, n),
                 answers,
             )
+    count = 0
+    for k in range(m * n):
+        count += found[k]
+    if count == m * n:  # as without a threshold: all are where they belong
+        for q in range(m):
+            for g in range(n):
+                points[q * n + g], ids[q * n + g] = q, world.ids[g]
+        return count
     count = 0
     for q in range(m):
         for g in range(n):

@@ -206,6 +206,36 @@ def test_points_meet_what_is_within_reach():
     np.testing.assert_array_equal(batch.ids, everything.ids[near])
 
 
+def test_an_answer_that_stands_tells_its_own_pairs_after_points_were_asked():
+    world = random_world(np.random.default_rng(6), 20)
+    engine, filters = Engine(), filters_of(world)
+    engine.signed_distances(world, filters, 'exact', math.inf)
+    engine.point_distances(world, np.zeros((3, 3)), math.inf)
+    assert engine.effects.broadphase_pairs == 3 * 20
+    engine.signed_distances(world, filters, 'exact', math.inf)
+    effects = engine.effects
+    assert (effects.broadphase_pairs, effects.cached_pairs) == (190, 190)
+
+
+def test_points_see_the_poses_of_now_in_whatever_world_they_are_asked():
+    """Of two worlds in turn, and of more points, whose room is larger, before fewer."""
+    rng = np.random.default_rng(8)
+    worlds, engine = [random_world(rng, count) for count in (30, 5)], Engine()
+    for count in (40, 2, 3):
+        for world in worlds:
+            frames = np.arange(1, world.geometry_count + 1)
+            world.set_poses(
+                frames, random_rotations(rng, len(frames)), rng.uniform(-1, 1, (len(frames), 3))
+            )
+            points = rng.uniform(-1, 1, (count, 3))
+            batch = engine.point_distances(world, points, 0.5)
+            assert engine.effects.geometries_updated == world.geometry_count
+            fresh = Engine().point_distances(world, points, 0.5)
+            for array, expected in zip(batch, fresh, strict=True):
+                np.testing.assert_array_equal(array, expected)
+            assert engine.effects.far_pairs == count * world.geometry_count - len(batch.ids)
+
+
 def test_two_half_spaces_are_left_out():
     frames = FrameTable(np.arange(1, 4), np.zeros(3, dtype=np.int64))
     world = World(frames, geometry_table([1, 2], [HALF_SPACE, HALF_SPACE], [[], []]))

@@ -1,0 +1,155 @@
+"""A point query in one compiled call, as ``cycle`` is one of pairs."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.batches import PointBatch
+from drake_geom_ros.geometry._proximity.buffers import Buffers
+from drake_geom_ros.geometry._proximity.clock import now
+from drake_geom_ros.geometry._proximity.compiled import Entry, compiled
+from drake_geom_ros.geometry._proximity.cycle import (
+    ANSWERED,
+    COMPILED,
+    CONSIDERED,
+    FILTERING,
+    LIST_MADE,
+    LISTED,
+    LISTED_PAIRS,
+    POSED,
+    ReportArrays,
+    pose_world,
+    report_of,
+)
+from drake_geom_ros.geometry._proximity.given import GIVEN, array_in
+from drake_geom_ros.geometry._proximity.handing import HandleField, Integers, handle_of, taker
+from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.calling.views import part
+from drake_geom_ros.geometry._proximity.narrow_phase import BY_METHOD, FAR
+from drake_geom_ros.geometry._proximity.point_phase import (
+    POINT_ADDRESSES,
+    POINT_ROWS,
+    point_phase,
+)
+from drake_geom_ros.geometry._proximity.world import NO_POSES, World
+from drake_geom_ros.math.tolerances import FARTHEST
+
+Floats = NDArray[np.float64]
+
+
+class PointHands(NamedTuple):
+    """The handles of all that a point query works on."""
+
+    world: HandleField
+    report: HandleField
+    kernels: HandleField  # addresses by shape type
+    pair_kernels: HandleField  # the addresses of the pair table
+    pair_rows: Integers  # (n,) of points to each geometry in that table
+
+
+_hands_of = taker(PointHands)
+_points_in = array_in(np.float64, 2)
+_flags_in, _numbers_in, _ids_in = (array_in(kind, 1) for kind in (np.bool_, np.uint32, np.int64))
+
+
+@compiled
+def _are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+    """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
+    p_WQs = _points_in(p_WQs)
+    allowed = True
+    for k in range(p_WQs.shape[0]):
+        for c in range(3):
+            allowed &= abs(p_WQs[k, c]) <= FARTHEST  # no NaN is
+    return allowed
+
+
+are_allowed = Entry(_are_allowed, GIVEN)
+
+
+@compiled
+def _run_points(  # type: ignore[no-untyped-def]
+    hands, stale, revision, named, given, p_WQs, threshold, rows, found, points, ids
+):
+    """Do what a point query does; return how many answers there are.
+
+    All arrays are given as they are, ``hands`` as the handle of ``PointHands``. The world gets its
+    poses as in ``cycle``. The answers for points (m, 3) and n geometries are those of
+    ``point_phase``; ``found`` has room for m n or more.
+    """
+    hands, p_WQs, found = _hands_of(hands), _points_in(p_WQs), _flags_in(found)
+    report, capacity = report_of(hands.report), p_WQs.shape[0] * hands.pair_rows.size
+    pose_world(hands.world, report, stale, revision, named, given)
+    told, moments, counts = report.told, report.moments, report.counts
+    moments[LISTED] = moments[COMPILED] = moments[POSED]
+    moments[FILTERING], counts[:] = 0.0, 0
+    found = part(found, 0, capacity)
+    found[:] = False
+    count = point_phase(
+        hands.kernels,
+        hands.pair_kernels,
+        hands.pair_rows,
+        hands.world,
+        p_WQs,
+        threshold,
+        _points_in(rows),
+        found,
+        _numbers_in(points),
+        _ids_in(ids),
+        part(counts, BY_METHOD, counts.size),
+    )
+    told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, capacity, capacity
+    counts[FAR] = capacity - count
+    moments[ANSWERED] = now()
+    return count
+
+
+_NUMBERS = types.boolean, types.int64
+_run = Entry(_run_points, GIVEN, *_NUMBERS, *3 * (GIVEN,), types.float64, *4 * (GIVEN,))
+
+
+class PointQueries:
+    """Answers the point queries of one engine."""
+
+    def __init__(self, report: ReportArrays, buffers: Buffers) -> None:
+        self._report, self._buffers = report, buffers
+        self._world: World | None = None
+        self._found = np.zeros(0, dtype=np.bool_)
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_world': None}  # the handles of a copy are others
+
+    def answer(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
+        """Return the signed distances of all geometries to points (m, 3) up to ``threshold``.
+
+        The kernels are there, and the points ``are_allowed``.
+        """
+        if self._world is not world:
+            self._hand_over(world)
+        capacity = len(p_WQs) * world.geometry_count
+        if capacity > len(self._found):
+            self._found = np.zeros(capacity, dtype=np.bool_)
+        rows = self._buffers.empty((capacity, POINT_WIDTH))
+        points = self._buffers.empty((capacity,), np.uint32)
+        ids = self._buffers.empty((capacity,), np.int64)
+        stale = world.is_stale
+        revision = world.revision + stale
+        posed = stale, revision, world.given_for.handle, world.given
+        room = rows, self._found, points, ids
+        count: int = _run.call(self._hands, *posed, p_WQs, threshold, *room)
+        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        if world.is_whole:
+            return PointBatch(ids[:count], points[:count], rows[:count])
+        there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])
+        return PointBatch(ids[there], points[there], rows[there])
+
+    def _hand_over(self, world: World) -> None:
+        """Take another world."""
+        pair_rows = POINT_ROWS[world.geometries.types]
+        self._kept = handle_of(self._report), world.handle, pair_rows  # by the handle of handles
+        hands = PointHands(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES, pair_rows)
+        self._world, self._hands = world, handle_of(hands)
