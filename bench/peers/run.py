@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from bench.peers import chart, first_call, report
 from bench.peers.motion import PACES
-from bench.peers.report import GROWTH, Measurement
+from bench.peers.report import GROWTH, ONE_BY_ONE, Measurement
 from bench.peers.scenes import Floats, Scene, build
 from bench.peers.timing import Turn, interleave
 from drake_geom_ros.evidence.pages import table, versions
@@ -23,13 +23,16 @@ MODULES = ('ours', 'drake_side', 'mujoco_side', 'fcl_side', 'coal_side')
 LIMITS = {'python-fcl': 1.0, 'Coal': 1.0, 'MuJoCo': 1.0, 'pydrake': 2.0, 'ours': 30.0}  # [s]
 QUICK_LIMIT = 0.25  # [s] a cycle, of peers
 POSES = 100  # cycles until the motion is run backwards
+PAUSE = 0.01  # [s] before each cycle of the pace ONE_BY_ONE
+CYCLES_ONE_BY_ONE = 100  # of each library; a third with --quick
 ANCHORED = ('anchored-1000', 'anchored-2000')
 FIRST_CALLS = ('spheres-50', 'mixed-50')
 HOW = (
     'Each cycle poses all bodies anew and asks one query; the libraries take turns of ten '
     'cycles on walks to and fro. Times are median / mean / 99th percentile of poses and query '
     'together, targets hold for means. Paces: `slow` moves a body by a hundredth of its radius a '
-    'cycle, `robot` by 10 mm and 0.02 rad (a joint by 0.03 rad), `jump` poses everything anew. '
+    'cycle, `robot` by 10 mm and 0.02 rad (a joint by 0.03 rad), `jump` poses everything anew; '
+    '`100 Hz` is `robot` with one cycle each 10 ms, as a robot has it, and without a target. '
     'Ours has its kernels loaded beforehand, as a node has, and reads all arrays of a result, '
     'pydrake the depth or distance of each record (less than all of it), MuJoCo the arrays of '
     'its contacts (several a pair). python-fcl and Coal know no filters.'
@@ -78,6 +81,7 @@ class Run:
             name: min(limit, QUICK_LIMIT) if quick and name != 'ours' else limit
             for name, limit in LIMITS.items()
         }
+        self._cycles_one_by_one = CYCLES_ONE_BY_ONE // 3 if quick else CYCLES_ONE_BY_ONE
         self._measurements: list[Measurement] = []
         self._effects: list[str] = []
         self._notes: list[str] = []
@@ -100,10 +104,13 @@ class Run:
         sides: dict[str, Side] = {m.NAME: m.Side(scene) for m in self._modules}
         for pace in self._paces:
             self._at(pace, scene, queries, sides)
+        if 'robot' in self._paces and 'penetration' in queries and '/' not in scene.name:
+            self._at(ONE_BY_ONE, scene, ['penetration'], sides)
 
     def _at(self, pace: str, scene: Scene, queries: list[str], sides: dict[str, Side]) -> None:
         """Measure the queries of a scene at a pace."""
-        poses = scene.motion.poses(POSES, 0, pace)
+        alone = pace == ONE_BY_ONE
+        poses = scene.motion.poses(POSES, 0, 'robot' if alone else pace)
         layouts = {n: [side.layout(X_WFs) for X_WFs in poses] for n, side in sides.items()}
         for query in queries:
             turns = {
@@ -111,7 +118,11 @@ class Run:
                 for n, side in sides.items()
                 if query in side.answers
             }
-            taken = interleave(turns, self._seconds, self._limits)
+            if alone:
+                seconds = self._cycles_one_by_one * PAUSE * len(turns)
+                taken = interleave(turns, seconds, self._limits, 1, PAUSE)
+            else:
+                taken = interleave(turns, self._seconds, self._limits)
             self._measurements.append(Measurement(scene.name, pace, query, taken))
             print(report.text_line(report.cells(self._measurements[-1])), flush=True)
             done = effects(sides['ours'].query.effects())

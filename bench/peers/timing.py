@@ -70,12 +70,17 @@ class Taken:
 
 
 def interleave(
-    turns: dict[str, Turn], seconds: float, limits: dict[str, float]
+    turns: dict[str, Turn],
+    seconds: float,
+    limits: dict[str, float],
+    in_a_row: int = TURN_CYCLES,
+    pause: float = 0.0,
 ) -> dict[str, Taken]:
-    """Let libraries take turns of ``TURN_CYCLES`` each, for about some seconds in all.
+    """Let libraries take turns of some cycles each, for about some seconds in all.
 
-    A library whose cycle takes longer than its limit [s], or that raises, is left out. Everybody
-    sees the same poses in the same cycle; who begins changes from one round to the next.
+    Before each cycle the process sleeps for a ``pause`` [s], if there is one. A library whose
+    cycle takes longer than its limit [s], or that raises, is left out. Everybody sees the same
+    poses in the same cycle; who begins changes from one round to the next.
     """
     taken = {name: Taken() for name in turns}
     # Before the cycles that warm up: after the garbage of a large scene the next allocation, in
@@ -85,12 +90,14 @@ def interleave(
     try:
         costs = {name: _warm(turn, taken[name], limits[name]) for name, turn in turns.items()}
         names = [name for name in turns if not taken[name].left_out]
-        total = sum(costs[name] for name in names)
+        total = sum(costs[name] + pause for name in names)
         cycles = min(max(int(seconds / max(total, 1e-9)), FEWEST_CYCLES), MOST_CYCLES)
-        for start in range(0, cycles, TURN_CYCLES):
-            first = start // TURN_CYCLES % max(len(names), 1)
+        for start in range(0, cycles, in_a_row):
+            first = start // in_a_row % max(len(names), 1)
             for name in names[first:] + names[:first]:
-                for cycle in range(start, min(start + TURN_CYCLES, cycles)):
+                for cycle in range(start, min(start + in_a_row, cycles)):
+                    if pause > 0.0:
+                        time.sleep(pause)
                     spent, posing, found = turns[name].take(WARM_CYCLES + cycle)
                     taken[name].seconds.append(spent)
                     taken[name].posing.append(posing)

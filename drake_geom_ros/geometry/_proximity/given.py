@@ -17,7 +17,8 @@ import numpy as np
 from numba import config, from_dtype, types
 from numba.core import cgutils
 from numba.extending import NativeValue, intrinsic, models, register_model, unbox
-from numba.np.arrayobj import make_array, populate_array
+
+from drake_geom_ros.geometry._proximity.kernels.calling.views import array_at
 
 # Where a number stands in an array object [bytes], behind the count of references and the type.
 _HEAD = object.__basicsize__
@@ -60,19 +61,11 @@ def array_in(number: type[Any], dimensions: int) -> Any:
     def take(typingctx, given):  # type: ignore[no-untyped-def]
         def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
             element = context.get_data_type(kind.dtype)
-            size = context.get_constant(types.intp, context.get_abi_sizeof(element))
             extents = _read(builder, values[0], _EXTENTS, cgutils.intp_t.as_pointer())
             places = (cgutils.gep_inbounds(builder, extents, k) for k in range(dimensions))
             shape = [builder.load(place) for place in places]
-            strides: list[Any] = []
-            step = size
-            for extent in reversed(shape):
-                strides.insert(0, step)
-                step = builder.mul(step, extent)
-            made = make_array(kind)(context, builder)
             data = builder.bitcast(data_of(builder, values[0]), element.as_pointer())
-            populate_array(made, data, shape, strides, size, None)
-            return made._getvalue()
+            return array_at(context, builder, kind, data, shape)
 
         return kind(given), codegen
 

@@ -18,10 +18,11 @@ import numpy as np
 from numba import config, from_dtype, types
 from numba.core import cgutils
 from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
+from numba.np.arrayobj import make_array
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.given import GIVEN, data_of
+from drake_geom_ros.geometry._proximity.kernels.calling.views import array_at
 
 # The fields of records that are handed over: the type of their numbers, and the extents that
 # follow the first one, None for those that differ from array to array.
@@ -118,7 +119,6 @@ def _array(
 ) -> Any:
     """Return the array of some kind at an address; extents that are None come from the handle."""
     element = context.get_data_type(kind.dtype)
-    size = context.get_constant(types.intp, context.get_abi_sizeof(element))
     shape = []
     for extent in extents:
         if extent is None:
@@ -126,12 +126,4 @@ def _array(
         shape.append(
             context.get_constant(types.intp, extent) if isinstance(extent, int) else extent
         )
-    strides: list[Any] = []
-    step = size
-    for extent in reversed(shape):
-        strides.insert(0, step)
-        step = builder.mul(step, extent)
-    made = make_array(kind)(context, builder)
-    data = builder.inttoptr(address, element.as_pointer())
-    populate_array(made, data, shape, strides, size, None)
-    return made._getvalue()
+    return array_at(context, builder, kind, builder.inttoptr(address, element.as_pointer()), shape)

@@ -42,6 +42,14 @@ def test_a_bar_is_met_from_its_ratio_on(scene, query, bar):
         assert verdict == ('pydrake', bar, pytest.approx(pydrake / 10), met)
 
 
+def test_cycles_after_a_pause_have_no_target():
+    slow = {'ours': Taken([1e-5] * 9 + [1e-3], [1e-6] * 10, [3] * 10)}
+    m = Measurement('arms', report.ONE_BY_ONE, 'penetration', slow)
+    assert m.verdicts() == []
+    assert report.summary([m])[0] == '0 of 0 targets met'
+    assert not any('p99' in line for line in report.summary([m]))
+
+
 def test_mujoco_is_compared_in_penetration_alone():
     both = {'ours': 10, 'pydrake': 50, 'mujoco': 9}
     assert measurement(**both).verdicts()[1] == ('MuJoCo', 1.0, pytest.approx(0.9), False)

@@ -47,6 +47,19 @@ def test_all_see_the_same_poses_and_begin_in_turn():
     assert order == [who for who in 'abba' for _ in range(TURN_CYCLES)]
 
 
+def test_a_cycle_at_a_time_after_a_pause():
+    calls, pause = [], 0.004
+    turns = {name: Library(name, calls).turn for name in 'ab'}
+    start = time.perf_counter()
+    taken = interleave(turns, 10 * 2 * pause, NO_LIMITS, in_a_row=1, pause=pause)
+    assert time.perf_counter() - start >= 20 * pause
+    # About ten, for cycles take some time, too; the pause is not a part of it.
+    assert FEWEST_CYCLES <= len(taken['a'].seconds) <= 10
+    assert sum(taken['a'].seconds) < 10 * pause
+    order = [who for who, _ in calls[2 * WARM_CYCLES :]]
+    assert order[:8] == list('abbaabba')
+
+
 def test_a_slow_query_has_few_cycles():
     taken = interleave({name: Library(name, []).turn for name in 'ab'}, 0.0, NO_LIMITS)
     assert [len(t.seconds) for t in taken.values()] == [FEWEST_CYCLES] * 2

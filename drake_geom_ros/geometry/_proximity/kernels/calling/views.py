@@ -14,6 +14,23 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
+
+def array_at(context: Any, builder: Any, kind: Any, data: Any, shape: Any) -> Any:
+    """Return a C-contiguous array of ``kind`` that begins at ``data``, in generated code.
+
+    ``shape`` are integers, or constants, of generated code; no reference is held.
+    """
+    itemsize = context.get_constant(types.intp, context.get_abi_sizeof(data.type.pointee))
+    strides: list[Any] = []
+    step = itemsize
+    for extent in reversed(shape):
+        strides.insert(0, step)
+        step = builder.mul(step, extent)
+    array = make_array(kind)(context, builder)
+    populate_array(array, data, shape, strides, itemsize, None)
+    return array._getvalue()
+
+
 if config.DISABLE_JIT:
 
     def row(array: Any, k: int) -> Any:
@@ -41,16 +58,20 @@ if config.DISABLE_JIT:
 
 else:
 
-    def _view(context, builder, kind, data, shape):
-        """Return a C-contiguous view of ``kind``, of this shape, that begins at ``data``."""
-        itemsize = context.get_constant(types.intp, context.get_abi_sizeof(data.type.pointee))
-        strides, step = [], itemsize
-        for extent in reversed(shape):
-            strides.insert(0, step)
-            step = builder.mul(step, extent)
-        view = make_array(kind)(context, builder)
-        populate_array(view, data, shape, strides, itemsize, None)
-        return view._getvalue()
+    def _as_integers(array, number):
+        """Return signature and code of what shows numbers of 64 bits as integers of a type."""
+        kind = types.Array(number, 1, 'C')
+
+        def codegen(context, builder, signature, values):
+            given, first = values
+            whole = make_array(array)(context, builder, given)
+            (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
+            data = builder.gep(whole.data, [first])
+            data = builder.bitcast(data, context.get_data_type(number).as_pointer())
+            count = builder.mul(builder.sub(size, first), size.type(64 // number.bitwidth))
+            return array_at(context, builder, kind, data, [count])
+
+        return kind(array, types.intp), codegen
 
     @intrinsic
     def row(typingctx, array, k):
@@ -64,7 +85,7 @@ else:
             stride, *_ = cgutils.unpack_tuple(builder, whole.strides)
             offset = builder.mul(number, stride)
             data = cgutils.pointer_add(builder, whole.data, offset, whole.data.type)
-            return _view(context, builder, kind, data, shape[1:])
+            return array_at(context, builder, kind, data, shape[1:])
 
         return kind(array, types.intp), codegen
 
@@ -76,7 +97,7 @@ else:
             given, first, end = values
             whole = make_array(array)(context, builder, given)
             data = builder.gep(whole.data, [first])
-            return _view(context, builder, array, data, [builder.sub(end, first)])
+            return array_at(context, builder, array, data, [builder.sub(end, first)])
 
         return array(array, types.intp, types.intp), codegen
 
@@ -88,40 +109,19 @@ else:
         def codegen(context, builder, signature, values):
             given, first, *shape = values
             whole = make_array(array)(context, builder, given)
-            return _view(context, builder, kind, builder.gep(whole.data, [first]), shape)
+            return array_at(context, builder, kind, builder.gep(whole.data, [first]), shape)
 
         return kind(array, types.intp, types.intp, types.intp), codegen
 
     @intrinsic
     def integers(typingctx, array, start):
         """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
-        kind = types.Array(types.int32, 1, 'C')
-
-        def codegen(context, builder, signature, values):
-            given, first = values
-            whole = make_array(array)(context, builder, given)
-            (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
-            data = builder.gep(whole.data, [first])
-            data = builder.bitcast(data, context.get_data_type(types.int32).as_pointer())
-            count = builder.mul(builder.sub(size, first), size.type(2))
-            return _view(context, builder, kind, data, [count])
-
-        return kind(array, types.intp), codegen
+        return _as_integers(array, types.int32)
 
     @intrinsic
     def wide_integers(typingctx, array, start):
         """Return what an array of numbers of 64 bits has from start on as integers of 64 bits."""
-        kind = types.Array(types.int64, 1, 'C')
-
-        def codegen(context, builder, signature, values):
-            given, first = values
-            whole = make_array(array)(context, builder, given)
-            (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
-            data = builder.gep(whole.data, [first])
-            data = builder.bitcast(data, context.get_data_type(types.int64).as_pointer())
-            return _view(context, builder, kind, data, [builder.sub(size, first)])
-
-        return kind(array, types.intp), codegen
+        return _as_integers(array, types.int64)
 
     @intrinsic
     def outlive(typingctx, array):
