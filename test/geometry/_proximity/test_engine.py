@@ -211,10 +211,26 @@ def test_an_answer_that_stands_tells_its_own_pairs_after_points_were_asked():
     engine, filters = Engine(), filters_of(world)
     engine.signed_distances(world, filters, 'exact', math.inf)
     engine.point_distances(world, np.zeros((3, 3)), math.inf)
-    assert engine.effects.broadphase_pairs == 3 * 20
+    effects = engine.effects
+    assert (effects.broadphase_pairs, effects.near_list_made) == (3 * 20, False)
+    assert effects.seconds['filter'] == effects.seconds['cache'] == 0.0
     engine.signed_distances(world, filters, 'exact', math.inf)
     effects = engine.effects
     assert (effects.broadphase_pairs, effects.cached_pairs) == (190, 190)
+
+
+def test_pairs_see_the_poses_that_points_were_asked_in():
+    rng = np.random.default_rng(9)
+    world = random_world(rng, 20)
+    engine, filters = Engine(), filters_of(world)
+    for _ in range(3):
+        found = engine.signed_distances(world, filters, 'exact', 0.2)
+        expected = Engine().signed_distances(world, filters, 'exact', 0.2)
+        np.testing.assert_array_equal(found.ids, expected.ids)
+        before = world.revision
+        world.set_poses(np.array([1]), random_rotations(rng, 1), rng.uniform(-0.5, 0.5, (1, 3)))
+        engine.point_distances(world, np.zeros((1, 3)), 0.1)
+        assert world.revision == before + 1
 
 
 def test_points_see_the_poses_of_now_in_whatever_world_they_are_asked():
