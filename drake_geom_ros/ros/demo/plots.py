@@ -104,7 +104,7 @@ def _draw_deepest(axes: Any, recording: Recording) -> None:
         axes.annotate(
             label, (middle, height), xytext=(0 if align == 'center' else 9, 4 + 22 * (number % 2)),
             textcoords='offset points', ha=align, va='bottom', fontsize=7.5, color=_RED,
-            bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 1.0},  # over the lines of filter changes
+            bbox={'facecolor': 'white', 'edgecolor': 'none', 'pad': 1.0},  # above other lines
         )  # fmt: skip
 
 
