@@ -90,7 +90,7 @@ def _assert_same(row, alone):
 def test_the_answer_of_hulls_that_move_is_that_of_each_pose_alone(step):
     rng = np.random.default_rng([5, int(1e6 * step)])
     kept = 0
-    for _ in range(COUNT):
+    for _ in range(max(COUNT, 12)):  # of hulls that leap, few are remembered
         pair, row = _overlapping(rng), _wide()
         for _ in range(6):
             _assert_same(_answer(pair, row), _answer(pair, np.zeros(PAIR_WIDTH)))
