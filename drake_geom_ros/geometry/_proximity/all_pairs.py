@@ -58,13 +58,31 @@ def _are_within(lowers, uppers, i, k, distance):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def is_pair(near, frames, i, k, distance):  # type: ignore[no-untyped-def]
+def _is_pair(near, frames, i, k, distance):  # type: ignore[no-untyped-def]
     """Tell whether two bodies whose rounded boxes overlap are a pair of the list."""
     if frames[i] == 0 and frames[k] == 0:
         return False
     if near.is_plane[i] or near.is_plane[k]:
         return not (near.is_plane[i] and near.is_plane[k])
     return math.isinf(distance) or _are_within(near.lowers, near.uppers, i, k, distance)
+
+
+@inlined
+def look_at_one(near, world, g, start, distance, count):  # type: ignore[no-untyped-def]
+    """Append the codes of the pairs of g with those from ``start`` on; return how many there are.
+
+    A pair of two that have left is appended by the one with the lower row.
+    """
+    n, box = near.is_plane.size, box_at(near.sides, g)
+    for first in range(start, n, LANES):
+        bits = overlapping(near.sides, first, box) & first_lanes(n - first)
+        while bits != 0:
+            k = first + lowest(bits)
+            bits &= bits - 1
+            is_new = k > g or (k < g and not near.has_left[k])
+            kept = is_new and _is_pair(near, world.frames, g, k, distance)
+            count = put_code(near.found, count, min(g, k), max(g, k), kept)
+    return count
 
 
 @compiled
@@ -74,7 +92,7 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
     ``near`` is a ``ListArrays``. Those of two anchored bodies, or of two planes, are left out;
     every body is paired with every plane, so that these may move freely.
     """
-    n, count, sides = near.is_plane.size, 0, near.sides
+    n, count = near.is_plane.size, 0
     if n == 0:
         return 0
     for c in range(3):
@@ -82,12 +100,5 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
     for g in range(n):
         set_side(near, g, distance)
     for i in range(n):
-        box = box_at(sides, i)
-        for first in range(i + 1, n, LANES):
-            bits = overlapping(sides, first, box) & first_lanes(n - first)
-            while bits != 0:
-                k = first + lowest(bits)
-                bits &= bits - 1
-                kept = is_pair(near, world.frames, i, k, distance)
-                count = put_code(near.found, count, i, k, kept)
+        count = look_at_one(near, world, i, i + 1, distance, count)
     return count

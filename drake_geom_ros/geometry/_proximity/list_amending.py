@@ -6,17 +6,10 @@ pairs that were found, come out as if all had been looked at with the boxes that
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry._proximity.all_pairs import is_pair, set_side
-from drake_geom_ros.geometry._proximity.broadphase import put_code, rows_of
+from drake_geom_ros.geometry._proximity.all_pairs import look_at_one, set_side
+from drake_geom_ros.geometry._proximity.broadphase import rows_of
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
-from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
-    LANES,
-    box_at,
-    first_lanes,
-    lowest,
-    overlapping,
-)
 from drake_geom_ros.geometry._proximity.list_arrays import FOUND
 from drake_geom_ros.geometry._proximity.list_boxes import set_box
 from drake_geom_ros.geometry._proximity.list_keeping import sort
@@ -36,7 +29,7 @@ def amend(near, world, leavers, distance):  # type: ignore[no-untyped-def]
     staying = _without_leavers(near)
     count = staying
     for k in range(leavers):
-        count = _look_at_one(near, world, near.rows[k], distance, count)
+        count = look_at_one(near, world, near.rows[k], 0, distance, count)
     for k in range(leavers):
         near.has_left[near.rows[k]] = False
     if count < near.found.size:
@@ -55,24 +48,6 @@ def _without_leavers(near):  # type: ignore[no-untyped-def]
         i, j = rows_of(code)
         found[count] = code
         count += not (near.has_left[i] or near.has_left[j])
-    return count
-
-
-@inlined
-def _look_at_one(near, world, g, distance, count):  # type: ignore[no-untyped-def]
-    """Append the codes of pairs of somebody who left; return how many there are then.
-
-    A pair of two that left is appended by the one with the lower row.
-    """
-    n, box = near.active.size, box_at(near.sides, g)
-    for first in range(0, n, LANES):
-        bits = overlapping(near.sides, first, box) & first_lanes(n - first)
-        while bits != 0:
-            k = first + lowest(bits)
-            bits &= bits - 1
-            is_new = k > g or (k < g and not near.has_left[k])
-            kept = is_new and is_pair(near, world.frames, g, k, distance)
-            count = put_code(near.found, count, min(g, k), max(g, k), kept)
     return count
 
 

@@ -36,6 +36,7 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     POINT_ROWS,
     point_phase,
 )
+from drake_geom_ros.geometry._proximity.poses import rows_in
 from drake_geom_ros.geometry._proximity.world import NO_POSES, World
 from drake_geom_ros.math.tolerances import FARTHEST
 
@@ -53,14 +54,13 @@ class PointHands(NamedTuple):
 
 
 _hands_of = taker(PointHands)
-_points_in = array_in(np.float64, 2)
 _flags_in, _numbers_in, _ids_in = (array_in(kind, 1) for kind in (np.bool_, np.uint32, np.int64))
 
 
 @compiled
 def _are_allowed(p_WQs):  # type: ignore[no-untyped-def]
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
-    p_WQs = _points_in(p_WQs)
+    p_WQs = rows_in(p_WQs)
     allowed = True
     for k in range(p_WQs.shape[0]):
         for c in range(3):
@@ -79,24 +79,23 @@ def _run_points(  # type: ignore[no-untyped-def]
 
     All arrays are given as they are, ``hands`` as the handle of ``PointHands``. The world gets its
     poses as in ``cycle``. The answers for points (m, 3) and n geometries are those of
-    ``point_phase``; ``found`` has room for m n or more.
+    ``point_phase``; what ``found`` (m n,) comes in as does not matter.
     """
-    hands, p_WQs, found = _hands_of(hands), _points_in(p_WQs), _flags_in(found)
-    report, capacity = report_of(hands.report), p_WQs.shape[0] * hands.pair_rows.size
+    hands, found = _hands_of(hands), _flags_in(found)
+    report, capacity = report_of(hands.report), found.size
     pose_world(hands.world, report, stale, revision, named, given)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
-    found = part(found, 0, capacity)
     found[:] = False
     count = point_phase(
         hands.kernels,
         hands.pair_kernels,
         hands.pair_rows,
         hands.world,
-        p_WQs,
+        rows_in(p_WQs),
         threshold,
-        _points_in(rows),
+        rows_in(rows),
         found,
         _numbers_in(points),
         _ids_in(ids),
@@ -118,7 +117,6 @@ class PointQueries:
     def __init__(self, report: ReportArrays, buffers: Buffers) -> None:
         self._report, self._buffers = report, buffers
         self._world: World | None = None
-        self._found = np.zeros(0, dtype=np.bool_)
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, '_world': None}  # the handles of a copy are others
@@ -131,15 +129,13 @@ class PointQueries:
         if self._world is not world:
             self._hand_over(world)
         capacity = len(p_WQs) * world.geometry_count
-        if capacity > len(self._found):
-            self._found = np.zeros(capacity, dtype=np.bool_)
         rows = self._buffers.empty((capacity, POINT_WIDTH))
         points = self._buffers.empty((capacity,), np.uint32)
         ids = self._buffers.empty((capacity,), np.int64)
         stale = world.is_stale
         revision = world.revision + stale
         posed = stale, revision, world.given_for.handle, world.given
-        room = rows, self._found, points, ids
+        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
         count: int = _run.call(self._hands, *posed, p_WQs, threshold, *room)
         world.revision, world.given, world.is_stale = revision, NO_POSES, False
         if world.is_whole:

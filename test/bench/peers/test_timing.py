@@ -47,17 +47,15 @@ def test_all_see_the_same_poses_and_begin_in_turn():
     assert order == [who for who in 'abba' for _ in range(TURN_CYCLES)]
 
 
-def test_a_cycle_at_a_time_after_a_pause():
-    calls, pause = [], 0.004
+def test_a_cycle_at_a_time_after_a_pause(monkeypatch):
+    calls = []
     turns = {name: Library(name, calls).turn for name in 'ab'}
-    start = time.perf_counter()
-    taken = interleave(turns, 10 * 2 * pause, NO_LIMITS, in_a_row=1, pause=pause)
-    assert time.perf_counter() - start >= 20 * pause
-    # About ten, for cycles take some time, too; the pause is not a part of it.
-    assert FEWEST_CYCLES <= len(taken['a'].seconds) <= 10
-    assert sum(taken['a'].seconds) < 10 * pause
-    order = [who for who, _ in calls[2 * WARM_CYCLES :]]
-    assert order[:8] == list('abbaabba')
+    monkeypatch.setattr(time, 'sleep', lambda seconds: calls.append(('sleep', seconds)))
+    taken = interleave(turns, 0.0, NO_LIMITS, in_a_row=1, pause=0.25)
+    timed = [who for who, what in calls if what != 0.0][2 * WARM_CYCLES :]
+    assert timed[:8] == ['sleep', 'a', 'sleep', 'b', 'sleep', 'b', 'sleep', 'a']
+    assert timed.count('sleep') == 2 * len(taken['a'].seconds) == 2 * FEWEST_CYCLES
+    assert {what for who, what in calls if who == 'sleep'} == {0.0, 0.25}
 
 
 def test_a_slow_query_has_few_cycles():

@@ -6,6 +6,12 @@ import numpy as np
 import pytest
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
+from drake_geom_ros.geometry._proximity.filter_log import (
+    ALLOW_BETWEEN,
+    ALLOW_WITHIN,
+    EXCLUDE_BETWEEN,
+    EXCLUDE_WITHIN,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.list_arrays import MADE_AT
@@ -126,7 +132,7 @@ def test_an_amended_list_is_as_one_that_was_made_whole(moving, length, far):
         distance = (0.0, 0.05)[step // 50]
         if step % 9 == 0:
             sides = [tuple(rng.choice(keys, 8, replace=False).tolist()) for _ in range(2)]
-            filters.apply([(int(rng.integers(0, 2)), *sides)])
+            filters.apply([((EXCLUDE_BETWEEN, ALLOW_BETWEEN)[step % 2], *sides)])
         before = near.arrays.numbers[MADE_AT]
         made = near.bring_up_to_date(world, filters, distance)
         amended += made and near.arrays.numbers[MADE_AT] == before
@@ -174,6 +180,25 @@ def test_filtered_pairs_are_not_listed():
     assert near.bring_up_to_date(world, filters, 1.0)
     assert (near.considered, len(near.pairs)) == (45, 35)
     assert not (near.pairs < 5).all(axis=1).any()
+
+
+@pytest.mark.parametrize('distance', [0.1, math.inf])
+@pytest.mark.parametrize('count', [50, 300])
+def test_other_filters_are_asked_of_the_pairs_that_were_found(count, distance):
+    world = random_world(np.random.default_rng(5), count)
+    assert (count > FEW) == (count == 300)
+    filters, near = filters_of(world), NearList(world)
+    near.bring_up_to_date(world, filters, distance)
+    met, made_at = listed(near), near.arrays.numbers[MADE_AT]
+    keys = world.geometries.ids.tolist()
+    for operation in (EXCLUDE_WITHIN, ALLOW_WITHIN):
+        filters.apply([(operation, tuple(keys[: count // 2]), ())])
+        assert near.bring_up_to_date(world, filters, distance)
+        assert near.considered == len(met)
+        expected = {(i, j) for i, j in met if not filters.filtered(keys[i], keys[j])}
+        assert listed(near) == expected
+        assert (expected == met) == (operation == ALLOW_WITHIN)
+    assert near.arrays.numbers[MADE_AT] == made_at
 
 
 def test_a_pair_keeps_its_slot_for_as_long_as_it_is_near():
