@@ -93,7 +93,6 @@ from drake_geom_ros.geometry.scalar_templates import (
     Plane_,
     PolygonSurfaceMesh_,
     QueryObject_,
-    SceneGraph_,
     SceneGraphInspector_,
     SignedDistancePair_,
     SignedDistanceToPoint_,
@@ -101,7 +100,7 @@ from drake_geom_ros.geometry.scalar_templates import (
     SurfaceVertex_,
     TriangleSurfaceMesh_,
 )
-from drake_geom_ros.geometry.scene_graph import SceneGraph
+from drake_geom_ros.geometry.scene_graph import SceneGraph, SceneGraph_
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.shape_measures import (
     CalcObb,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Collection
+from typing import Protocol
 
 from drake_geom_ros.geometry._records import (
     INTERNAL_SOURCE_NAME,
@@ -41,9 +42,15 @@ from drake_geom_ros.geometry.instances import (
     checked_type,
 )
 from drake_geom_ros.geometry.properties import GeometryProperties, Role, RoleAssign
-from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.shapes import Shape
 from drake_geom_ros.math import RigidTransform
+
+
+class Renderer(Protocol):
+    """What makes images of a model, which only keeps it by a name: a ``RenderEngine``."""
+
+    def Clone(self) -> Renderer:
+        """Return a renderer that does the same."""
 
 
 class Model:
@@ -59,7 +66,7 @@ class Model:
         self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
         self.geometries: dict[GeometryId, GeometryRecord] = {}
         self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
-        self.renderers: dict[str, RenderEngine] = {}
+        self.renderers: dict[str, Renderer] = {}
         self.versions = Versions()
         self._source_names = {INTERNAL_SOURCE_NAME}
         self._frame_names = {(internal, WORLD_NAME)}

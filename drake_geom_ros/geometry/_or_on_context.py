@@ -5,14 +5,12 @@ from __future__ import annotations
 import functools
 import inspect
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
 
 from drake_geom_ros.geometry.context import SceneGraphContext
 from drake_geom_ros.geometry.instances import checked_type
 
-if TYPE_CHECKING:
-    from drake_geom_ros.geometry.scene_graph import SceneGraph
-
+_Scene = TypeVar('_Scene')  # the scene graph's class, which stands above this file
 _P = ParamSpec('_P')
 _R = TypeVar('_R', covariant=True)
 
@@ -30,7 +28,7 @@ class _WithOrWithoutContext(Protocol[_P, _R]):
 
 
 def or_on_context(
-    method: Callable[Concatenate[SceneGraph, SceneGraph | SceneGraphContext, _P], _R],
+    method: Callable[Concatenate[_Scene, _Scene | SceneGraphContext, _P], _R],
 ) -> _WithOrWithoutContext[_P, _R]:
     """Let a method be called with or without a context before its arguments.
 
@@ -39,7 +37,7 @@ def or_on_context(
     """
 
     @functools.wraps(method)
-    def call(self: SceneGraph, *args: Any, **kwargs: Any) -> _R:
+    def call(self: _Scene, *args: Any, **kwargs: Any) -> _R:
         if args and isinstance(args[0], SceneGraphContext):
             return method(self, args[0], *args[1:], **kwargs)
         context = kwargs.pop('context', None)

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.geometry._records import WORLD_FRAME_ID
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.query_results import PenetrationResults, SignedDistanceResults
-from drake_geom_ros.geometry.scene_graph import SceneGraph
 
 Floats = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ def closing_speeds(
     stands still without being named, and pairs with any other that is not named are not known.
     Raises ArgumentError for what is not six finite numbers.
     """
-    values = {SceneGraph.world_frame_id().get_value(): np.zeros(6)}
+    values = {WORLD_FRAME_ID.get_value(): np.zeros(6)}
     for frame, V in V_WFs.items():
         twist = np.asarray(V, dtype=float)
         if twist.shape != (6,) or not np.isfinite(twist).all():

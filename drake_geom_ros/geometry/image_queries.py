@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId
@@ -27,8 +27,17 @@ from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.context import SceneGraphContext
+    from drake_geom_ros.geometry.render._packing import Packed
+    from drake_geom_ros.geometry.render.render_engine import RenderEngine
 
 _KINDS = frozenset(('color', 'depth', 'label'))
+
+
+class _Kept(NamedTuple):
+    """What was packed of a scene, and by what it is known whether that holds still."""
+
+    key: tuple[object, ...]
+    packed: Packed
 
 
 class ImageQueries:
@@ -126,7 +135,24 @@ class ImageQueries:
             raise ArgumentError(str(error)) from None
         engine = Renderers(self._context._model).find(core.renderer_name(), 'an image')
         X_WS = self.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
-        return engine._render(self._context, core, X_WS, depth_range, wanted)
+        packed = self._packed(engine, core.renderer_name())
+        bodies = packed.placed_in(self._context._posed_world())
+        return engine._render(packed, bodies, core, X_WS, depth_range, wanted)
+
+    def _packed(self, engine: RenderEngine, renderer_name: str) -> Packed:
+        """Return what a renderer shows, packed once a version of the geometry."""
+        # Only here: who makes no images imports nothing that does.
+        from drake_geom_ros.geometry.render._packing import packed_of
+
+        context, shown = self._context, engine._shown()
+        versions = context._model.versions
+        key = renderer_name, engine, versions.frames, versions.roles[shown.role]
+        # A snapshot shares what was packed; nothing of it ever changes.
+        kept: _Kept | None = context._packed_scenes.get(renderer_name)
+        if kept is None or kept.key != key:
+            kept = _Kept(key, packed_of(context._model, shown, renderer_name))
+            context._packed_scenes[renderer_name] = kept
+        return kept.packed
 
     def image_state(self) -> bytes:
         """Return what differs whenever an image of anything here may: of poses and geometry."""
@@ -145,4 +171,5 @@ class ImageQueries:
         numbered, one for each.
         """
         engine = Renderers(self._context._model).find(renderer_name, 'a legend')
-        return engine.legend(self._context, renderer_name)
+        packed = self._packed(engine, renderer_name)
+        return dict(zip(packed.ids, packed.bodies.labels.tolist(), strict=True))

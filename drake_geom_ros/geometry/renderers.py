@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry.errors import (
     ArgumentError,
@@ -17,7 +19,8 @@ class Renderers:
     """Adds and removes renderers of a model, and finds them."""
 
     def __init__(self, model: Model) -> None:
-        self._named = model.renderers
+        # ``add`` alone puts renderers there.
+        self._named = cast(dict[str, RenderEngine], model.renderers)
 
     def add(self, name: str, renderer: RenderEngine) -> None:
         """Add a renderer; raises DuplicateError for a name that is taken."""

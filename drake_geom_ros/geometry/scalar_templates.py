@@ -21,7 +21,7 @@ from drake_geom_ros.geometry.query_records import (
     SignedDistancePair,
     SignedDistanceToPoint,
 )
-from drake_geom_ros.geometry.scene_graph import SceneGraph
+from drake_geom_ros.geometry.scene_graph import SceneGraph_
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.surface_mesh import SurfaceMesh, SurfaceVertex, TriangleSurfaceMesh
 from drake_geom_ros.math import ScalarTemplate
@@ -31,7 +31,6 @@ PenetrationAsPointPair_ = ScalarTemplate(PenetrationAsPointPair)
 Plane_ = ScalarTemplate(Plane)
 PolygonSurfaceMesh_ = ScalarTemplate(PolygonSurfaceMesh)
 QueryObject_ = ScalarTemplate(QueryObject)
-SceneGraph_ = ScalarTemplate(SceneGraph)
 SceneGraphInspector_ = ScalarTemplate(SceneGraphInspector)
 SignedDistancePair_ = ScalarTemplate(SignedDistancePair)
 SignedDistanceToPoint_ = ScalarTemplate(SignedDistanceToPoint)

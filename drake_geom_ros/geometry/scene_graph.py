@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._or_on_context import or_on_context
 from drake_geom_ros.geometry._ports import PoseBundlePort, QueryPort, SourcePosePort
@@ -27,7 +28,7 @@ from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.renderers import Renderers
 from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.shapes import Shape
-from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math import RigidTransform, ScalarTemplate
 
 
 class SceneGraph:
@@ -305,9 +306,7 @@ class SceneGraph:
 
     def ToAutoDiffXd(self) -> SceneGraph:
         """Return a scene of its own for poses of AutoDiffXd, with the same ids and filters."""
-        from drake_geom_ros.geometry.autodiff.context import SceneGraphAutoDiffXd
-
-        return self._copied_to(SceneGraphAutoDiffXd)
+        return self._copied_to(SceneGraph_[AutoDiffXd])
 
     def _copied_to(self, kind: type[SceneGraph]) -> SceneGraph:
         other = kind(accuracy=self._default_accuracy)
@@ -357,3 +356,7 @@ def _add_to_filters(on: _Holder, record: GeometryRecord) -> None:
     """Make a geometry that has got the proximity role known to the filters."""
     key, frame = record.id.get_value(), record.frame_id
     on._filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
+
+
+# ``scalar_templates`` adds what it is of AutoDiffXd.
+SceneGraph_ = ScalarTemplate(SceneGraph)

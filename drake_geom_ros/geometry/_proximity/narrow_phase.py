@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
-from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval
+from drake_geom_ros.geometry._proximity.kernels.bounds import PosedShape, bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
@@ -160,8 +160,8 @@ def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    A = Posed(types[a], shape_a, row(R_WGs, a), inner[a])
-    B = Posed(types[b], shape_b, row(R_WGs, b), inner[b])
+    A = PosedShape(types[a], shape_a, row(R_WGs, a), inner[a])
+    B = PosedShape(types[b], shape_b, row(R_WGs, b), inner[b])
     bounding_interval(A, B, p_AB_W, out)
 
 

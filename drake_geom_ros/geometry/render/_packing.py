@@ -23,9 +23,7 @@ from drake_geom_ros.geometry.rgba import Rgba
 from drake_geom_ros.geometry.shapes import MeshcatCone, Shape
 
 if TYPE_CHECKING:
-    from drake_geom_ros.geometry.context import SceneGraphContext
     from drake_geom_ros.geometry.render.exact import RenderEngineExactParams
-    from drake_geom_ros.geometry.render.render_engine import RenderEngine
 
 Floats = NDArray[np.float64]
 
@@ -37,6 +35,14 @@ _PALETTE = tuple(
         *((0.84, 0.45, 0.46), (0.66, 0.54, 0.80), (0.86, 0.76, 0.36), (0.42, 0.70, 0.70)),
     )
 )
+
+
+class PlacedBodies(NamedTuple):
+    """Where bodies are in World, and which of them are anywhere."""
+
+    R_WGs: Floats  # (n, 3, 3)
+    p_WGs: Floats  # (n, 3) [m]
+    placed: NDArray[np.bool_]  # (n,)
 
 
 class Packed(NamedTuple):
@@ -51,8 +57,8 @@ class Packed(NamedTuple):
     p_FGs: Floats  # (n, 3) [m]
     bodies: Bodies
 
-    def posed(self, world: World) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """Return R_WG (n, 3, 3) and p_WG (n, 3) [m] of the bodies, and which have a place (n,).
+    def placed_in(self, world: World) -> PlacedBodies:
+        """Return where the bodies are in a world.
 
         Raises GeometryError for one that is too far for images.
         """
@@ -66,32 +72,7 @@ class Packed(NamedTuple):
                 f'{self.names[row]} lies at {p_WGs[row].tolist()} m; images show what is within '
                 f'{LARGEST_SIZE:g} m'
             )
-        return R_WFs @ self.R_FGs, p_WGs, placed
-
-
-class _Kept(NamedTuple):
-    """What was packed of a scene, and by what it is known whether that holds still."""
-
-    key: tuple[object, ...]
-    packed: Packed
-
-
-def kept_of(
-    context: SceneGraphContext,
-    engine: RenderEngine,
-    params: RenderEngineExactParams,
-    renderer_name: str,
-) -> Packed:
-    """Return ``packed_of`` of a context, made once a version of its geometry."""
-    versions = context._model.versions
-    key = renderer_name, engine, versions.frames, versions.roles[params.role]
-    # A snapshot shares what was packed; nothing of it ever changes.
-    kept = context._packed_scenes.get(renderer_name)
-    if kept is None or kept.key != key:
-        kept = _Kept(key, packed_of(context._model, params, renderer_name))
-        context._packed_scenes[renderer_name] = kept
-    packed: Packed = kept.packed
-    return packed
+        return PlacedBodies(R_WFs @ self.R_FGs, p_WGs, placed)
 
 
 def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str) -> Packed:

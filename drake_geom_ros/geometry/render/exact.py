@@ -15,8 +15,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
-    from drake_geom_ros.geometry.context import SceneGraphContext
-    from drake_geom_ros.geometry.render._packing import Packed
+    from drake_geom_ros.geometry.render._packing import Packed, PlacedBodies
 
 _MOST_SAMPLES = 8  # along each side of a pixel
 
@@ -83,22 +82,20 @@ class RenderEngineExact(RenderEngine):
         """Return the label of geometry that has none of its own."""
         return self._params.default_label
 
-    def _packed(self, context: SceneGraphContext, renderer_name: str) -> Packed:
-        """Return what the renderer shows of a context; packed once a version of its geometry."""
-        # Only here: who makes no images imports nothing that does.
-        from drake_geom_ros.geometry.render._packing import kept_of
-
-        return kept_of(context, self, self._params, renderer_name)
+    def _shown(self) -> RenderEngineExactParams:
+        return self._params
 
     def _render(
         self,
-        context: SceneGraphContext,
+        packed: Packed,
+        bodies: PlacedBodies,
         core: RenderCameraCore,
         X_WS: RigidTransform,
         depth_range: DepthRange | None,
         want: frozenset[str],
     ) -> RenderedImages:
         """Return the images whose names are in ``want``."""
+        # Only here: who makes no images imports nothing that does.
         from drake_geom_ros.geometry._rendering.drawing import (
             Lens,
             Look,
@@ -107,8 +104,6 @@ class RenderEngineExact(RenderEngine):
             render,
         )
 
-        packed = self._packed(context, core.renderer_name())
-        R_WGs, p_WGs, placed = packed.posed(context._posed_world())
         R_SW = X_WS.rotation().matrix().T
         intrinsics, clipping = core.intrinsics(), core.clipping()
         near, far = clipping.near(), clipping.far()
@@ -128,9 +123,9 @@ class RenderEngineExact(RenderEngine):
         look = Look(params.default_clear_color.rgba[:3], params.edges, params.color_samples)
         images = render(
             packed.bodies,
-            placed,
-            R_SW @ R_WGs,
-            (p_WGs - X_WS.translation()) @ R_SW.T,
+            bodies.placed,
+            R_SW @ bodies.R_WGs,
+            (bodies.p_WGs - X_WS.translation()) @ R_SW.T,
             lens,
             look,
             Wanted(*(name in want for name in Wanted._fields)),

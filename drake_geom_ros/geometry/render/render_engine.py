@@ -9,10 +9,9 @@ from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
-    from drake_geom_ros.geometry.context import SceneGraphContext
-    from drake_geom_ros.geometry.ids import GeometryId
-    from drake_geom_ros.geometry.render._packing import Packed
+    from drake_geom_ros.geometry.render._packing import Packed, PlacedBodies
     from drake_geom_ros.geometry.render.cameras import DepthRange, RenderCameraCore
+    from drake_geom_ros.geometry.render.exact import RenderEngineExactParams
     from drake_geom_ros.math import RigidTransform
 
 
@@ -39,19 +38,15 @@ class RenderEngine(ABC):
     def default_render_label(self) -> RenderLabel:
         """Return the label of geometry that has none of its own."""
 
-    def legend(self, context: SceneGraphContext, renderer_name: str) -> dict[GeometryId, int]:
-        """Return the label of each geometry that this renderer shows, by ascending id."""
-        packed = self._packed(context, renderer_name)
-        return dict(zip(packed.ids, packed.bodies.labels.tolist(), strict=True))
-
     @abstractmethod
-    def _packed(self, context: SceneGraphContext, renderer_name: str) -> Packed:
-        """Return what the renderer shows of a context; packed once a version of its geometry."""
+    def _shown(self) -> RenderEngineExactParams:
+        """Return what says which geometry is shown, and how it is labelled and coloured."""
 
     @abstractmethod
     def _render(
         self,
-        context: SceneGraphContext,
+        packed: Packed,
+        bodies: PlacedBodies,
         core: RenderCameraCore,
         X_WS: RigidTransform,
         depth_range: DepthRange | None,

@@ -22,8 +22,7 @@ from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry._vtk.stage import Stage
-    from drake_geom_ros.geometry.context import SceneGraphContext
-    from drake_geom_ros.geometry.render._packing import Packed
+    from drake_geom_ros.geometry.render._packing import Packed, PlacedBodies
 
 _MOST_STAGES = 4  # scenes whose actors are kept, each with a context of its own
 _LARGEST = 16384  # [pixels] a side, beyond which no driver has images
@@ -95,15 +94,13 @@ class RenderEngineVtk(RenderEngine):
         """Return the label of geometry that has none of its own."""
         return self._params.default_label
 
-    def _packed(self, context: SceneGraphContext, renderer_name: str) -> Packed:
-        """Return what the renderer shows of a context; packed once a version of its geometry."""
-        from drake_geom_ros.geometry.render._packing import kept_of
-
-        return kept_of(context, self, self._params._shown(), renderer_name)
+    def _shown(self) -> RenderEngineExactParams:
+        return self._params._shown()
 
     def _render(
         self,
-        context: SceneGraphContext,
+        packed: Packed,
+        bodies: PlacedBodies,
         core: RenderCameraCore,
         X_WS: RigidTransform,
         depth_range: DepthRange | None,
@@ -116,10 +113,12 @@ class RenderEngineVtk(RenderEngine):
                 f'an image of {size[0]} x {size[1]} was asked of VTK, which draws at most '
                 f'{_LARGEST} pixels a side; MakeRenderEngineExact has no such limit'
             )
-        packed = self._packed(context, core.renderer_name())
-        R_WGs, p_WGs, placed = packed.posed(context._posed_world())
         R_SW = X_WS.rotation().matrix().T
-        posed = R_SW @ R_WGs, (p_WGs - X_WS.translation()) @ R_SW.T, placed
+        posed = (
+            R_SW @ bodies.R_WGs,
+            (bodies.p_WGs - X_WS.translation()) @ R_SW.T,
+            bodies.placed,
+        )
         drawing = self._thread.submit(self._draw, packed, posed, core, depth_range, want)
         return drawing.result()
 

@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS
 Floats = NDArray[np.float64]
 
 
-class Posed(NamedTuple):
+class PosedShape(NamedTuple):
     """A shape, its orientation, and the radius [m] of a ball about Go that lies in it."""
 
     kind: int

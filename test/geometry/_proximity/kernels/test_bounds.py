@@ -7,7 +7,11 @@ from oracles.forms import hull_of, signed_distance
 from drake_geom_ros.evidence.random_bodies import random_rotation
 from drake_geom_ros.evidence.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels import bounds
-from drake_geom_ros.geometry._proximity.kernels.bounds import Posed, bounding_interval, shape_radii
+from drake_geom_ros.geometry._proximity.kernels.bounds import (
+    PosedShape,
+    bounding_interval,
+    shape_radii,
+)
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -40,8 +44,8 @@ def test_a_hull_beside_its_origin(beside):
         R, p = random_rotation(rng), rng.uniform(-0.02, 0.02, 3)
         out = np.zeros(PAIR_WIDTH)
         bounding_interval(
-            Posed(SPHERE, ball, np.eye(3), inner_radius(SPHERE, ball)),
-            Posed(CONVEX, hull, R, inner_radius(CONVEX, hull)),
+            PosedShape(SPHERE, ball, np.eye(3), inner_radius(SPHERE, ball)),
+            PosedShape(CONVEX, hull, R, inner_radius(CONVEX, hull)),
             p,
             out,
         )
@@ -95,14 +99,14 @@ def test_intervals_are_those_of_the_balls_inside_and_of_the_planes(kind):
     for away in (2.0, 0.1, 0.0):
         R, ball, out = random_rotation(rng), np.array([0.25]), np.zeros(PAIR_WIDTH)
         n = random_rotation(rng)[0]
-        body = Posed(kind, size, R, inner_radius(kind, size))
-        bounding_interval(body, Posed(SPHERE, ball, np.eye(3), 0.25), away * n, out)
+        body = PosedShape(kind, size, R, inner_radius(kind, size))
+        bounding_interval(body, PosedShape(SPHERE, ball, np.eye(3), 0.25), away * n, out)
         # Concentric, the x axis of A stands for the line of centres.
         upper = away - body.inner_radius - 0.25
         lower = away - support_value_of((kind, size), R.T @ (n if away else R[:, 0])) - 0.25
         assert out[DISTANCE] == pytest.approx(0.5 * (lower + upper), abs=1e-15)
         assert out[ERROR_BOUND] == pytest.approx(0.5 * (upper - lower), abs=1e-14)
-        plane = Posed(HALF_SPACE, np.zeros(0), random_rotation(rng), 0.0)
+        plane = PosedShape(HALF_SPACE, np.zeros(0), random_rotation(rng), 0.0)
         nhat = plane.R_WG[:, 2]
         height = away * (n @ nhat) - support_value_of((kind, size), -R.T @ nhat)
         for A, B, p, side in ((plane, body, away * n, -1.0), (body, plane, -away * n, 1.0)):
@@ -117,7 +121,7 @@ def test_intervals_are_those_of_the_balls_inside_and_of_the_planes(kind):
 def test_the_vertex_towards_a_ball_bounds_from_above():
     corners = np.array(np.meshgrid(*[[-0.1, 0.1]] * 3)).T.reshape(-1, 3)
     hull, ball, out = hull_of(corners), np.array([0.25]), np.zeros(PAIR_WIDTH)
-    bodies = Posed(CONVEX, hull, np.eye(3), 0.0), Posed(SPHERE, ball, np.eye(3), 0.25)
+    bodies = PosedShape(CONVEX, hull, np.eye(3), 0.0), PosedShape(SPHERE, ball, np.eye(3), 0.25)
     p = np.array([2.0, 3.0, 6.0])
     upper = np.linalg.norm(p - 0.1) - 0.25
     for A, B, p_AB in ((*bodies, p), (*bodies[::-1], -p)):
