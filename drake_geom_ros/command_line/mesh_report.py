@@ -6,11 +6,7 @@ from pathlib import Path
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
 from drake_geom_ros.geometry.mesh_facts import MeshFacts, mesh_facts
-
-# Beyond these a mesh is more likely in another unit than a part of a robot: one of 10 mm and more
-# whose millimetres are read as metres is above, one of up to 1 m that is scaled by 0.001 although
-# it is in metres is below.
-LARGEST, SMALLEST = 10.0, 1e-3  # [m]
+from drake_geom_ros.math.tolerances import LARGEST_PART, SMALLEST_PART
 
 
 def mesh_lines(scene: PosedScene) -> Iterator[str]:
@@ -56,14 +52,14 @@ def _line(shape: Shape, solid: bool, facts: MeshFacts) -> str:
 def _warning(facts: MeshFacts) -> str:
     """Return what is strange about the size of a mesh; empty where nothing is."""
     size = float((facts.high - facts.low).max())
-    if size > LARGEST:
+    if size > LARGEST_PART:
         return (
-            f'{size:.6g} m is its largest extent, above {LARGEST:g} m. Is the file in '
+            f'{size:.6g} m is its largest extent, above {LARGEST_PART:g} m. Is the file in '
             'millimetres? Lengths are metres, see scale'
         )
-    if size < SMALLEST:
+    if size < SMALLEST_PART:
         return (
-            f'{size:.6g} m is its largest extent, below {SMALLEST:g} m. Is it scaled although '
+            f'{size:.6g} m is its largest extent, below {SMALLEST_PART:g} m. Is it scaled although '
             'its file is in metres?'
         )
     return ''
