@@ -59,7 +59,7 @@ def _warning(facts: MeshFacts) -> str:
         )
     if size < SMALLEST_PART:
         return (
-            f'{size:.6g} m is its largest extent, below {SMALLEST_PART:g} m. Is it scaled although '
-            'its file is in metres?'
+            f'{size:.6g} m is its largest extent, below {SMALLEST_PART:g} m. Is it scaled, and '
+            'its file in metres?'
         )
     return ''
