@@ -5,9 +5,9 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_lines
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.second_opinion import cross_checked
 from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
@@ -85,8 +85,9 @@ def _report(scene: PosedScene, file: str, all_pairs: bool) -> Iterator[str]:
     for geometry in inspector.GetAllGeometryIds():
         roles = [name for role, name in _ROLE_NAMES.items() if _has_role(scene, geometry, role)]
         shape = inspector.GetShape(geometry)
-        shown = _mesh(shape, _is_solid(scene, geometry)) or repr(shape)
+        shown = _mesh(shape, is_solid(scene, geometry)) or repr(shape)
         yield f'  {scene.names[geometry]}: {shown}, {", ".join(roles) or "no role"}'
+    yield from mesh_lines(scene)
     yield 'filters'
     yield from (f'  {_filter(entry)}' for entry in description.filters)
     yield 'filtered pairs'
@@ -97,18 +98,13 @@ def _mesh(shape: Shape, solid: bool) -> str:
     """Return how queries see a mesh, in words; empty for what is none."""
     if not isinstance(shape, (Convex, Mesh)):
         return ''
-    name = 'in memory' if shape.mesh_data() is not None else Path(shape.filename()).name
+    name = file_name(shape)
     if solid and isinstance(shape, Mesh):
         return f'mesh {name} (as a solid, {len(shape.surface()[1])} triangles)'
     count = len(shape.hull_surface()[0])
     if isinstance(shape, Convex):
         return f'convex {name} ({count} vertices)'
     return f'mesh {name} (as its hull, {count} vertices)'
-
-
-def _is_solid(scene: PosedScene, geometry: GeometryId) -> bool:
-    properties = scene.inspector.GetProperties(geometry, Role.kProximity)
-    return properties is not None and bool(properties.GetPropertyOrDefault('mesh', 'solid', False))
 
 
 def _has_role(scene: PosedScene, geometry: GeometryId, role: Role) -> bool:

@@ -1,19 +1,15 @@
-"""What trimesh does for us: mesh files, convex hulls, connected pieces. Nobody else imports it.
+"""What trimesh does for us: convex hulls, connected pieces. Nobody else imports it.
 
 It takes 2 s to import, and most scenes have no mesh.
 """
 
 from __future__ import annotations
 
-import functools
-import io
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._obj_file import parse_obj
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,
@@ -25,65 +21,6 @@ HULL_EXPONENT = 24  # hulls are made of points brought to about 2^24
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-
-def parse_mesh(data: bytes, kind: str, filename: str) -> tuple[Floats, Indices]:
-    """Return vertices (n, 3) [m] and triangles (m, 3) of a file's content; ``kind`` is its suffix.
-
-    The scene of a glTF file is flattened, each mesh where its node puts it. No other file is
-    opened, whatever this one names: materials and textures are left out, and a buffer of glTF must
-    be embedded. Raises MeshFileError for content that cannot be read.
-    """
-    if kind == 'obj':  # ours keeps faces of many corners in shape, and knows no materials
-        return parse_obj(data.decode(errors='replace'), filename)
-    import trimesh
-
-    try:
-        mesh: Any = trimesh.load(
-            *(io.BytesIO(data), kind, None), force='mesh', process=False, skip_materials=True
-        )
-        return np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
-    except Exception as error:
-        # A reader of many formats raises errors of many kinds.
-        raise MeshFileError(
-            f'{filename!r} holds no mesh that can be read: {error!r}. What it refers to in other '
-            'files, such as buffers of glTF, is not opened: embed them (.glb)'
-        ) from None
-
-
-def parse_colours(data: bytes, kind: str, filename: str) -> NDArray[np.float32] | None:
-    """Return the colours (m, 3) from 0 to 1 of a file's triangles, as ``parse_mesh`` counts them.
-
-    Of vertices of several colours the mean. None where the file holds none for faces or vertices;
-    materials and textures are left out, and so are all colours of .obj files.
-    """
-    if kind == 'obj':
-        return None
-    import trimesh
-
-    try:
-        mesh: Any = trimesh.load(
-            *(io.BytesIO(data), kind, None), force='mesh', process=False, skip_materials=True
-        )
-        if not mesh.visual.defined or mesh.visual.kind not in ('face', 'vertex'):
-            return None
-        # Not of trimesh's own mean of vertices: it is rounded to whole numbers by the version.
-        if mesh.visual.kind == 'face':
-            colours = np.asarray(mesh.visual.face_colors, dtype=np.float64)
-        else:
-            of_vertices = np.asarray(mesh.visual.vertex_colors, dtype=np.float64)
-            colours = of_vertices[np.asarray(mesh.faces)].mean(axis=1)
-        return (colours[:, :3] / 255.0).astype(np.float32)
-    except Exception as error:
-        raise MeshFileError(f'{filename!r}: its colours cannot be read: {error!r}') from None
-
-
-@functools.cache
-def readable_kinds() -> tuple[str, ...]:
-    """Return the suffixes of the files that ``parse_mesh`` reads."""
-    import trimesh
-
-    return tuple(sorted({'obj', *trimesh.exchange.load.mesh_formats()}))
 
 
 def tight_box(points: Floats) -> Floats:

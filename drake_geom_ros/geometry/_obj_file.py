@@ -1,6 +1,8 @@
 """Wavefront .obj files: vertices and faces, faces cut into triangles, objects merged.
 
-Of the format this reads ``v`` and ``f`` and skips the rest (normals, textures, materials, groups).
+Of the format this reads ``v`` and ``f``, of all objects and groups, and skips normals, textures
+and materials. Curved surfaces and what names other files are refused. There is no unit: numbers
+are metres, as in RViz and Drake.
 """
 
 from __future__ import annotations
@@ -20,6 +22,10 @@ Indices = NDArray[np.int64]
 Point = tuple[float, ...]
 
 
+# Surfaces that are no polygons, and the statements of another file.
+_NOT_READ = ('surf', 'bzp', 'bsp', 'call', 'csh')
+
+
 class _Polygon(NamedTuple):
     """A face as it stands in the file: vertices counted from 0, and where it was found."""
 
@@ -34,7 +40,7 @@ def read_obj(filename: str | os.PathLike[str]) -> tuple[Floats, Indices]:
     an index of no vertex, or has no faces.
     """
     try:
-        text = Path(filename).read_text(encoding='utf-8', errors='replace')
+        text = Path(filename).read_text(encoding='utf-8-sig', errors='replace')
     except OSError as error:
         raise MeshFileError(f"'{filename}' cannot be read: {error.strerror}") from None
     points, triangles = parse_obj(text, filename)
@@ -66,6 +72,8 @@ def parse_obj(text: str, filename: str | os.PathLike[str]) -> tuple[Floats, Indi
             points.append(_point(words[1:4], where))
         elif words[0] == 'f':
             polygons.append(_Polygon(_corners(words[1:], len(points), where), where))
+        elif words[0] in _NOT_READ:
+            raise MeshFileError(f'{where}: {words[0]!r} is not read; export triangles')
     if not points:
         raise MeshFileError(f"'{filename}' has no faces and no vertices: no line begins with 'v '")
     triangles: list[tuple[int, int, int]] = []
@@ -111,6 +119,8 @@ def _statements(text: str) -> Iterator[tuple[int, list[str]]]:
         pending = []
         if statement:
             yield number, statement
+    if pending := [word for word in pending if word]:  # the last line goes on in none
+        yield number, pending
 
 
 def _point(words: list[str], where: str) -> Point:

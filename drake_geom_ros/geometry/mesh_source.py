@@ -12,18 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry._hull_polygons import united
-from drake_geom_ros.geometry._mesh_library import (
-    convex_hull,
-    parse_colours,
-    parse_mesh,
-    readable_kinds,
-)
+from drake_geom_ros.geometry._mesh_formats import FORMATS, parse_mesh
+from drake_geom_ros.geometry._mesh_library import convex_hull
+from drake_geom_ros.geometry._parsed_mesh import ParsedMesh
 from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
 from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh
 from drake_geom_ros.math.tolerances import FARTHEST
 
-# A file is read whole, and trimesh needs some ten times its size; a scan of 2 million triangles as
-# binary STL has 100 MB.
+# A file is read whole, and its numbers need some ten times its size; a scan of 2 million triangles
+# as binary STL has 100 MB.
 MAX_MESH_BYTES = 200_000_000
 
 Floats = NDArray[np.float64]
@@ -144,9 +141,9 @@ def numbers_of(mesh: MeshData | InMemoryMesh) -> MeshData:
 
 def check_extension(extension: str, name: str) -> None:
     """Raise MeshFileError for an extension that no mesh file has."""
-    if extension.lstrip('.') not in readable_kinds():
+    if extension.lstrip('.') not in FORMATS:
         raise MeshFileError(
-            f'GetConvexHull: MakeConvexHull only applies to {", ".join(readable_kinds())} files; '
+            f'GetConvexHull: MakeConvexHull only applies to {", ".join(FORMATS)} files; '
             f'{name!r} has the extension {extension!r}'
         )
 
@@ -208,36 +205,45 @@ class Triangles(NamedTuple):
 
 
 @functools.lru_cache(maxsize=8)
+def _parsed(source: MeshFile | InMemoryMesh) -> ParsedMesh:
+    """Return what a file holds, not to be written to."""
+    parsed = parse_mesh(*_content(source))
+    count = len(parsed.vertices)
+    if count == 0 or not np.isfinite(parsed.vertices).all():
+        raise MeshFileError(f'{name_of(source)}: {count} vertices, and all must be finite')
+    for array in parsed[:3]:
+        if array is not None:
+            array.flags.writeable = False
+    return parsed
+
+
 def triangles_of(source: MeshKey) -> Triangles:
     """Return vertices and triangles of a source, unscaled; not to be written to."""
-    if isinstance(source, MeshData):
-        return Triangles(source.vertices, source.triangles)
-    vertices, triangles = parse_mesh(*_content(source))
-    if len(vertices) == 0 or not np.isfinite(vertices).all():
-        raise MeshFileError(f'{name_of(source)}: {len(vertices)} vertices, and all must be finite')
-    vertices.flags.writeable = triangles.flags.writeable = False
-    return Triangles(vertices, triangles)
+    mesh = source if isinstance(source, MeshData) else _parsed(source)
+    return Triangles(mesh.vertices, mesh.triangles)
 
 
 @functools.lru_cache(maxsize=32)
 def _colours_of(source: MeshKey) -> NDArray[np.float32] | None:
     """Return the colours of a source's triangles, not to be written to, or None."""
-    if isinstance(source, MeshData):
-        return None
-    content, kind, name = _content(source)
-    colours = parse_colours(content, kind, name)
-    if colours is None or len(colours) != len(triangles_of(source).triangles):
-        return None
-    colours.flags.writeable = False
-    return colours
+    return None if isinstance(source, MeshData) else _parsed(source).colours
 
 
 def facet_colours(mesh: MeshGiven) -> NDArray[np.float32] | None:
     """Return the colours (m, 3) from 0 to 1 of a mesh's triangles, None where it has none.
 
-    Those of its faces, or the means of those of its vertices.
+    Those of its faces, or the means of those of its vertices; materials and textures are left out.
     """
     return _colours_of(mesh_source(mesh))
+
+
+def remarks_on(mesh: MeshGiven) -> tuple[str, ...]:
+    """Return what was done to the numbers of a mesh file, and what was not, in words.
+
+    Such as ``'turned from y up to z up'``. Raises MeshFileError as ``hull_vertices``.
+    """
+    source = mesh_source(mesh)
+    return () if isinstance(source, MeshData) else _parsed(source).remarks
 
 
 @functools.lru_cache(maxsize=256)

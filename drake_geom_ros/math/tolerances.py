@@ -32,3 +32,8 @@ DIRECTION_NORM = 1e-10
 # | |q| - 1 | and | |axis| - 1 | may reach this [-] in a Quaternion and an AngleAxis (Drake's
 # choice: it takes 1e-6 and refuses 1e-3); what is made of them is normalised.
 UNIT_NORM = 1e-5
+
+# Beyond these a mesh is more likely in another unit than a part of a robot: one of 10 mm and more
+# whose millimetres are read as metres is above, one of up to 1 m that is scaled by 0.001 although
+# it is in metres is below.
+LARGEST_PART, SMALLEST_PART = 10.0, 1e-3  # [m]

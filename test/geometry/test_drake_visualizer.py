@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 from geometry.lcm_definitions import TYPES, generated
+from oracles.mesh_files import glb, gltf
 from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (
@@ -161,6 +162,18 @@ def test_meshes_go_by_file_where_it_is_there_and_else_inline(classes, tmp_path):
     for inline, expected in ((solid, 3.0), (tetrahedron, 8 / 6), (hull, 3.5)):
         assert inline.string_data == ''
         assert volume(triangles_of(inline.float_data)) == pytest.approx(expected)
+
+
+def test_gltf_goes_by_its_file_which_drake_turns_and_glb_turned(classes, tmp_path):
+    (tmp_path / 'box.gltf').write_text(gltf())
+    (tmp_path / 'box.glb').write_bytes(glb())
+    shapes = [Mesh(str(tmp_path / name), [1, 2, 3]) for name in ('box.gltf', 'box.glb')]
+    _, link = loaded(scene_of(*shapes)[0], classes).link
+    by_file, inline = link.geom
+    assert (by_file.string_data, list(by_file.float_data)) == (shapes[0].filename(), [1, 2, 3])
+    found = triangles_of(inline.float_data)
+    assert found.min(axis=(0, 1)).tolist() == [0, -6, 0]
+    assert found.max(axis=(0, 1)).tolist() == [1, 0, 6]
 
 
 def test_a_mesh_is_what_queries_take_it_for(classes):

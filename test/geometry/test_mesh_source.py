@@ -18,7 +18,7 @@ from drake_geom_ros.geometry import (
     Sphere,
     mesh_source,
 )
-from drake_geom_ros.geometry._mesh_library import parse_mesh
+from drake_geom_ros.geometry._mesh_formats import parse_mesh
 from drake_geom_ros.geometry.mesh_source import hull_vertices
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 

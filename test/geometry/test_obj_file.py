@@ -36,6 +36,7 @@ def test_a_triangle(tmp_path):
         'f -4 -3 -2 -1',
         'f 1 2 \\\n  3 4',
         'f 1 2\\\n 3 4   # a comment',
+        'f 1 2 3 4 \\',
         '  f  1\t2 3 4\r',
         'o one\ng left\nusemtl red\ns off\nvn 0 0 1\nvt 0 0\nf 1 2 3\no two\nf 1 3 4',
     ],
@@ -44,6 +45,11 @@ def test_faces_in_all_spellings(tmp_path, faces):
     vertices, triangles = read(tmp_path, f'# a square\n\n{SQUARE}{faces}\n')
     assert len(vertices) == 4
     assert triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+def test_a_byte_order_mark_hides_no_vertex(tmp_path):
+    text = f'\ufeff{SQUARE}f 1 2 3\n'
+    assert read(tmp_path, text)[0].tolist() == read(tmp_path, text[1:])[0].tolist()
 
 
 def test_objects_are_merged(tmp_path):
@@ -71,6 +77,8 @@ def test_objects_are_merged(tmp_path):
         ('v 0 0 a\n', r'part.obj:1: a vertex'),
         ('\nv 0 0 nan\n', r'part.obj:2: a vertex'),
         ('v 0 0 1e999\n', r'part.obj:1: a vertex'),
+        (SQUARE + 'f 1 2 3\nsurf 0 1 0 1 1 2 3 4\n', r"part.obj:6: 'surf' is not read"),
+        (SQUARE + 'call other.obj\nf 1 2 3\n', r"part.obj:5: 'call' is not read"),
     ],
 )
 def test_errors_name_file_and_line(tmp_path, text, words):

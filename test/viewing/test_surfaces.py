@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from oracles.mesh_files import gltf
 from oracles.solids import surface_of
 
 from drake_geom_ros.geometry import (
@@ -30,6 +31,14 @@ def corners(parts):
             for part in parts
         ]
     )
+
+
+@pytest.mark.parametrize('solid', [False, True])
+def test_a_gltf_file_is_drawn_z_up(tmp_path, solid):
+    (tmp_path / 'box.gltf').write_text(gltf())
+    found = corners(parts_of(Mesh(tmp_path / 'box.gltf', [1, 2, 3]), solid))
+    assert found.min(axis=(0, 1)).tolist() == [0, -6, 0]
+    assert found.max(axis=(0, 1)).tolist() == [1, 0, 6]
 
 
 def volume(parts):

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 _GLTF = ('.gltf', '.glb')
+_Y_UP_TO_Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)
 
 
 def actor_of(surface: Any) -> Any:
@@ -49,8 +50,10 @@ def looks_of(packed: Packed, row: int, surface: Any) -> list[tuple[Any, Floats]]
     """
     shape, diffuse_map = packed.shapes[row], packed.diffuse_maps[row]
     if isinstance(shape, Mesh) and (found := _actors_of_file(shape, diffuse_map)):
-        scale = np.diag([*shape.scale3(), 1.0])
-        return [(actor, scale @ _taken_matrix(actor)) for actor in found]
+        T_GF = np.diag([*shape.scale3(), 1.0])
+        if shape.extension() in _GLTF:
+            T_GF = T_GF @ _Y_UP_TO_Z_UP  # as _gltf_file does; scales are along the axes of G
+        return [(actor, T_GF @ _taken_matrix(actor)) for actor in found]
     bodies = packed.bodies
     facets = bodies.facet_colours[slice(*bodies.triangle_starts[row : row + 2].tolist())]
     if len(facets) and facets.min() >= 0.0:

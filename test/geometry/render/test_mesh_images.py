@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from geometry.render.scenes import NAME, images, instance, properties, scene_of
+from oracles.mesh_files import gltf
 
 from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry import Convex, InMemoryMesh, Mesh, MeshData, RenderLabel
@@ -44,6 +45,15 @@ def test_depth_against_rays_of_trimesh():
     np.minimum.at(true, ray, points[:, 2])
     np.testing.assert_allclose(depth.ravel(), true, rtol=1e-6)
     assert 100 < np.isfinite(true).sum() < len(u)
+
+
+def test_a_gltf_file_is_seen_z_up():
+    """Its box reaches from y = -3 to 0 and from z = 0 to 2, 4 m ahead of the camera."""
+    box = InMemoryMesh(mesh_file=MemoryFile(gltf(), '.gltf', 'box'))
+    scene, _ = scene_of([(Mesh(mesh_data=box), RigidTransform([-0.5, 0, 4.0]))])
+    shown = images(scene, CAMERA)
+    above, below = shown.depth.at(20, 8)[0], shown.depth.at(20, 20)[0]
+    assert (above, below) == (pytest.approx(4.0), np.inf)
 
 
 def coloured(kind, colours):

@@ -20,6 +20,7 @@ from geometry.render.scenes import (
     random_shape,
     scene_of,
 )
+from oracles.mesh_files import glb, gltf
 from PIL import Image
 
 from drake_geom_ros.common import MemoryFile
@@ -190,8 +191,8 @@ def folder(tmp_path):
     for name, mtl in (('materials', 'it.mtl'), ('beside', 'none'), ('plain', 'none')):
         (tmp_path / f'{name}.obj').write_text(PLATE.format(mtl=mtl))
     (tmp_path / 'it.mtl').write_text(MATERIAL)
-    made = trimesh.Trimesh(
-        [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]],
+    made = trimesh.Trimesh(  # y is up in glTF: this is where the others are once it is turned
+        [[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]],
         [[0, 1, 2], [0, 2, 3]],
         visual=trimesh.visual.TextureVisuals(
             uv=[[0, 0], [1, 0], [1, 1], [0, 1]],
@@ -235,6 +236,28 @@ def test_textures_are_where_coordinates_put_them(engine, folder, kind):
     background = shown.color.at(0, 0)
     np.testing.assert_array_equal((shown.color.data != background).any(axis=-1), is_plate)
     assert 300 < is_plate.sum() < 4000
+
+
+@drawing
+@pytest.mark.parametrize('form', ['gltf', 'glb'])
+def test_a_gltf_file_is_where_queries_have_it(engine, tmp_path, form):
+    """Z up, moved by its node, scaled along the axes of G: in colours as in labels and depth."""
+    nodes = [{'translation': [0.2, 0, 0], 'children': [1]}, {'mesh': 0, 'scale': [1, 0.5, 0.1]}]
+    path = tmp_path / f'box.{form}'
+    path.write_bytes(glb(nodes) if form == 'glb' else gltf(nodes).encode())
+    scene, source = with_vtk(engine, [])
+    shape = Mesh(path, [0.5, 1.5, 1.0])
+    made = instance(shape, AHEAD, 'box', properties(3, (0.0, 0.0, 1.0)))
+    scene.RegisterAnchoredGeometry(source, made)
+    shown = images(scene, camera())
+    is_box = (shown.label.data == 3)[..., 0]
+    background = shown.color.at(0, 0)
+    np.testing.assert_array_equal((shown.color.data != background).any(axis=-1), is_box)
+    lows, highs = (end(shape.surface()[0], axis=0) for end in (np.min, np.max))
+    np.testing.assert_allclose([lows, highs], [[0.1, -0.45, 0], [0.6, 0, 1]], atol=1e-7)
+    nearest = np.nanmin(np.where(is_box, shown.depth.data[..., 0], np.nan))
+    assert nearest == pytest.approx(AHEAD.translation()[2], abs=1e-3)
+    assert 100 < is_box.sum() < 4000
 
 
 @drawing

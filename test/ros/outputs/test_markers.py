@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from oracles.mesh_files import gltf
 from oracles.solids import surface_of
 from ros.live_scenes import live_scene
 from ros.outputs.marker_types import TEXT, TYPES
@@ -81,6 +82,15 @@ def test_a_mesh_is_drawn_as_its_hull_seen_from_outside(tmp_path, kind, scale):
     normals = np.cross(b - a, c - a)
     # Outward triangles of a closed surface: the divergence theorem gives the volume.
     assert (a * normals).sum() / 6 == pytest.approx(np.prod(np.abs(np.broadcast_to(scale, 3))))
+
+
+@pytest.mark.parametrize('solid', [False, True])
+def test_a_gltf_file_is_turned_once(tmp_path, solid):
+    """Its triangles are sent, not its name: RViz would turn that file itself."""
+    (tmp_path / 'box.gltf').write_text(gltf())
+    (part,) = markers.parts_of(Mesh(str(tmp_path / 'box.gltf')), solid)
+    assert part.triangles.min(axis=0).tolist() == [0, -3, 0]
+    assert part.triangles.max(axis=0).tolist() == [1, 0, 2]
 
 
 def test_a_solid_is_drawn_as_itself(monkeypatch):
