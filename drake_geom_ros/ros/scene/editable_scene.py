@@ -163,6 +163,10 @@ class EditableScene(HeldScene):
         """Keep in mind who asked for a transient filter."""
         self._owners[filter_id.get_value()] = owner
 
+    def owner_of(self, filter_id: FilterId) -> str:
+        """Return who asked for a transient filter; empty: nobody said, or there is no such one."""
+        return self._owners.get(filter_id.get_value(), '') if filter_id.is_valid() else ''
+
     def expire_filters(self) -> list[FilterId]:
         """Remove the transient filters whose lease ran out; return them."""
         manager = self._scene_graph.collision_filter_manager()
