@@ -91,6 +91,7 @@ class EditableScene(HeldScene):
         self._context.UpdateFramePoses(FramePoseVector(X_PFs))
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self._ages.begin([frame.get_value() for frame in X_PFs], declared)
+        self.warned += loaded.warnings
         self._robots += loaded.robots.values()
         self._cameras.update((camera.name, (frame, camera)) for frame, camera in loaded.cameras)
         return len(loaded.frames), len(loaded.geometry_ids)
