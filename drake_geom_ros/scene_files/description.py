@@ -41,7 +41,7 @@ class FrameDescription:
     """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say.
 
     ``static`` is true where its pose does not grow old, false where it is expected to move, and
-    None where that shows when a pose comes.
+    None where that shows when a pose comes. ``welded``: its geometries count as anchored.
     """
 
     source: str
@@ -51,6 +51,7 @@ class FrameDescription:
     X_PF: RigidTransform | None = None
     static: bool | None = None
     where: Location = field(default=_NOWHERE, compare=False)
+    welded: bool = False
 
 
 @dataclass(frozen=True)

@@ -156,6 +156,9 @@ class _Registration:
             parent_id=self._frame_id(frame.source, frame.parent),
             frame=GeometryFrame(frame.name, frame.group),
         )
+        if frame.welded:
+            manager = self._scene_graph.collision_filter_manager(self._context)
+            manager.WeldToWorld([self._frames[frame.source, frame.name]])
 
     def _register_geometry(self, geometry: GeometryDescription) -> None:
         source_id = self._sources[geometry.source]

@@ -73,7 +73,7 @@ def read_urdf(
     joints = [_joint(element, links, file) for element in root.findall('joint')]
     held = [*joints, *urdf_filters.drakes_joints(root, links, file)]
     groups, warnings = urdf_filters.read_groups(root, file, source)
-    moved = moved_links(held)
+    moved, welded = moved_links(held), urdf_filters.welded_links(held, options)
     frames = []
     geometries: list[GeometryDescription] = []
     for name, element in links.items():
@@ -82,7 +82,9 @@ def read_urdf(
             continue
         static = False if name in moved else None
         where = place_of(element, file)
-        frames.append(FrameDescription(source, name, static=static, where=where))
+        frames.append(
+            FrameDescription(source, name, static=static, where=where, welded=name in welded)
+        )
         geometries += _link_geometries(element, name, file, source, folder, resolver, options)
     with_geometry = {geometry.frame for geometry in geometries}
     filters: tuple[FilterDescription, ...] = (

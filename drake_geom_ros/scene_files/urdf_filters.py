@@ -81,6 +81,12 @@ class _Group:
     ignores: list[str]
 
 
+def welded_links(joints: Sequence[Joint], options: RobotOptions) -> set[str]:
+    """Return the links that fixed joints hold to the link ``world``; none if these are kept."""
+    bodies = _fixed_bodies(joints) if options.filter_adjacent_links else []
+    return {link for body in bodies if WORLD in body for link in body} - {WORLD}
+
+
 def read_groups(
     root: Any, file: str, source: str
 ) -> tuple[tuple[GroupDescription, ...], tuple[str, ...]]:

@@ -136,6 +136,7 @@ class _SceneParser:
             self._pose(plain, *path) if 'pose' in plain else None,
             plain.get('static'),
             self._document.at(*path),
+            plain.get('welded', False),
         )
 
     def _geometry(self, index: int, plain: Plain) -> GeometryDescription:

@@ -126,13 +126,24 @@ class EditableScene(HeldScene):
 
     def pose(self, poses: FramePoseVector, posed: Posed, stamp: Any, feeder: str) -> None:
         """Pose frames; ``posed`` says since when these hold."""
+        manager = self._scene_graph.collision_filter_manager()
+        welded = manager.welded_frames()
         self._context.UpdateFramePoses(poses)
+        if welded and (gone := set(welded).difference(manager.welded_frames())):
+            self._tell_of_welds(gone)
         if posed:
             self._ages.note(posed, stamp)
             for frames in posed:
                 self.feeders.note(feeder, frames)
             if self._twists is not None:
                 self._twists.note_poses(poses, _stamps(posed, stamp, feeder))
+
+    def _tell_of_welds(self, gone: set[FrameId]) -> None:
+        names = some_of(sorted(self.names.frame_names[frame] for frame in gone))
+        self.warned.append(
+            f'{names}: welded to the world by its URDF or scene file, but posed elsewhere than '
+            'before; its pairs with what is anchored are reported from now on'
+        )
 
     def take_twists(self, message: Any) -> None:
         """Take a FrameTwists whole; raises RuntimeError where its stamp says no time."""
