@@ -27,6 +27,7 @@ class HeldFilter:
     ) -> None:
         """``lost()`` is called if the node removed the filter, as when its scene was replaced."""
         self._node = node
+        self._owner = node.get_name()
         self._services = services
         self._lost = lost
         self._lease = lease
@@ -39,7 +40,7 @@ class HeldFilter:
         answer = await self._services.ask(
             'apply_transient_filter',
             declaration=self.declaration,
-            owner=self._node.get_name(),
+            owner=self._owner,
             lease=self._lease,
         )
         self.filter_id = answer.filter_id
@@ -49,7 +50,7 @@ class HeldFilter:
         """Remove the filter; raise RefusedError if the node refuses."""
         self._stop()
         filter_id, self.filter_id = self.filter_id, 0
-        await self._services.ask('remove_filter', filter_id=filter_id)
+        await self._services.ask('remove_filter', filter_id=filter_id, owner=self._owner)
 
     def let_run_out(self) -> None:
         """Stop renewing the filter: it is removed when its lease ends."""
@@ -57,7 +58,10 @@ class HeldFilter:
         self.filter_id = 0
 
     def _renew(self) -> None:
-        future = self._services.send('renew_filter', filter_id=self.filter_id, lease=self._lease)
+        number, lease = self.filter_id, self._lease
+        future = self._services.send(
+            'renew_filter', filter_id=number, lease=lease, owner=self._owner
+        )
         future.add_done_callback(self._renewed)
 
     def _renewed(self, future: Future) -> None:

@@ -18,7 +18,7 @@ from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry.collision_filter_declaration import CollisionFilterDeclaration, Given
 from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, FilterError, RoleError
 from drake_geom_ros.geometry.geometry_set import GeometrySet
-from drake_geom_ros.geometry.ids import FilterId, GeometryId
+from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId
 from drake_geom_ros.geometry.instances import canonical_name, checked_type
 from drake_geom_ros.geometry.properties import Role
 
@@ -53,8 +53,9 @@ class CollisionFilterManager:
 
         C = (G x G) - (A x A) - F - I
 
-    G are the geometries with the proximity role, A x A the pairs of anchored ones, F those on
-    one frame, I those of a geometry with itself. Pairs of the last three can never be put into
+    G are the geometries with the proximity role, A x A the pairs of anchored ones (on the world
+    frame, or on one that is welded to it: ``WeldToWorld``), F those on one frame, I those of a
+    geometry with itself. Pairs of the last three can never be put into
     C; to try is no error and does nothing. Beyond that
 
     - the last word about a pair counts: declarations, groups and cliques follow one another in
@@ -132,6 +133,30 @@ class CollisionFilterManager:
     def Deactivate(self, geometry_set: GeometrySet) -> None:
         """Keep geometries out of all pairs until they are activated, whatever is declared."""
         self._filters.deactivate(self._keys(geometry_set))
+
+    def WeldToWorld(self, frame_ids: Iterable[FrameId]) -> None:
+        """Count geometries on frames, now and later, among the anchored ones.
+
+        For what fixed joints hold to the world: it keeps its frame, and the first pose says where
+        it is. A pose elsewhere, by more than 1e-6 m or in R, ends the weld in that context, and
+        the pairs are reported from then on. Raises UnknownIdError for a frame that does not
+        exist, ArgumentError for one that hangs on another frame than the world.
+        """
+        frames = [self._model.frame(frame_id) for frame_id in frame_ids]
+        for frame in frames:
+            if frame.parent_id != self._model.world_frame_id or frame.id == frame.parent_id:
+                raise ArgumentError(
+                    f"WeldToWorld: the parent of the frame '{frame.name}' ({frame.id!r}) must be "
+                    'the world'
+                )
+        for frame in frames:
+            on_it = self._model.geometries_on(frame.id)
+            keys = [g.id.get_value() for g in on_it if g.proximity is not None]
+            self._filters.weld(frame.id.get_value(), keys)
+
+    def welded_frames(self) -> list[FrameId]:
+        """Return the frames that are welded to the world."""
+        return [FrameId(value) for value in self._filters.welded]
 
     def deactivated_geometries(self) -> list[GeometryId]:
         """Return the geometries that are deactivated, ascending."""

@@ -35,6 +35,9 @@ class _Built(NamedTuple):
 
 _LAST = 0  # no source's value
 _MOST_USUAL = 16  # max_distances may come without end
+# [m] and [-] of R: what is welded to the world may differ by so much from its first pose, as
+# transforms do that were written with few digits.
+_STAYS = 1e-6
 
 
 class _WaitingPairs(NamedTuple):
@@ -146,6 +149,8 @@ class SceneGraphContext:
         world = self._world if is_known else self._up_to_date_world()
         own = self._named.get(source_id._value) or self._source_frames(source_id)
         given, X_PFs = poses._arrays or poses._as_arrays()
+        if self._filters.welded and (given is own.ids or own.names(given)):
+            self._look_after_welds(given, X_PFs)
         if given is own.ids or own.names(given):
             world.pose(own, X_PFs)
             return
@@ -195,6 +200,8 @@ class SceneGraphContext:
         # Whoever poses frames names the same ones each time.
         last = known.get(_LAST)
         if last is not None and last.names(ids):
+            if self._filters.welded:
+                self._look_after_welds(ids, X_PFs)
             world.pose(last, X_PFs)
             return
         named = world.named(ids)
@@ -205,7 +212,23 @@ class SceneGraphContext:
                 f'{self._describe(sorted(unknown.tolist()))}.'
             )
         known[_LAST] = named
+        if self._filters.welded:
+            self._look_after_welds(ids, X_PFs)
         world.pose(named, X_PFs)
+
+    def _look_after_welds(self, ids: Indices, X_PFs: Floats) -> None:
+        """Undo the weld of a frame that is posed elsewhere than where its first pose put it."""
+        welded = self._filters.welded
+        for frame, X_WF in zip(ids.tolist(), X_PFs, strict=True):
+            if frame not in welded:
+                continue
+            first = welded[frame]
+            if first is None:
+                welded[frame] = X_WF.copy()
+            elif np.abs(X_WF - first).max() > _STAYS:
+                on_it = self._model.geometries_on(FrameId(frame))
+                keys = [g.id.get_value() for g in on_it if g.proximity is not None]
+                self._filters.unweld(frame, keys)
 
     def _describe(self, values: list[int]) -> str:
         """Name frames for an error message."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
 import threading
-from collections.abc import Iterator
 from typing import Any, ClassVar, TypeVar
 
 from drake_geom_ros.geometry.errors import ArgumentTypeError, GeometryError
@@ -21,13 +19,13 @@ class Identifier:
     """
 
     __slots__ = ('_value',)
-    _counter: ClassVar[Iterator[int]]
+    _next: ClassVar[int]
     _lock: ClassVar[threading.Lock] = threading.Lock()
 
     def __init_subclass__(cls) -> None:
         """Give each kind a counter of its own."""
         super().__init_subclass__()
-        cls._counter = itertools.count(1)
+        cls._next = 1
 
     def __init__(self, value: int) -> None:
         """Wrap the value of an id; a negative one raises RuntimeError."""
@@ -44,7 +42,9 @@ class Identifier:
     def get_new_id(cls: type[_Id]) -> _Id:
         """Return an id that differs from all ids of its kind so far; safe in any thread."""
         with cls._lock:
-            return cls(next(cls._counter))
+            value = cls._next
+            cls._next = value + 1
+        return cls(value)
 
     def get_value(self) -> int:
         """Return the number; raises RuntimeError for an id that names nothing."""
@@ -84,6 +84,17 @@ def only_id(what: str, *ids: Any) -> Any:
     if len(given) != 1:
         raise ArgumentTypeError(f'{what}: give one id, not {len(given)}')
     return given[0]
+
+
+def begin_ids_at(value: int) -> None:
+    """Let new ids of each kind be ``value`` or more, and greater than all so far.
+
+    For a process whose ids are kept by others, who may take them to the process that comes after
+    it: where that begins at a number that none has reached before, an old id names nothing in it.
+    """
+    with Identifier._lock:
+        for kind in (SourceId, FrameId, GeometryId, FilterId):
+            kind._next = max(kind._next, value)
 
 
 class SourceId(Identifier):

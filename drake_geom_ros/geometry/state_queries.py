@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.derivatives import gradients_of_rows
+from drake_geom_ros.geometry._proximity.filter_state import FilterState
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.state_loops import StateLoops
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
 from drake_geom_ros.geometry.context import SceneGraphContext
 from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.query_results import PointDistanceResults, SignedDistanceResults
 
 Floats = NDArray[np.float64]
@@ -68,7 +70,7 @@ class PackedScene:
             )
         world.update()
         near = NearList(world)
-        near.bring_up_to_date(world, context._filters, math.inf)
+        near.bring_up_to_date(world, _unwelded(context, frame_ids), math.inf)
         table = world.geometries
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
@@ -196,3 +198,14 @@ class StateError(PoseError):
     def __init__(self, reason: str, number: int) -> None:
         super().__init__(reason)
         self.number = number
+
+
+def _unwelded(context: SceneGraphContext, frame_ids: Indices) -> FilterState:
+    """Return the filters where none of the frames is welded to the world, for states move them."""
+    filters = context._filters
+    if moved := filters.welded.keys() & set(frame_ids.tolist()):
+        filters = filters.copy()
+        for frame in moved:
+            on_it = context._model.geometries_on(FrameId(frame))
+            filters.unweld(frame, [g.id.get_value() for g in on_it if g.proximity is not None])
+    return filters

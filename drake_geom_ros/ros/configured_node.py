@@ -336,9 +336,12 @@ class ConfiguredNode:
         self._publish_scene()
 
     def _log_what_is_told(self) -> None:
-        """Log what became of transient filters, in one line."""
+        """Log what became of transient filters, in one line, and warnings, one in a line."""
         with self.live.editing() as scene:
             told, scene.told = scene.told, []
+            warned, scene.warned = scene.warned, []
+        for warning in warned:
+            self._guard.tell(warning, warning, once=True)
         if told:
             self._node.get_logger().info('; '.join(told))
 

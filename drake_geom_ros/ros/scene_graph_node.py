@@ -12,6 +12,7 @@ changes of the scene, parameters, the life cycle, diagnostics.
 
 from __future__ import annotations
 
+import secrets
 import sys
 import time
 from typing import Any
@@ -21,6 +22,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.geometry.ids import begin_ids_at
 from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks, settle
@@ -41,6 +43,8 @@ from drake_geom_ros.ros.surface import Surface
 from drake_geom_ros.ros.watchdog import Watchdog
 from drake_geom_ros.scene_files import RobotOptions, hulls_in_words, read_scene
 
+_ID_BITS = 52  # of the number that the ids of a process begin at, drawn by chance
+
 
 class SceneGraphNode(LifecycleNode):
     """The geometry service; see docs/reference.md for topics, services and parameters."""
@@ -60,7 +64,10 @@ class SceneGraphNode(LifecycleNode):
         answer_always(self)
         self._surface = Surface(self)
         self._tell_unknown_parameters()
-        self._first_version = 0  # versions of the scene grow from one life to the next
+        # Who outlives the node holds numbers of its: in a node that comes after it an id names
+        # nothing (below 2 ** 53, which JSON and floats carry), and versions go on growing.
+        begin_ids_at(secrets.randbits(_ID_BITS))
+        self._first_version = time.time_ns() // 1000
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
             steady = Clock(clock_type=ClockType.STEADY_TIME)

@@ -41,7 +41,7 @@ class FrameDescription:
     """A frame; ``X_PF`` is where it is until a pose comes, None where the file does not say.
 
     ``static`` is true where its pose does not grow old, false where it is expected to move, and
-    None where that shows when a pose comes.
+    None where that shows when a pose comes. ``welded``: its geometries count as anchored.
     """
 
     source: str
@@ -51,6 +51,7 @@ class FrameDescription:
     X_PF: RigidTransform | None = None
     static: bool | None = None
     where: Location = field(default=_NOWHERE, compare=False)
+    welded: bool = False
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,7 @@ class SceneDescription:
     """A whole scene, robots expanded to frames, geometries and filters.
 
     Each part is in the order in which it is registered; of filters the last word counts.
+    ``warnings`` name, with file and line, what was read and not understood, once for each kind.
     """
 
     file: str = '<scene>'
@@ -206,3 +208,4 @@ class SceneDescription:
     geometries: tuple[GeometryDescription, ...] = ()
     filters: tuple[FilterDescription, ...] = ()
     cameras: tuple[CameraDescription, ...] = ()
+    warnings: tuple[str, ...] = field(default=(), compare=False)

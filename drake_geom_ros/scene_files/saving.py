@@ -56,6 +56,9 @@ def describe(
     describer = _Describer(scene_graph.model_inspector())
     filters = describer.filters(scene_graph.collision_filter_manager())
     described = describer.describe(X_PFs or {}, robots, filters, static or {})
+    welded = {describer.name(id) for id in scene_graph.collision_filter_manager().welded_frames()}
+    frames = (replace(f, welded=(f.source, f.name) in welded) for f in described.frames)
+    described = replace(described, frames=tuple(frames))
     return replace(described, cameras=tuple(describer.camera(*each) for each in cameras))
 
 
@@ -100,6 +103,10 @@ class _Describer:
             geometries=tuple(self._geometry(id) for id in inspector.GetAllGeometryIds()),
             filters=tuple(filters),
         )
+
+    def name(self, frame_id: FrameId) -> tuple[str, str]:
+        """Return the names of a frame's source and of itself."""
+        return self._inspector.GetOwningSourceName(frame_id), self._inspector.GetName(frame_id)
 
     def _frame_name(self, frame_id: FrameId) -> str:
         if frame_id == self._world:

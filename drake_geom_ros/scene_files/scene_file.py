@@ -16,8 +16,8 @@ from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import LoadedScene, register
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.saving import describe
+from drake_geom_ros.scene_files.srdf import read_srdf
 from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
-from drake_geom_ros.scene_files.urdf_filters import read_srdf
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, read_yaml
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
@@ -115,15 +115,18 @@ def _urdf_scene(
 ) -> SceneDescription:
     name = robot_name(data, file)
     parts = read_urdf(data, file, name, folder, resolver, options)
-    filters = parts.filters
+    filters, warnings = parts.filters, parts.warnings
     srdf_path = None
     if srdf:
         srdf_data, srdf_file, _ = _content(srdf)
         srdf_path = None if _as_text(srdf) else Path(srdf_file).absolute()
-        adjacent = options.filter_adjacent_links
-        filters = (*filters, read_srdf(srdf_data, srdf_file, name, parts.link_names, adjacent))
+        semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
+        filters, warnings = filters + semantics.filters, warnings + semantics.warnings
     robot = RobotDescription(name, path, RigidTransform(), srdf_path)
-    return SceneDescription(file, (name,), (robot,), parts.frames, parts.geometries, filters)
+    return SceneDescription(
+        *(file, (name,), (robot,), parts.frames, parts.geometries, filters),
+        warnings=warnings,
+    )
 
 
 def _as_text(path_or_text: PathLike) -> str:

@@ -34,11 +34,12 @@ from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, re
 
 @dataclass(frozen=True)
 class RobotParts:
-    """What a URDF describes."""
+    """What a URDF describes; ``warnings`` are what it says that is not understood."""
 
     frames: tuple[FrameDescription, ...]
     geometries: tuple[GeometryDescription, ...]
     filters: tuple[FilterDescription, ...]
+    warnings: tuple[str, ...] = ()
 
     @property
     def link_names(self) -> list[str]:
@@ -70,7 +71,9 @@ def read_urdf(
     attribute(root, 'name', file)
     links = _links(root, file)
     joints = [_joint(element, links, file) for element in root.findall('joint')]
-    moved = moved_links(joints)
+    held = [*joints, *urdf_filters.drakes_joints(root, links, file)]
+    groups, warnings = urdf_filters.read_groups(root, file, source)
+    moved, welded = moved_links(held), urdf_filters.welded_links(held, options)
     frames = []
     geometries: list[GeometryDescription] = []
     for name, element in links.items():
@@ -79,15 +82,17 @@ def read_urdf(
             continue
         static = False if name in moved else None
         where = place_of(element, file)
-        frames.append(FrameDescription(source, name, static=static, where=where))
+        frames.append(
+            FrameDescription(source, name, static=static, where=where, welded=name in welded)
+        )
         geometries += _link_geometries(element, name, file, source, folder, resolver, options)
     with_geometry = {geometry.frame for geometry in geometries}
     filters: tuple[FilterDescription, ...] = (
-        *urdf_filters.adjacent_cliques(joints, with_geometry, source, options),
+        *urdf_filters.adjacent_cliques(held, with_geometry, source, options),
         *urdf_filters.self_cliques(with_geometry, source, options),
-        *urdf_filters.read_groups(root, file, source),
+        *groups,
     )
-    return RobotParts(tuple(frames), tuple(geometries), filters)
+    return RobotParts(tuple(frames), tuple(geometries), filters, warnings)
 
 
 def _links(root: Any, file: str) -> dict[str, Any]:

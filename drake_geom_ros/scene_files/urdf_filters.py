@@ -1,21 +1,25 @@
-"""Collision filters of a robot: filter groups of its URDF, cliques of its joints, its SRDF."""
+"""Collision filters of a robot: filter groups of its URDF, and cliques of its joints.
 
-from collections.abc import Collection, Iterator, Sequence
+The meaning of Drake's elements is that of Drake's parser, found by asking pydrake.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import CollisionFilterManager
 from drake_geom_ros.scene_files.description import (
+    WORLD,
     CliqueDescription,
-    DeclarationDescription,
     GroupDescription,
     Member,
-    Operation,
     RobotOptions,
-    Statement,
 )
 from drake_geom_ros.scene_files.errors import Location
-from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of, read_robot_xml
+from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of
+
+# Of ``<drake:joint>``; all of these move.
+_DRAKES_JOINTS = ('ball', 'curvilinear', 'planar', 'screw', 'universal')
 
 
 @dataclass(frozen=True)
@@ -37,37 +41,129 @@ def moved_links(joints: Sequence[Joint]) -> set[str]:
     return moved
 
 
-def read_groups(root: Any, file: str, source: str) -> tuple[GroupDescription, ...]:
-    """Return the ``<collision_filter_group>`` elements of a URDF, in either of Drake's spellings.
+def drakes_joints(root: Any, links: Collection[str], file: str) -> list[Joint]:
+    """Return the ``<drake:joint>`` elements of a URDF.
 
-    The older one has ``<ignored_collision_filter_group collision_filter_group="...">``, the newer
-    one the prefix ``drake:`` and ``name="..."``. Names are those of the robot: group ``g`` of
-    ``left`` is ``left::g``, so that two robots of one URDF do not share it. Only ``universal`` is
-    no robot's own: all belong to it.
-    Raises SceneFileError for a member link that the URDF does not have; to ignore a group that
-    does not exist is no error.
+    Raises SceneFileError for one of a type that Drake does not have, and for an end that is
+    missing or no link of the file.
     """
-    links = {link.get('name') for link in root.findall('link')}
-    return tuple(
-        _read_group(element, links, file, source)
+    return [
+        _drakes_joint(element, links, file)
         for element in root
-        if local_name(element) == 'collision_filter_group'
+        if element.tag != 'joint' and local_name(element) == 'joint'
+    ]
+
+
+def _drakes_joint(element: Any, links: Collection[str], file: str) -> Joint:
+    place = place_of(element, file)
+    kind = attribute(element, 'type', file)
+    if kind not in _DRAKES_JOINTS:
+        allowed = ', '.join(_DRAKES_JOINTS)
+        raise place.error(f'type {kind!r} is none of <drake:joint>, which are {allowed}')
+    ends = []
+    for name in ('parent', 'child'):
+        if (end := element.find(name)) is None:
+            raise place.error(f'missing <{name} link="..."/>')
+        link = attribute(end, 'link', file)
+        if link not in links:
+            raise place_of(end, file).error(f'link {link!r} is not in the file')
+        ends.append(link)
+    return Joint(kind, *ends)
+
+
+@dataclass
+class _Group:
+    """A group as its element says it; ``groups`` are those whose members it has, too."""
+
+    element: Any
+    members: list[str]
+    groups: list[tuple[Any, str]]
+    ignores: list[str]
+
+
+def welded_links(joints: Sequence[Joint], options: RobotOptions) -> set[str]:
+    """Return the links that fixed joints hold to the link ``world``; none if these are kept."""
+    bodies = _fixed_bodies(joints) if options.filter_adjacent_links else []
+    return {link for body in bodies if WORLD in body for link in body} - {WORLD}
+
+
+def read_groups(
+    root: Any, file: str, source: str
+) -> tuple[tuple[GroupDescription, ...], tuple[str, ...]]:
+    """Return the ``<collision_filter_group>`` elements of a URDF, and what is odd about them.
+
+    In either of Drake's spellings: the older one has
+    ``<ignored_collision_filter_group collision_filter_group="...">``, the newer one the prefix
+    ``drake:`` and ``name="..."``. One with ``ignore="true"`` is none. ``<member_group>`` adds the
+    members of another group, whichever of the two comes first. Names are those of the robot: group
+    ``g`` of ``left`` is ``left::g``, so that two robots of one URDF do not share it. Only
+    ``universal`` is no robot's own: all belong to it.
+    Raises SceneFileError for a member that the URDF does not have, and for two groups of one name;
+    to ignore a group that does not exist is no error.
+    """
+    links = {link.get('name') for link in root.findall('link')} - {WORLD}
+    groups: dict[str, _Group] = {}
+    warnings: list[str] = []
+    for element in root:
+        if local_name(element) != 'collision_filter_group':
+            continue
+        place = place_of(element, file)
+        ignored = element.get('ignore', 'false')
+        if ignored == 'true':
+            continue
+        if ignored != 'false':
+            told = f'ignore = {ignored!r} is not `true`: the group counts, as in Drake'
+            warnings.append(str(place.error(told)))
+        name = attribute(element, 'name', file)
+        if name in groups:
+            first = groups[name].element.sourceline
+            raise place.error(f'group {name!r} is there twice, see line {first}')
+        groups[name] = _read_group(element, links, file, warnings)
+    described = tuple(
+        GroupDescription(
+            _group_name(name, source),
+            tuple(Member(source, link) for link in _members_of(name, groups, file)),
+            tuple(_group_name(other, source) for other in group.ignores),
+            place_of(group.element, file),
+        )
+        for name, group in groups.items()
     )
+    return described, tuple(warnings)
 
 
-def _read_group(element: Any, links: Collection[str], file: str, source: str) -> GroupDescription:
-    members, ignores = [], []
+def _read_group(element: Any, links: Collection[str], file: str, warnings: list[str]) -> _Group:
+    group = _Group(element, [], [], [])
     for child in element:
-        if local_name(child) == 'member':
+        kind, place = local_name(child), place_of(child, file)
+        if kind == 'member':
             link = attribute(child, 'link', file)
             if link not in links:
-                raise place_of(child, file).error(f'link {link!r} is not in the file')
-            members.append(Member(source, link))
-        elif local_name(child) == 'ignored_collision_filter_group':
+                raise place.error(f'link {link!r} is not in the file')
+            group.members.append(link)
+        elif kind == 'member_group':
+            group.groups.append((child, attribute(child, 'name', file)))
+        elif kind == 'ignored_collision_filter_group':
             older = child.get('collision_filter_group')
-            ignores.append(_group_name(older or attribute(child, 'name', file), source))
-    name = _group_name(attribute(element, 'name', file), source)
-    return GroupDescription(name, tuple(members), tuple(ignores), place_of(element, file))
+            group.ignores.append(older or attribute(child, 'name', file))
+        else:
+            warnings.append(str(place.error(f'<{kind}> is not understood; it is left out')))
+    return group
+
+
+def _members_of(name: str, groups: Mapping[str, _Group], file: str) -> list[str]:
+    """Return the links of a group, and of the groups that it has as members, each once."""
+    members: dict[str, None] = {}
+    fresh, seen = [name], {name}
+    while fresh:
+        group = groups[fresh.pop()]
+        members |= dict.fromkeys(group.members)
+        for element, other in group.groups:
+            if other not in groups:
+                raise place_of(element, file).error(f'group {other!r} is not in the file')
+            if other not in seen:
+                seen.add(other)
+                fresh.append(other)
+    return list(members)
 
 
 def _group_name(name: str, source: str) -> str:
@@ -81,6 +177,7 @@ def adjacent_cliques(
 ) -> Iterator[CliqueDescription]:
     """Yield a clique for each two links that a moving joint connects, and for each fixed body.
 
+    A floating joint connects nothing, as in Drake: its child goes anywhere.
     A fixed body is a set of links that fixed joints hold together. Links without geometry carry
     no filter, but fixed joints reach through them: a hand that is screwed to the last link by
     way of an empty flange does not collide with that link.
@@ -89,7 +186,7 @@ def adjacent_cliques(
         return
     for joint in joints:
         ends = (joint.parent, joint.child)
-        if joint.type != 'fixed' and all(link in with_geometry for link in ends):
+        if joint.type not in ('fixed', 'floating') and all(link in with_geometry for link in ends):
             yield _clique(f'{source}: {joint.parent} - {joint.child}', source, ends)
     for body in _fixed_bodies(joints):
         links = [link for link in body if link in with_geometry]
@@ -121,30 +218,3 @@ def _fixed_bodies(joints: Sequence[Joint]) -> list[list[str]]:
                 parent += child
                 body_of.update(dict.fromkeys(child, parent))
     return list({id(body): body for body in body_of.values()}.values())
-
-
-def read_srdf(
-    data: bytes,
-    file: str,
-    source: str,
-    links: Collection[str],
-    filter_adjacent_links: bool = True,
-) -> DeclarationDescription:
-    """Return the ``<disable_collisions link1= link2=>`` elements of an SRDF as one declaration.
-
-    Those that give ``Adjacent`` as their reason count only with ``filter_adjacent_links``.
-    Raises SceneFileError for a link that the robot does not have.
-    """
-    statements = []
-    root = read_robot_xml(data, file)
-    for element in root.iter('disable_collisions'):
-        ends = [attribute(element, name, file) for name in ('link1', 'link2')]
-        for link in ends:
-            if link not in links:
-                reason = f'link {link!r} is not in the robot {source!r}'
-                raise place_of(element, file).error(reason)
-        if element.get('reason') == 'Adjacent' and not filter_adjacent_links:
-            continue
-        first, second = ((Member(source, link),) for link in ends)
-        statements.append(Statement(Operation.EXCLUDE_BETWEEN, first, second))
-    return DeclarationDescription(tuple(statements), place_of(root, file))

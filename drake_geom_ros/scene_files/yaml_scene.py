@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from drake_geom_ros.scene_files import urdf, urdf_filters
+from drake_geom_ros.scene_files import srdf, urdf
 from drake_geom_ros.scene_files.cameras import read_cameras
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -54,6 +54,7 @@ class _SceneParser:
         self._frames: list[FrameDescription] = []
         self._geometries: list[GeometryDescription] = []
         self._filters: list[FilterDescription] = []
+        self._warnings: list[str] = []
 
     def parse(self) -> SceneDescription:
         for index, plain in enumerate(self._plain.get('robots', ())):
@@ -73,6 +74,7 @@ class _SceneParser:
             tuple(self._geometries),
             tuple(self._filters),
             read_cameras(self._document, names),
+            tuple(self._warnings),
         )
 
     def _source(self, plain: Plain) -> str:
@@ -104,26 +106,25 @@ class _SceneParser:
             plain.get('self_collisions') == 'filtered',
             tuple(plain.get('solid_meshes', ())),
         )
+        data = urdf_path.read_bytes()
         parts = urdf.read_urdf(
-            urdf_path.read_bytes(),
-            str(urdf_path),
-            name,
-            urdf_path.parent,
-            self._resolver,
-            options,
+            data, str(urdf_path), name, urdf_path.parent, self._resolver, options
         )
+        self._warnings += parts.warnings
         self._frames += parts.frames
         self._geometries += parts.geometries
         self._filters += parts.filters
         if srdf_path:
-            declaration = urdf_filters.read_srdf(
+            semantics = srdf.read_srdf(
                 srdf_path.read_bytes(),
                 str(srdf_path),
                 name,
+                urdf.robot_name(data, str(urdf_path)),
                 parts.link_names,
-                options.filter_adjacent_links,
+                options,
             )
-            self._filters.append(declaration)
+            self._warnings += semantics.warnings
+            self._filters += semantics.filters
 
     def _frame(self, index: int, plain: Plain) -> FrameDescription:
         path = ('frames', index)
@@ -135,6 +136,7 @@ class _SceneParser:
             self._pose(plain, *path) if 'pose' in plain else None,
             plain.get('static'),
             self._document.at(*path),
+            plain.get('welded', False),
         )
 
     def _geometry(self, index: int, plain: Plain) -> GeometryDescription:

@@ -104,6 +104,7 @@ def _frame(frame: FrameDescription) -> dict[str, Any]:
         group=frame.group or None,
         pose=None if frame.X_PF is None else plain_pose(frame.X_PF),
         static=frame.static,
+        welded=frame.welded or None,
     )
 
 

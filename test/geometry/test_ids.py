@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.geometry import FilterId, FrameId, GeometryError, GeometryId, SourceId
+from drake_geom_ros.geometry.ids import begin_ids_at
 
 KINDS = [SourceId, FrameId, GeometryId, FilterId]
 
@@ -67,3 +68,12 @@ def test_values_are_whole_numbers():
             GeometryId(bad)
     with pytest.raises(GeometryError, match='>= 0'):
         GeometryId(-1)
+
+
+@pytest.mark.parametrize('kind', KINDS)
+def test_ids_can_begin_at_a_number_and_never_go_back(kind):
+    number = kind.get_new_id().get_value() + 1000
+    begin_ids_at(number)
+    assert kind.get_new_id().get_value() == number
+    begin_ids_at(1)
+    assert kind.get_new_id().get_value() == number + 1

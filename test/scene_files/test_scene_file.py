@@ -13,7 +13,7 @@ URDF = """<robot name="arm">
 <link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
 <link name="b"><collision><geometry><mesh filename="package://parts/m.obj"/></geometry></collision>
 </link>
-<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/></joint>
 </robot>"""
 SRDF = '<robot name="arm">\n<disable_collisions link1="a" link2="b"/></robot>'
 

@@ -7,17 +7,15 @@ from drake_geom_ros.scene_files.description import (
     CliqueDescription,
     GroupDescription,
     Member,
-    Operation,
     RobotOptions,
-    Statement,
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.urdf_filters import (
     Joint,
     adjacent_cliques,
+    drakes_joints,
     moved_links,
     read_groups,
-    read_srdf,
     self_cliques,
 )
 
@@ -45,7 +43,7 @@ NEWER = """<robot xmlns:drake="d">
 def test_groups_are_read_in_both_spellings_and_belong_to_their_robot(text):
     members = (Member('left', 'body1'), Member('left', 'body2'))
     expected = GroupDescription('left::group1', members, ('left::group2', 'left::group3'))
-    assert read_groups(etree.fromstring(text), 'r.urdf', 'left') == (expected,)
+    assert read_groups(etree.fromstring(text), 'r.urdf', 'left') == ((expected,), ())
 
 
 @pytest.mark.parametrize(
@@ -55,7 +53,7 @@ def test_groups_are_read_in_both_spellings_and_belong_to_their_robot(text):
 def test_the_universal_group_is_the_same_for_all_robots(text, named):
     assert named in text
     text = text.replace(named, named.replace('group3', 'universal'))
-    (group,) = read_groups(etree.fromstring(text), 'r.urdf', 'left')
+    ((group,), _) = read_groups(etree.fromstring(text), 'r.urdf', 'left')
     assert group.ignores == ('left::group2', 'universal')
 
 
@@ -105,6 +103,10 @@ def test_links_that_are_fixed_to_each_other_are_one_clique_through_empty_ones():
     assert cliques(joints, 'ae') == []
 
 
+def test_a_floating_joint_connects_nothing():
+    assert cliques([joint('a', 'b', 'floating'), joint('b', 'c')], 'abc') == [('b', 'c')]
+
+
 def test_adjacent_links_can_be_kept():
     assert cliques([joint('a', 'b')], 'ab', filter_adjacent_links=False) == []
 
@@ -113,39 +115,6 @@ def test_all_self_collisions_can_be_switched_off():
     assert list(self_cliques('ab', 'r', RobotOptions())) == []
     (clique,) = self_cliques('ba', 'r', RobotOptions(filter_self_collisions=True))
     assert clique == CliqueDescription('r: all links', (Member('r', 'a'), Member('r', 'b')))
-
-
-SRDF = b"""<robot name="arm">
-<group name="g"><link name="x"/></group>
-<disable_collisions link1="a" link2="b" reason="Adjacent"/>
-<disable_collisions link1="b" link2="c"/>
-</robot>"""
-
-
-def test_an_srdf_is_one_declaration():
-    declaration = read_srdf(SRDF, 'r.srdf', 'left', 'abc')
-    a, b, c = ((Member('left', link),) for link in 'abc')
-    assert declaration.statements == (
-        Statement(Operation.EXCLUDE_BETWEEN, a, b),
-        Statement(Operation.EXCLUDE_BETWEEN, b, c),
-    )
-    kept = read_srdf(SRDF, 'r.srdf', 'left', 'abc', filter_adjacent_links=False)
-    assert kept.statements == declaration.statements[1:]
-
-
-@pytest.mark.parametrize(
-    ('data', 'message'),
-    [
-        (SRDF.replace(b'link2="c"', b'link2="d"'),
-         "r.srdf:4: disable_collisions: link 'd' is not in the robot 'left'"),
-        (SRDF.replace(b'link2="c"', b''), 'r.srdf:4: disable_collisions: missing attribute'),
-        (b'<robot>', 'r.srdf:1: not XML'),
-    ],
-)  # fmt: skip
-def test_a_bad_srdf_is_refused_with_its_line(data, message):
-    with pytest.raises(SceneFileError) as caught:
-        read_srdf(data, 'r.srdf', 'left', 'abc')
-    assert str(caught.value).startswith(message)
 
 
 def test_links_move_where_a_joint_above_them_is_not_fixed():
@@ -157,3 +126,104 @@ def test_links_move_where_a_joint_above_them_is_not_fixed():
         Joint('continuous', 'flange', 'wrist'),  # a loop, which is no tree and ends all the same
     ]
     assert moved_links(joints) == {'arm', 'wrist', 'flange'}
+
+
+def drakes(body, spelling='drake:'):
+    """Return the root of a URDF of links a to d, each group written as ``name: members``."""
+    links = ''.join(f'<link name="{name}"/>\n' for name in ('a', 'b', 'c', 'd', 'world'))
+    return etree.fromstring(
+        f'<robot xmlns:drake="d">\n{links}{body.replace("D:", spelling)}</robot>'
+    )
+
+
+def group(name, *elements, attributes=''):
+    inside = ''.join(f'<D:{kind} {key}="{value}"/>\n' for kind, key, value in elements)
+    return (
+        f'<D:collision_filter_group name="{name}" {attributes}>\n{inside}'
+        '</D:collision_filter_group>\n'
+    )
+
+
+A, B = ('member', 'link', 'a'), ('member', 'link', 'b')
+ITSELF = ('ignored_collision_filter_group', 'name', 'g')
+
+
+def of(name):
+    return ('member_group', 'name', name)
+
+
+@pytest.mark.parametrize(
+    ('text', 'members'),
+    [
+        (group('h', A, B) + group('g', of('h'), ITSELF), 'ab'),
+        (group('g', of('h'), ITSELF) + group('h', A, B), 'ab'),
+        (group('g', of('h'), ITSELF) + group('h', of('k')) + group('k', A, B), 'ab'),
+        (group('g', of('h'), ITSELF) + group('h', of('g'), A, B), 'ab'),
+        (group('g', A, of('h'), ITSELF) + group('h', A, B), 'ab'),
+    ],
+)
+@pytest.mark.parametrize('spelling', ['drake:', ''])
+def test_a_group_has_the_members_of_its_member_groups(text, members, spelling):
+    """The same as pydrake 1.51 makes of these texts: see test_urdf_like_pydrake."""
+    groups, warnings = read_groups(drakes(text, spelling), 'r.urdf', 'left')
+    found = {group.name: group.members for group in groups}
+    assert found['left::g'] == tuple(Member('left', link) for link in members)
+    assert warnings == ()
+
+
+@pytest.mark.parametrize(
+    ('value', 'count', 'told'),
+    [
+        ('true', 0, ()),
+        ('false', 1, ()),
+        ('TRUE', 1, ("r.urdf:7: collision_filter_group[g]: ignore = 'TRUE' is not `true`: the "
+                     'group counts, as in Drake',)),
+    ],
+)  # fmt: skip
+def test_a_group_that_says_so_is_none(value, count, told):
+    text = group('g', A, B, ITSELF, attributes=f'ignore="{value}"')
+    groups, warnings = read_groups(drakes(text), 'r.urdf', 'left')
+    assert (len(groups), warnings) == (count, told)
+
+
+@pytest.mark.parametrize(
+    ('text', 'message'),
+    [
+        (group('g', of('h')), "r.urdf:8: .*member_group.h.: group 'h' is not in the file"),
+        (group('g', of('h')) + group('h', A, attributes='ignore="true"'), "group 'h' is not in"),
+        (group('g', A) + group('g', B), "r.urdf:10: .*: group 'g' is there twice, see line 7"),
+        (group('g', ('member', 'link', 'world')), "r.urdf:8: .*: link 'world' is not in the file"),
+    ],
+)
+def test_what_pydrake_refuses_of_groups_is_refused(text, message):
+    with pytest.raises(SceneFileError, match=message):
+        read_groups(drakes(text), 'r.urdf', 'left')
+
+
+def test_an_element_of_a_group_that_is_not_known_is_told():
+    _, warnings = read_groups(drakes(group('g', A, ('membr', 'link', 'b'))), 'r.urdf', 'left')
+    place = 'r.urdf:9: collision_filter_group[g].membr'
+    assert warnings == (f'{place}: <membr> is not understood; it is left out',)
+
+
+JOINT = '<drake:joint name="j" type="{}"><parent link="{}"/><child link="{}"/></drake:joint>'
+
+
+@pytest.mark.parametrize('kind', ['ball', 'planar', 'screw', 'universal', 'curvilinear'])
+def test_drakes_joints_connect_links(kind):
+    joints = drakes_joints(drakes(JOINT.format(kind, 'a', 'b')), 'ab', 'r.urdf')
+    assert joints == [Joint(kind, 'a', 'b')]
+    assert cliques(joints, 'ab') == [('a', 'b')]
+
+
+@pytest.mark.parametrize(
+    ('text', 'message'),
+    [
+        (JOINT.format('fixed', 'a', 'b'), "r.urdf:7: joint.j.: type 'fixed' is none of <drake:"),
+        (JOINT.format('ball', 'a', 'x'), "r.urdf:7: joint.j..child: link 'x' is not in the file"),
+        ('<drake:joint name="j" type="ball"><child link="b"/></drake:joint>', 'missing <parent'),
+    ],
+)
+def test_a_bad_joint_of_drakes_is_refused(text, message):
+    with pytest.raises(SceneFileError, match=message):
+        drakes_joints(drakes(text), 'ab', 'r.urdf')

@@ -20,7 +20,7 @@ from drake_geom_ros.scene_files.yaml_text import read_yaml
 URDF = """<robot name="arm">
 <link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
 <link name="b"><collision><geometry><sphere radius="1"/></geometry></collision></link>
-<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/></joint>
 </robot>"""
 SRDF = '<robot name="arm"><disable_collisions link1="a" link2="b"/></robot>'
 

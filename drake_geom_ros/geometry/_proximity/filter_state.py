@@ -61,6 +61,8 @@ class FilterState:
         self._bit_rows: BitRows = np.zeros(0, dtype=np.int32)
         self._free_rows: list[int] = []
         self._table: tuple[NDArray[np.int64], Slots] | None = None
+        # Frames welded to the world, with the first pose of each (POSE_WIDTH,) once it has one.
+        self.welded: dict[int, NDArray[np.float64] | None] = {}
 
     def copy(self) -> FilterState:
         """Return a state that shares nothing that either could change."""
@@ -75,6 +77,7 @@ class FilterState:
         other._bit_rows = self._bit_rows.copy()
         other._free_rows = list(self._free_rows)
         other._table = self._table
+        other.welded = dict(self.welded)
         return other
 
     # Geometries come and go.
@@ -85,7 +88,7 @@ class FilterState:
             self._grow()
         slot = self._free.pop()
         self._slot_of[key] = slot
-        self._bodies[slot] = _ANCHORED if anchored else frame
+        self._bodies[slot] = _ANCHORED if anchored or frame in self.welded else frame
         self._table = None
         self.version += 1
         self._log.register(key)
@@ -104,6 +107,22 @@ class FilterState:
         self._table = None
         self.groups.forget(key)
         self._log.forget(key)
+        self.version += 1
+
+    def weld(self, frame: int, keys: Iterable[int]) -> None:
+        """Count the geometries of a frame, ``keys`` and those to come, among the anchored ones."""
+        self.welded.setdefault(frame, None)
+        self._join(keys, _ANCHORED)
+
+    def unweld(self, frame: int, keys: Iterable[int]) -> None:
+        """Count the geometries of a frame among those of a body that moves."""
+        del self.welded[frame]
+        self._join(keys, frame)
+
+    def _join(self, keys: Iterable[int], body: int) -> None:
+        for key in keys:
+            slot = self._slot_of[key]
+            self._bodies[slot] = body if self._bodies[slot] >= 0 else ~body
         self.version += 1
 
     def all_keys(self) -> list[int]:

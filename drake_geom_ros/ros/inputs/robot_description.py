@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.held_scene import HeldScene
@@ -77,8 +78,8 @@ class RobotInput:
     def _put(self, text: str, *, strict: bool = False) -> str:
         """Put a robot into the scene, with the SRDF of its name.
 
-        One that does not fit is left away: another robot's may still be on its way. ``strict``:
-        it is refused.
+        One that cannot be read is left away: another may still be on its way. ``strict``: it is
+        refused. Of one with links that the robot does not have the rest counts, with a warning.
         """
         srdf, told = self._srdf, ', pairs of its SRDF left out'
         if not srdf or _name_of(srdf) != _name_of(text):
@@ -89,7 +90,9 @@ class RobotInput:
             if not srdf or strict:
                 raise
             robot = self._read(text, '')
-            self._srdf, told = '', f', without its SRDF, which belongs to another robot: {error}'
+            self._srdf, told = '', f', without its SRDF: {error}'
+        if robot.warnings:
+            told += f', {counted(len(robot.warnings), "warning")}'
         (source,) = robot.sources
         self._make_ready(robot)
         with self._live.editing() as scene:
@@ -144,7 +147,7 @@ def _sources(scene: HeldScene) -> set[str]:
 
 def joined(first: SceneDescription, second: SceneDescription) -> SceneDescription:
     """Return a scene of two; what the second says is registered last."""
-    names = ('sources', 'robots', 'frames', 'geometries', 'filters')
+    names = ('sources', 'robots', 'frames', 'geometries', 'filters', 'warnings')
     return replace(first, **{name: getattr(first, name) + getattr(second, name) for name in names})
 
 

@@ -91,6 +91,7 @@ class EditableScene(HeldScene):
         self._context.UpdateFramePoses(FramePoseVector(X_PFs))
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self._ages.begin([frame.get_value() for frame in X_PFs], declared)
+        self.warned += loaded.warnings
         self._robots += loaded.robots.values()
         self._cameras.update((camera.name, (frame, camera)) for frame, camera in loaded.cameras)
         return len(loaded.frames), len(loaded.geometry_ids)
@@ -125,13 +126,24 @@ class EditableScene(HeldScene):
 
     def pose(self, poses: FramePoseVector, posed: Posed, stamp: Any, feeder: str) -> None:
         """Pose frames; ``posed`` says since when these hold."""
+        manager = self._scene_graph.collision_filter_manager()
+        welded = manager.welded_frames()
         self._context.UpdateFramePoses(poses)
+        if welded and (gone := set(welded).difference(manager.welded_frames())):
+            self._tell_of_welds(gone)
         if posed:
             self._ages.note(posed, stamp)
             for frames in posed:
                 self.feeders.note(feeder, frames)
             if self._twists is not None:
                 self._twists.note_poses(poses, _stamps(posed, stamp, feeder))
+
+    def _tell_of_welds(self, gone: set[FrameId]) -> None:
+        names = some_of(sorted(self.names.frame_names[frame] for frame in gone))
+        self.warned.append(
+            f'{names}: welded to the world by its URDF or scene file, but posed elsewhere than '
+            'before; its pairs with what is anchored are reported from now on'
+        )
 
     def take_twists(self, message: Any) -> None:
         """Take a FrameTwists whole; raises RuntimeError where its stamp says no time."""
@@ -162,6 +174,10 @@ class EditableScene(HeldScene):
     def own(self, filter_id: FilterId, owner: str) -> None:
         """Keep in mind who asked for a transient filter."""
         self._owners[filter_id.get_value()] = owner
+
+    def owner_of(self, filter_id: FilterId) -> str:
+        """Return who asked for a transient filter; empty: nobody said, or there is no such one."""
+        return self._owners.get(filter_id.get_value(), '') if filter_id.is_valid() else ''
 
     def expire_filters(self) -> list[FilterId]:
         """Remove the transient filters whose lease ran out; return them."""

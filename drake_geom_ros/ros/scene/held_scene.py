@@ -56,6 +56,7 @@ class HeldScene:
         self._longest_gap: float | None = None
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
+        self.warned: list[str] = []  # what is to be logged as a warning, each once
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:

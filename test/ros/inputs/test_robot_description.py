@@ -150,25 +150,34 @@ def test_an_srdf_leaves_out_its_pairs_whether_it_comes_before_or_after(scene, ro
     assert explain(scene, 'upper', 'hand')
 
 
-def test_an_srdf_of_another_robot_or_with_an_unknown_link_changes_nothing(scene, robot):
+def test_an_srdf_of_another_robot_or_that_is_none_changes_nothing(scene, robot):
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
     version = scene.version
     told = "the SRDF of 'leg' waits for its URDF; the robot is 'arm'"
     assert robot.take_semantics(srdf('leg', 'base', 'hand')) == told
-    with pytest.raises(RuntimeError, match="link 'toe' is not in the robot 'arm'"):
-        robot.take_semantics(srdf('arm', 'base', 'toe'))
     with pytest.raises(RuntimeError, match='text'):
         robot.take_semantics('no srdf')
     assert scene.version == version
     assert 'left out' not in robot.take(urdf('arm', 'base', 'hand'))
 
 
-def test_a_robot_that_its_srdf_does_not_fit_comes_without_it(scene, robot):
+def test_of_an_srdf_with_unknown_links_the_rest_counts(scene, robot):
+    robot.take(urdf('arm', 'base', 'upper', 'hand'))
+    text = srdf('arm', 'base', 'toe').replace('</robot>', '')
+    text += srdf('arm', 'base', 'hand').partition('>')[2]
+    assert robot.take_semantics(text).endswith('left out, 1 warning')
+    assert explain(scene, 'base', 'hand')
+    (warning,) = scene.warned
+    assert "disable_collisions: link 'toe' is not in the robot 'arm'" in warning
+
+
+def test_a_robot_that_its_srdf_does_not_fit_is_told(scene, robot):
     """Another model of that name: its own SRDF may come after it, and all pairs count."""
     robot.take_semantics(srdf('arm', 'base', 'hand'))
     robot.take(urdf('arm', 'base', 'upper', 'hand'))
     told = robot.take(urdf('arm', 'base', 'upper', 'grip'))
-    assert 'without its SRDF, which belongs to another robot: <text>:1: ' in told
+    assert '1 warning' in told
+    assert "link 'hand' is not in the robot 'arm'" in scene.warned[-1]
     assert not explain(scene, 'base', 'grip')
     assert 'pairs of its SRDF left out' in robot.take_semantics(srdf('arm', 'base', 'grip'))
     assert explain(scene, 'base', 'grip')

@@ -62,7 +62,7 @@ def test_owners_stand_beside_the_filters_that_they_asked_for(live):
     assert reasons[0] == f'transient declaration {nobody}'
     assert reasons[-1] == f"transient declaration {planner} (owner 'planner')"
     with live.editing() as scene:
-        filters.remove_filter(scene, Plain(filter_id=planner), Plain())
+        filters.remove_filter(scene, Plain(filter_id=planner, owner=''), Plain())
         assert scene.filter_owners() == {nobody: ''}
     assert state(live) == ({nobody: ''}, [f'transient declaration {nobody}'])
 
@@ -76,8 +76,8 @@ def test_what_becomes_of_a_filter_is_told_with_its_owner(live, clock):
     clock.now += 6.0
     with live.editing() as scene:
         scene.expire_filters()
-        filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
-        filters.remove_filter(scene, Plain(filter_id=nobody), Plain())
+        filters.remove_filter(scene, Plain(filter_id=nobody, owner=''), Plain())
+        filters.remove_filter(scene, Plain(filter_id=nobody, owner=''), Plain())
     assert told(live) == [
         f"the lease of transient filter {planner} expired: removed (owner 'planner')",
         f'transient filter {nobody} removed',
@@ -112,7 +112,7 @@ def test_an_owner_has_no_more_filters_than_one_may_have(live, clock):
     clock.now += 6.0
     with live.editing() as scene:
         scene.expire_filters()
-        filters.remove_filter(scene, Plain(filter_id=others[0]), Plain())
+        filters.remove_filter(scene, Plain(filter_id=others[0], owner=''), Plain())
     for owner in ('planner', ''):
         apply(live, owner)
         with pytest.raises(RuntimeError, match='has 2'):
@@ -127,3 +127,35 @@ def test_who_is_gone_is_forgotten(live):
     assert state(live)[0] == {}
     with live.editing() as scene:
         assert scene._owners == {}
+
+
+@pytest.mark.parametrize(
+    ('owner', 'may'), [('planner', True), ('', True), ('other', False), ('planne', False)]
+)
+def test_who_says_who_asks_reaches_its_own_filters_only(live, clock, owner, may):
+    number = apply(live, 'planner', 5.0)
+    renewed, removed = Plain(), Plain()
+    with live.editing() as scene:
+        request = Plain(filter_id=number, lease=50.0, owner=owner)
+        filters.renew_filter(scene, request, renewed)
+    clock.now += 6.0
+    with live.editing() as scene:
+        assert bool(scene.expire_filters()) is not may
+    again = apply(live, 'planner', 5.0)
+    with live.editing() as scene:
+        filters.remove_filter(scene, Plain(filter_id=again, owner=owner), removed)
+    assert (renewed.active, removed.removed) == (may, may)
+    assert (again in state(live)[0]) is not may
+    clock.now += 6.0
+    with live.editing() as scene:  # the lease of one that was not removed still ends
+        scene.expire_filters()
+    assert again not in state(live)[0]
+
+
+@pytest.mark.parametrize('number', [0, 2**60])
+def test_a_number_of_nothing_is_not_active(live, number):
+    renewed, removed = Plain(), Plain()
+    with live.editing() as scene:
+        filters.renew_filter(scene, Plain(filter_id=number, lease=1.0, owner='a'), renewed)
+        filters.remove_filter(scene, Plain(filter_id=number, owner='a'), removed)
+    assert (renewed.active, removed.removed) == (False, False)
