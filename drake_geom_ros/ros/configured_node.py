@@ -217,14 +217,17 @@ class ConfiguredNode:
         def take_poses(message: Any, info: MessageInfo) -> None:
             self._guard.take('frame_poses', self._stream.take_poses, message, waited(info))
 
+        def take_twists(message: Any, info: MessageInfo) -> None:
+            self._guard.take('frame_twists', self._stream.take_twists, message, waited(info))
+
         profile = sensor_data()
         kind, topic = messages.FramePoses, '~/frame_poses'
         self._surface.subscription(kind, topic, take_poses, profile, groups.stream)
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.watch_motion(values.stale_after)
-            twists = messages.FrameTwists, '~/frame_twists', self._stream.take_twists
-            self._listen(*twists, profile, groups.stream)
+            kind, topic = messages.FrameTwists, '~/frame_twists'
+            self._surface.subscription(kind, topic, take_twists, profile, groups.stream)
         points = PointQueries(
             self.live,
             self._point_publisher,

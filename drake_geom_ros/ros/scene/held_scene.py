@@ -73,7 +73,7 @@ class HeldScene:
         self._owners: dict[int, str] = {}
         self._twists: FrameTwists | None = None
         if self._longest_gap is not None:
-            self._twists = FrameTwists(self._longest_gap)
+            self._twists = FrameTwists(self._longest_gap, self._clocks)
 
     @property
     def version(self) -> int:
@@ -150,7 +150,8 @@ class HeldScene:
 
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
-        self._longest_gap, self._twists = longest_gap, FrameTwists(longest_gap)
+        self._longest_gap = longest_gap
+        self._twists = FrameTwists(longest_gap, self._clocks)
         # Of no pair at all: what it takes is there now, and not in the first cycle only.
         none = self.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf)
         closing_speeds(none, self.twists() or {})
@@ -178,12 +179,14 @@ class HeldScene:
         return waiting(self.query, self.names)
 
     def troubles(self) -> list[str]:
-        """Return what is wrong with the poses that come, in words."""
+        """Return what is wrong with the poses and twists that come, in words."""
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
+        told = [] if self._twists is None else self._twists.troubles(self.names)
         if not names:
-            return []
+            return told
         return [
+            *told,
             f'{counted(len(names), "frame")} {are(len(names))} posed by {TF} and by '
             f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two'
         ]
