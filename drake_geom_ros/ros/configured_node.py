@@ -17,6 +17,7 @@ from rclpy.timer import Timer
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
@@ -306,7 +307,7 @@ class ConfiguredNode:
             self._guard.answer(change, scene, request, response)
         self._log_what_is_told()
         if self._stream.active:
-            self._guard.attempt(self._scene_topic.publish_soon)
+            self._guard.attempt(self._scene_topic.publish)
         return response
 
     # What is due.
@@ -365,6 +366,11 @@ class ConfiguredNode:
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)
+        if unpublished := self._scene_topic.unpublished:
+            troubles.append(
+                f'{counted(unpublished, "set")} of names that results refer to could not be '
+                'published on ~/scene: the scene is too large to change that often'
+            )
         for trouble in troubles:
             add_trouble(message.status[0], trouble)
         for told in filter(None, (state.waiting.in_words(), *troubles)):

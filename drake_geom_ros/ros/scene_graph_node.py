@@ -60,7 +60,9 @@ class SceneGraphNode(LifecycleNode):
         answer_always(self)
         self._surface = Surface(self)
         self._tell_unknown_parameters()
-        self._first_version = 0  # versions of the scene grow from one life to the next
+        # Versions of the scene grow from one life to the next, of the process, too: a client that
+        # has tables of before must not read ids of now by them.
+        self._first_version = time.time_ns() // 10**6
         if self._settings.values.autostart:
             # After the constructor, when the executor spins, so that a launch file sees it.
             steady = Clock(clock_type=ClockType.STEADY_TIME)

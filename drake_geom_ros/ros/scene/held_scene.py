@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -56,6 +57,8 @@ class HeldScene:
         self._longest_gap: float | None = None
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
+        # Called when an answer is to name the scene, whose names must be told then.
+        self.tell_named: Callable[[HeldScene], object] = lambda _: None
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
@@ -79,6 +82,11 @@ class HeldScene:
     def version(self) -> int:
         """The version of the scene: it grows with every change of sources, frames, geometries."""
         return self._version_base + self._scene_graph.model_version()
+
+    @property
+    def names_version(self) -> int:
+        """The version since which nothing came or went, and names and roles are the same."""
+        return self._version_base + self._scene_graph.names_version()
 
     @property
     def accuracy(self) -> str:
@@ -145,8 +153,10 @@ class HeldScene:
 
     def moment(self) -> Moment:
         """Return which scene and poses an answer of now is for."""
+        self.tell_named(self)
         oldest = self._ages.oldest(self.names)
-        return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
+        stamp = self._ages.newest_stamp
+        return Moment(self.version, self.names_version, stamp, oldest, self.world_frame)
 
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
