@@ -131,6 +131,6 @@ def test_the_patience_is_that_of_the_whole_call(forgetful, max_distance):
         service = 'compute_signed_distance_pairwise'
         client.wait_for(lambda: not client.services.missing(service), 'the service')
         start = time.monotonic()
-        with pytest.raises(NoAnswerError, match='names of the scene|an answer of'):
+        with pytest.raises(NoAnswerError, match=r'names of the scene|an answer of'):
             client.signed_distances(max_distance)
         assert time.monotonic() - start < 2.0

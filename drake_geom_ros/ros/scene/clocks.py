@@ -79,7 +79,7 @@ class Clocks:
         return self.ages()(since)
 
     def ages(self) -> Callable[[Since], float]:
-        """Return what tells ages [s] of now, as ``age`` does, and reads the clocks once for many."""
+        """Return what tells ages [s] of now, as ``age`` does; the clocks are read once."""
         epoch, steady, node = self.epoch, self.steady(), self.node()
 
         def age(since: Since) -> float:

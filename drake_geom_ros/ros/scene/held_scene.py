@@ -198,7 +198,7 @@ class HeldScene:
         return [
             *told,
             f'{counted(len(names), "frame")} {are(len(names))} posed by {TF} and by '
-            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two'
+            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two',
         ]
 
     def view(self, *, moving: bool = False) -> SceneView:

@@ -79,7 +79,7 @@ class FrameTwists:
     def note_twists(
         self, frames: NDArray[np.int64], twists: Floats, stamp: int, since: Since
     ) -> None:
-        """Note the twists V_WF (n, 6) of frames (n,), their stamp [ns] and since when they hold."""
+        """Note the twists V_WF (n, 6) of frames (n,), their stamp [ns] and how long they hold."""
         for value, twist in zip(frames.tolist(), twists, strict=True):
             self._told[value] = _Told(stamp, since, twist)
 
@@ -142,9 +142,7 @@ class FrameTwists:
             return _AHEAD
         return _OLD if old > self._longest_gap else ''
 
-    def _of_poses(
-        self, value: int, rests: bool, age: Callable[[Since], float]
-    ) -> Floats | None:
+    def _of_poses(self, value: int, rests: bool, age: Callable[[Since], float]) -> Floats | None:
         """Return V_PF (6,) as the last poses of a frame tell it; None where nobody knows."""
         pose = self._poses.get(value)
         if pose is not None and pose.V_PF is not None and age(pose.since) <= self._longest_gap:
