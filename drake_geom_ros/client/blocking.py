@@ -81,14 +81,21 @@ class SceneGraphClient:
         with contextlib.suppress(ExternalShutdownException):
             self._executor.spin()
 
-    def wait_for(self, fact: Callable[[], Any], what: str) -> Any:
-        """Wait until ``fact()`` is true and return it; raise NoAnswerError that names ``what``."""
-        end = time.monotonic() + self._patience
+    def wait_for(self, fact: Callable[[], Any], what: str, end: float | None = None) -> Any:
+        """Wait until ``fact()`` is true and return it; raise NoAnswerError that names ``what``.
+
+        ``end`` [s] of ``time.monotonic()`` is when whoever waits for several things gives up.
+        """
+        end = self._end() if end is None else end
         while not (found := fact()):
             if time.monotonic() > end:
                 raise NoAnswerError(f'waited {self._patience:g} s for {what}')
             time.sleep(_POLL)
         return found
+
+    def _end(self) -> float:
+        """Return when [s] a call that begins now has to be over."""
+        return time.monotonic() + self._patience
 
     def scene(self, version: int = 0) -> SceneTable:
         """Return the present scene; wait until it has at least that version."""
@@ -102,14 +109,19 @@ class SceneGraphClient:
 
     def call(self, name: str, /, **fields: Any) -> Any:
         """Call any service by its name with the fields of its request; return its response."""
-        self.wait_for(lambda: not self.services.missing(name), f'the service {name}')
+        end = self._end()
+        self.wait_for(lambda: not self.services.missing(name), f'the service {name}', end)
         future = self.services.send(name, **fields)
-        self.wait_for(future.done, f'an answer of {name}')
+        self.wait_for(future.done, f'an answer of {name}', end)
         return accepted(name, future.result())
 
     def ask(self, name: str, /, **fields: Any) -> Any:
         """Call a service that changes nothing; call again where no answer arrives."""
-        self.wait_for(lambda: not self.services.missing(name), f'the service {name}')
+        return self._ask(name, self._end(), **fields)
+
+    def _ask(self, name: str, end: float, /, **fields: Any) -> Any:
+        """Call a service that changes nothing, until ``end`` [s] of ``time.monotonic()``."""
+        self.wait_for(lambda: not self.services.missing(name), f'the service {name}', end)
         asked: list[tuple[float, Any]] = []
 
         def answered() -> Any:
@@ -117,7 +129,7 @@ class SceneGraphClient:
                 asked.append((time.monotonic(), self.services.send(name, **fields)))
             return next((future for _, future in asked if future.done()), None)
 
-        return accepted(name, self.wait_for(answered, f'an answer of {name}').result())
+        return accepted(name, self.wait_for(answered, f'an answer of {name}', end).result())
 
     def signed_distances(
         self, max_distance: float = math.inf, poses: Poses | None = None, accuracy: str = ''
@@ -192,12 +204,26 @@ class SceneGraphClient:
     def _named(
         self, results: Callable[[Any, SceneTable], _Results], name: str, /, **fields: Any
     ) -> _Results:
-        """Return results with the names of their scene, asked again where that has changed."""
+        """Return results with the names that they refer to; all of it within the patience.
+
+        Asked again where these did not come although later ones did.
+        """
+        end, listener = self._end(), self.listener
+        what = f'the names of the scene that an answer of {name} refers to'
         while True:
-            answer = self.ask(name, **fields)
-            table = self.scene(answer.result.scene_version)
-            if table.version == answer.result.scene_version:
-                return results(answer.result, table)
+            result = self._ask(name, end, **fields).result
+            names = result.names_version
+
+            def came(names: int = names) -> bool:
+                newest = listener.table
+                return newest is not None and newest.names_version >= names
+
+            self.wait_for(came, what, end)
+            table = listener.table_of(names)
+            if table is not None:
+                return results(result, table)
+            if time.monotonic() > end:
+                raise NoAnswerError(f'waited {self._patience:g} s for {what}')
 
 
 def _limit(metres: float) -> float:

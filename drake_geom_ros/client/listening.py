@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -18,16 +19,23 @@ from drake_geom_ros.client.results import (
 from drake_geom_ros.client.scene_table import SceneTable
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# Versions that come while this node is busy with one, which of a large scene takes a while.
+_SCENES = QoSProfile(depth=32, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _STREAM = QoSProfile(depth=10)
+_KEPT = 32  # tables, and so many sets of names back a result may refer
+_MOST_WAITING = 200  # results of a topic that wait for their table
+_TELL_PERIOD = 5.0  # [s] between two warnings that results were dropped
 _Results = TypeVar('_Results', bound=Results[Any])
+_Take = Callable[[Any, SceneTable], None]
 
 
 class SceneListener:
-    """Receives the scene of a node, and its results with the names of the right version of it.
+    """Receives the scene of a node, and its results with the names that they were made with.
 
-    A result may arrive before the version of the scene that it refers to; the newest such result
-    waits for it. A result for an earlier version is dropped, because its ids may have changed
-    their meaning.
+    Where only shapes changed, names are the same: a result has a table of its ``names_version``,
+    maybe of another ``scene_version``. A result that arrives before its table waits for it. One
+    whose table did not come although a later one did is dropped: ``dropped`` counts these, and
+    the log tells of them.
     """
 
     def __init__(self, node: Node, server: str = '/scene_graph') -> None:
@@ -35,9 +43,19 @@ class SceneListener:
         self._node = node
         self._server = server
         self.table: SceneTable | None = None
+        self._tables: dict[int, SceneTable] = {}
         self._arrivals: list[_Arrivals] = []
         self._told: list[Callable[[SceneTable], None]] = []
-        node.create_subscription(msg.Scene, f'{server}/scene', self._take_scene, LATCHED)
+        node.create_subscription(msg.Scene, f'{server}/scene', self._take_scene, _SCENES)
+
+    @property
+    def dropped(self) -> int:
+        """How many results were not handed on, because the names that they refer to never came."""
+        return sum(arrivals.dropped for arrivals in self._arrivals)
+
+    def table_of(self, names_version: int) -> SceneTable | None:
+        """Return the newest table with the names of a version; None where none has come."""
+        return self._tables.get(names_version)
 
     def on_scene(self, take: Callable[[SceneTable], None]) -> None:
         """Call ``take`` with each version of the scene."""
@@ -66,36 +84,60 @@ class SceneListener:
         self._arrivals.append(arrivals)
 
         def hear(heard: Any) -> None:
-            arrivals.hear(heard, self.table)
+            arrivals.hear(heard, self._tables)
+            self._tell_dropped()
 
         self._node.create_subscription(message, f'{self._server}/{topic}', hear, _STREAM)
 
     def _take_scene(self, message: msg.Scene) -> None:
-        self.table = SceneTable.from_message(message)
+        before, self.table = self.table, SceneTable.from_message(message)
+        if before is not None and self.table.version < before.version:
+            self._tables.clear()  # a node that began anew: its numbers may mean other things
+        self._tables.pop(self.table.names_version, None)  # the newest one stands last
+        self._tables[self.table.names_version] = self.table
+        if len(self._tables) > _KEPT:
+            del self._tables[next(iter(self._tables))]
         for told in self._told:
             told(self.table)
         for arrivals in self._arrivals:
-            arrivals.look(self.table)
+            arrivals.look(self._tables)
+        self._tell_dropped()
+
+    def _tell_dropped(self) -> None:
+        if dropped := self.dropped:
+            self._node.get_logger().warning(
+                f'results of {self._server} were dropped ({dropped} or more): the names that they '
+                'refer to did not come on its ~/scene',
+                throttle_duration_sec=_TELL_PERIOD,
+            )
 
 
 class _Arrivals:
-    """Results of one topic, of which the newest waits for its scene."""
+    """Results of one topic, which wait for the tables with their names, each behind the others."""
 
-    def __init__(self, take: Callable[[Any, SceneTable], None]) -> None:
+    def __init__(self, take: _Take) -> None:
         self._take = take
-        self._waiting: Any = None
+        self._waiting: deque[Any] = deque()
+        self.dropped = 0
 
-    def hear(self, message: Any, table: SceneTable | None) -> None:
-        """Hand a result on, or keep it until its scene comes."""
-        self._waiting = message
-        if table is not None:
-            self.look(table)
+    def hear(self, message: Any, tables: dict[int, SceneTable]) -> None:
+        """Hand a result on, or keep it until its table comes."""
+        self._waiting.append(message)
+        if len(self._waiting) > _MOST_WAITING:
+            self._waiting.popleft()
+            self.dropped += 1
+        self.look(tables)
 
-    def look(self, table: SceneTable) -> None:
-        """Hand on what waits for this scene, drop what is of an earlier one."""
-        message = self._waiting
-        if message is None or message.scene_version > table.version:
-            return
-        self._waiting = None
-        if message.scene_version == table.version:
-            self._take(message, table)
+    def look(self, tables: dict[int, SceneTable]) -> None:
+        """Hand on what waits for these tables, oldest first; drop what they have overtaken."""
+        newest = next(reversed(tables), -1)
+        while self._waiting:
+            message = self._waiting[0]
+            table = tables.get(message.names_version)
+            if table is None and message.names_version > newest:
+                return
+            self._waiting.popleft()
+            if table is None:
+                self.dropped += 1
+            else:
+                self._take(message, table)

@@ -69,10 +69,15 @@ class SceneTable:
         geometries: list[Geometry],
         version: int = 0,
         parents: dict[str, str] | None = None,
+        names_version: int = 0,
     ) -> None:
-        """``parents`` of frames, each ``source::frame`` or ``world``, parents first."""
+        """``parents`` of frames, each ``source::frame`` or ``world``, parents first.
+
+        ``names_version`` is the version since which ids, names and roles are these.
+        """
         self.geometries = {geometry.id: geometry for geometry in geometries}
         self.version = version
+        self.names_version = names_version
         self.parents = parents or {}
         self._ids = np.array(sorted(self.geometries), dtype=np.int64)
         self._sources = np.array([self.geometries[i].source for i in self._ids.tolist()])
@@ -87,6 +92,10 @@ class SceneTable:
             else f'{sources[frame.source_id]}::{frame.name}'
             for frame in message.frames
         }
+        poses = [(entry.pose.position, entry.pose.orientation) for entry in message.geometries]
+        rows = np.array([(p.x, p.y, p.z, q.x, q.y, q.z, q.w) for p, q in poses]).reshape(-1, 7)
+        X_FGs = np.tile(np.eye(4), (len(rows), 1, 1))
+        X_FGs[:, :3, :3], X_FGs[:, :3, 3] = matrices_from_poses(rows)
         geometries = [
             Geometry(
                 entry.id,
@@ -95,16 +104,16 @@ class SceneTable:
                 entry.name,
                 entry.shape.type,
                 tuple(entry.shape.dimensions),
-                _matrix(entry.pose),
+                X_FG,
             )
-            for entry in message.geometries
+            for entry, X_FG in zip(message.geometries, X_FGs, strict=True)
         ]
         parents = {
             frames[frame.id]: frames[frame.parent_id]
             for frame in message.frames
             if frame.parent_id != frame.id
         }
-        return cls(geometries, message.scene_version, parents)
+        return cls(geometries, message.scene_version, parents, message.names_version)
 
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]
@@ -131,12 +140,3 @@ class SceneTable:
     def pair_name(self, id_a: int, id_b: int) -> str:
         """Return the names of the two bodies that the geometries of a pair belong to."""
         return f'{self[id_a].body} - {self[id_b].body}'
-
-
-def _matrix(pose: Any) -> NDArray[np.float64]:
-    """Return X (4, 4) of a Pose message."""
-    p, q = pose.position, pose.orientation
-    (R,), (position,) = matrices_from_poses([[p.x, p.y, p.z, q.x, q.y, q.z, q.w]])
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = R, position
-    return X

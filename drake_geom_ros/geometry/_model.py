@@ -275,7 +275,7 @@ class Model:
         record = record.changed(**changed)
         if role is Role.kProximity:
             check_for_queries(record)
-        self._store(record, roles=[role])
+        self._store(record, roles=[role], names=assign is RoleAssign.kNew)
         return record
 
     def remove_role(
@@ -311,7 +311,7 @@ class Model:
         pose = record.X_FG if X_FG is None else checked_pose(X_FG, 'ChangeShape: X_FG')
         record = record.changed(shape=shape)
         check_for_queries(record)
-        self._store(record)
+        self._store(record, names=False)
         if X_FG is not None:
             self._repose(self.geometries[geometry_id], pose)
 
@@ -340,25 +340,31 @@ class Model:
 
     # Helpers.
 
-    def _store(self, record: GeometryRecord, roles: Collection[Role] | None = None) -> None:
+    def _store(
+        self, record: GeometryRecord, roles: Collection[Role] | None = None, names: bool = True
+    ) -> None:
         """Keep a record and the names it takes; ``roles`` are those that change, None for all."""
         self.geometries[record.id] = record
         for role in record.roles():
             self._geometry_names[record.frame_id, role, record.name] = record.id
-        self._changed(roles=record.roles() if roles is None else roles)
+        self._changed(roles=record.roles() if roles is None else roles, names=names)
 
     def _repose(self, record: GeometryRecord, X_FG: RigidTransform) -> None:
         """Move a geometry in its frame; what was registered on it keeps its pose in it."""
         X_PG = X_FG
         if record.parent_id is not None:
             X_PG = self.geometries[record.parent_id].X_FG.InvertAndCompose(X_FG)
-        self._store(record.changed(X_FG=X_FG, X_PG=X_PG))
+        self._store(record.changed(X_FG=X_FG, X_PG=X_PG), names=False)
         for child_id in self._children.get(record.id, []):
             self._repose(self.geometries[child_id], X_FG @ self.geometries[child_id].X_PG)
 
-    def _changed(self, frames: bool = False, roles: Collection[Role] = ()) -> None:
-        """Count a change of frames, or of what has these roles."""
+    def _changed(
+        self, frames: bool = False, roles: Collection[Role] = (), names: bool = True
+    ) -> None:
+        """Count a change of frames, or of what has these roles; not of ``names``: of shapes."""
         self.versions.any += 1
+        if names:
+            self.versions.names = self.versions.any
         self.versions.frames += frames
         self.versions.proximity += Role.kProximity in roles
         self.versions.roles.update((role, fresh_number()) for role in roles)

@@ -129,6 +129,7 @@ class Versions:
     frames: int = 0  # a frame was registered or renamed
     proximity: int = 0  # what takes part in proximity queries, its shape or its X_FG
     any: int = 0
+    names: int = 0  # that of ``any`` when what is there, its name or its roles changed last
     roles: dict[Role, int] = field(default_factory=fresh_marks)  # see GeometryVersion
     filters: int = 0  # the version of the filters that ``roles`` know of
 

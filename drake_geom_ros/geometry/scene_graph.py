@@ -271,6 +271,13 @@ class SceneGraph:
         """Return a number that grows with every change of sources, frames and geometries."""
         return self._model.versions.any
 
+    def names_version(self) -> int:
+        """Return the model_version() since which nothing came, went, or changed name or roles.
+
+        Shapes, their properties and where they are on their frames may have changed since.
+        """
+        return self._model.versions.names
+
     def default_accuracy(self) -> str:
         """Return the accuracy that contexts get for queries which name none."""
         return self._default_accuracy

@@ -17,6 +17,7 @@ from rclpy.timer import Timer
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
@@ -217,14 +218,17 @@ class ConfiguredNode:
         def take_poses(message: Any, info: MessageInfo) -> None:
             self._guard.take('frame_poses', self._stream.take_poses, message, waited(info))
 
+        def take_twists(message: Any, info: MessageInfo) -> None:
+            self._guard.take('frame_twists', self._stream.take_twists, message, waited(info))
+
         profile = sensor_data()
         kind, topic = messages.FramePoses, '~/frame_poses'
         self._surface.subscription(kind, topic, take_poses, profile, groups.stream)
         if values.closing_speeds:
             with self.live.editing() as scene:
                 scene.watch_motion(values.stale_after)
-            twists = messages.FrameTwists, '~/frame_twists', self._stream.take_twists
-            self._listen(*twists, profile, groups.stream)
+            kind, topic = messages.FrameTwists, '~/frame_twists'
+            self._surface.subscription(kind, topic, take_twists, profile, groups.stream)
         points = PointQueries(
             self.live,
             self._point_publisher,
@@ -303,7 +307,7 @@ class ConfiguredNode:
             self._guard.answer(change, scene, request, response)
         self._log_what_is_told()
         if self._stream.active:
-            self._guard.attempt(self._scene_topic.publish_soon)
+            self._guard.attempt(self._scene_topic.publish)
         return response
 
     # What is due.
@@ -365,6 +369,11 @@ class ConfiguredNode:
         self._diagnostics.add_calls(message.status[0], self._surface.answers.counts())
         if namesakes := self._namesakes.trouble():
             add_trouble(message.status[0], namesakes)
+        if unpublished := self._scene_topic.unpublished:
+            troubles.append(
+                f'{counted(unpublished, "set")} of names that results refer to could not be '
+                'published on ~/scene: the scene is too large to change that often'
+            )
         for trouble in troubles:
             add_trouble(message.status[0], trouble)
         for told in filter(None, (state.waiting.in_words(), *troubles)):

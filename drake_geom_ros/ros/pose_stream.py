@@ -43,10 +43,10 @@ class PoseStream:
             self._posed(scene, scene.take_poses(message, waited), start)
         self._diagnostics.take(time.perf_counter() - start)
 
-    def take_twists(self, message: Any) -> None:
-        """Take a FrameTwists; raises RuntimeError to refuse it."""
+    def take_twists(self, message: Any, waited: float) -> None:
+        """Take a FrameTwists that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         with self._live.editing() as scene:
-            scene.take_twists(message)
+            scene.take_twists(message, waited)
 
     def hear_transforms(self, tf: TfInput, static: bool, message: Any, waited: float) -> Refusal:
         """Take a TFMessage that came ``waited`` [s] ago; return what was not taken of it."""

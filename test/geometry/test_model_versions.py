@@ -57,6 +57,20 @@ def test_versions_count_what_changed(change):
     assert (versions.proximity > before.proximity) == (kind == 'proximity')
 
 
+OF_SHAPES = ('other properties', 'a shape', 'a shape that is only drawn')
+
+
+@pytest.mark.parametrize('change', CHANGES)
+def test_names_have_the_version_since_which_they_hold(change):
+    call, kind = CHANGES[change]
+    scene = SmallScene()
+    graph = scene.scene_graph
+    before = graph.names_version()
+    call(scene, graph)
+    holds = kind is None or change in OF_SHAPES
+    assert graph.names_version() == (before if holds else graph.model_version())
+
+
 def test_a_move_of_what_carries_proximity_geometry_counts():
     scene = SmallScene()
     scene.scene_graph.RemoveRole(scene.arm, scene.ball, Role.kProximity)

@@ -52,6 +52,7 @@ class GeometryPoses:
         if view.moment.newest_stamp is not None:
             message.header.stamp = view.moment.newest_stamp
         message.scene_version = view.moment.version
+        message.names_version = view.moment.names_version
         message.ids = unsigned(fixed.ids[placed])
         message.poses = floats(poses_from_matrices(R_WGs, p_WGs).ravel())
         self._publisher.publish(message)

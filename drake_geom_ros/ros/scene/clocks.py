@@ -76,9 +76,18 @@ class Clocks:
 
     def age(self, since: Since) -> float:
         """Return an age [s]; inf: unknown, for the node's time has jumped."""
-        if since.epoch < self.epoch:
-            return math.inf
-        return max(0.0, self.steady() - since.heard, self.node() - since.held)
+        return self.ages()(since)
+
+    def ages(self) -> Callable[[Since], float]:
+        """Return what tells ages [s] of now, as ``age`` does; the clocks are read once."""
+        epoch, steady, node = self.epoch, self.steady(), self.node()
+
+        def age(since: Since) -> float:
+            if since.epoch < epoch:
+                return math.inf
+            return max(0.0, steady - since.heard, node - since.held)
+
+        return age
 
     def step(self) -> float:
         """Return by how much [s] the node's time has left steady time since the last look.

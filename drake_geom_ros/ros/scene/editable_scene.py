@@ -16,7 +16,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
-from drake_geom_ros.ros.scene.clocks import ALWAYS
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import Posed
@@ -145,15 +145,19 @@ class EditableScene(HeldScene):
             'before; its pairs with what is anchored are reported from now on'
         )
 
-    def take_twists(self, message: Any) -> None:
-        """Take a FrameTwists whole; raises RuntimeError where its stamp says no time."""
+    def take_twists(self, message: Any, waited: float = 0.0) -> None:
+        """Take a FrameTwists whole that came ``waited`` [s] ago.
+
+        Raises RuntimeError where its stamp says no time.
+        """
         self._refresh()
         frames, twists = self._reader.read_twists(message)
         stamp = stamp_of(message.header.stamp)
         if not stamp:
             raise ArgumentError('header.stamp is 0; twists belong to the poses of their time')
         if self._twists is not None:
-            self._twists.note_twists(frames, twists, stamp)
+            since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
+            self._twists.note_twists(frames, twists, stamp, since)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
@@ -192,16 +196,18 @@ class EditableScene(HeldScene):
         return expired
 
 
-def _stamps(posed: Posed, stamp: Any, feeder: str) -> dict[int, int]:
-    """Return the stamps [ns] of poses by frame; those that hold for good bear none.
+def _stamps(posed: Posed, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:
+    """Return the stamps [ns] of poses by frame, and since when they hold.
 
-    All of a message bear the same one; transforms have their own, which ``posed`` knows.
+    All of a message bear the same one; transforms have their own, which ``posed`` knows. Those
+    that hold for good bear none.
     """
-    stamps: dict[int, int] = {}
+    stamps: dict[int, tuple[int, Since]] = {}
     for frames, since in posed.items():
+        own = 0
         if since != ALWAYS:
             own = stamp_of(stamp) if feeder == MESSAGES else int(since.held * 1e9)
-            stamps.update(dict.fromkeys(frames, own))
+        stamps.update(dict.fromkeys(frames, (own, since)))
     return stamps
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,8 @@ class HeldScene:
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
         self.warned: list[str] = []  # what is to be logged as a warning, each once
+        # Called when an answer is to name the scene, whose names must be told then.
+        self.tell_named: Callable[[HeldScene], object] = lambda _: None
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
@@ -74,12 +77,17 @@ class HeldScene:
         self._owners: dict[int, str] = {}
         self._twists: FrameTwists | None = None
         if self._longest_gap is not None:
-            self._twists = FrameTwists(self._longest_gap)
+            self._twists = FrameTwists(self._longest_gap, self._clocks)
 
     @property
     def version(self) -> int:
         """The version of the scene: it grows with every change of sources, frames, geometries."""
         return self._version_base + self._scene_graph.model_version()
+
+    @property
+    def names_version(self) -> int:
+        """The version since which nothing came or went, and names and roles are the same."""
+        return self._version_base + self._scene_graph.names_version()
 
     @property
     def accuracy(self) -> str:
@@ -146,12 +154,15 @@ class HeldScene:
 
     def moment(self) -> Moment:
         """Return which scene and poses an answer of now is for."""
+        self.tell_named(self)
         oldest = self._ages.oldest(self.names)
-        return Moment(self.version, self._ages.newest_stamp, oldest, self.world_frame)
+        stamp = self._ages.newest_stamp
+        return Moment(self.version, self.names_version, stamp, oldest, self.world_frame)
 
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
-        self._longest_gap, self._twists = longest_gap, FrameTwists(longest_gap)
+        self._longest_gap = longest_gap
+        self._twists = FrameTwists(longest_gap, self._clocks)
         # Of no pair at all: what it takes is there now, and not in the first cycle only.
         none = self.query.ComputeSignedDistancePairwiseClosestPoints(-math.inf)
         closing_speeds(none, self.twists() or {})
@@ -179,14 +190,16 @@ class HeldScene:
         return waiting(self.query, self.names)
 
     def troubles(self) -> list[str]:
-        """Return what is wrong with the poses that come, in words."""
+        """Return what is wrong with the poses and twists that come, in words."""
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
+        told = [] if self._twists is None else self._twists.troubles(self.names)
         if not names:
-            return []
+            return told
         return [
+            *told,
             f'{counted(len(names), "frame")} {are(len(names))} posed by {TF} and by '
-            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two'
+            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two',
         ]
 
     def view(self, *, moving: bool = False) -> SceneView:

@@ -29,6 +29,7 @@ class Moment:
     """Which scene and which poses a result answers for."""
 
     version: int
+    names_version: int  # the version since which ids and names hold
     newest_stamp: Any  # builtin_interfaces/Time; None before the first pose
     oldest_pose_age: float  # [s]
     world_frame: str
@@ -40,6 +41,7 @@ class Moment:
         stamp = self.newest_stamp
         message.header.stamp = type(message.header.stamp)() if stamp is None else stamp
         message.scene_version = self.version
+        message.names_version = self.names_version
         message.oldest_pose_age = self.oldest_pose_age
 
 

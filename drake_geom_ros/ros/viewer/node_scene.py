@@ -44,7 +44,7 @@ class NodeScene:
         self._services = Services(node, server)
         self._changes = 0
         self._troubles: list[str] = []
-        self._known = -1  # the version of the scene
+        self._known = -1  # the version of the scene's names
         self._names: dict[int, str] = {}
         self._looks: list[Look] = []
         self._cast = Cast(np.zeros(0, np.int64), [], {})
@@ -125,7 +125,7 @@ class NodeScene:
                 looks.append(Look(GeometryId(entry.id), role, name, colour, shape, solid))
         with self._lock:
             self._names, self._looks, self._troubles = names, looks, troubles
-            self._known = message.scene_version
+            self._known = message.names_version
             self._cast = Cast(np.zeros(0, np.int64), [], names)
             self._poses = np.zeros((0, 3, 3)), np.zeros((0, 3))
             self._results = self._answer = self._asked = None
@@ -133,7 +133,7 @@ class NodeScene:
 
     def _take_poses(self, message: msg.GeometryPoses) -> None:
         with self._lock:
-            if message.scene_version != self._known:
+            if message.names_version != self._known:
                 return
             ids = np.asarray(message.ids).astype(np.int64)
             if not np.array_equal(ids, self._cast.ids):
@@ -153,7 +153,7 @@ class NodeScene:
 
     def _pairs(self, results: Any, max_distance: float) -> Pairs:
         """Return the pairs of a message, with witnesses where their geometries are shown."""
-        if results is None or results.scene_version != self._known:
+        if results is None or results.names_version != self._known:
             return Pairs.none()
         ids = np.stack([results.id_a, results.id_b], axis=1).astype(np.int64)
         distance, error_bound = np.asarray(results.distance), np.asarray(results.error_bound)

@@ -22,6 +22,7 @@ def _geometry(id, source, frame, name, kind, dimensions, pose):
 
 SCENE = Some(
     scene_version=7,
+    names_version=7,
     sources=[Some(id=1, name='room'), Some(id=2, name='arm')],
     frames=[
         Some(id=10, name='world', source_id=1, parent_id=10),
@@ -49,6 +50,7 @@ def _result(distance):
         id_a=[5, 5, 6],
         id_b=[6, 8, 8],
         scene_version=7,
+        names_version=7,
         oldest_pose_age=0.0,
         max_distance=1.0,
         distance=distance,

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.geometry import closing_speeds
+from drake_geom_ros.geometry import FramePoseVector, closing_speeds
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.scene.clocks import ALWAYS
+from drake_geom_ros.ros.scene.feeders import TF
 
 TEXT = """
 sources: [s]
@@ -24,8 +27,9 @@ geometries:
 class Scene:
     """A live scene that watches motion."""
 
-    def __init__(self):
-        self.live = live_scene(TEXT)
+    def __init__(self, clock):
+        self.clock = clock
+        self.live = live_scene(TEXT, now=clock)
         with self.live.editing() as scene:
             scene.watch_motion(longest_gap=1.0)
 
@@ -46,6 +50,14 @@ class Scene:
         with self.live.editing() as scene:
             scene.take_twists(self.message(stamp, frames, twists=twists))
 
+    def jump(self, now):
+        self.clock.now = now
+        self.live.clocks.begin_anew()
+
+    def troubles(self):
+        with self.live.reading() as scene:
+            return scene.troubles()
+
     def speeds(self):
         """Return the closing speeds of a and tool against b; None where nobody knows."""
         with self.live.editing() as scene:
@@ -62,8 +74,9 @@ class Scene:
 
 
 @pytest.fixture
-def scene():
-    return Scene()
+def scene(clock):
+    clock.now = 10.0
+    return Scene(clock)
 
 
 def test_where_poses_rest_nothing_closes(scene):
@@ -84,6 +97,7 @@ def test_two_stamped_poses_tell_a_twist_and_one_does_not(scene):
 @pytest.mark.parametrize('stamp', [0.0, 9.0, 12.0])
 def test_without_a_stamp_before_it_or_long_after_nobody_knows(scene, stamp):
     scene.pose(10.0, a=(0, 0, 0))
+    scene.clock.now = max(10.0, stamp)
     scene.pose(stamp, a=(0.1, 0, 0))
     assert scene.speeds() == {'a': None, 'tool': None}
 
@@ -112,6 +126,94 @@ def test_turning_carries_what_hangs_on_a_frame(scene):
     gap = np.array([2.0, 0.0]) - up
     along = 0.5 * np.array([np.cos(0.1), -np.sin(0.1)])
     assert speed == pytest.approx(along @ gap / np.linalg.norm(gap))
+
+
+STILL, APPROACHING = (0, 0, 0, 0, 0, 0), (0, 0, 0, 0.3, 0, 0)
+
+
+@pytest.mark.parametrize('ahead', [2.0, 3600.0])
+def test_a_twist_that_is_ahead_of_its_pose_is_not_used_and_told(scene, ahead):
+    scene.pose(10.0, a=(0, 0, 0))
+    scene.tell(10.0 + ahead, a=STILL)
+    assert scene.speeds() == {'a': None, 'tool': None}
+    (told,) = scene.troubles()
+    assert 'twists of 1 frame are not used' in told
+    assert ('stamped more than 1 s later' in told, told.endswith(': s::a')) == (True, True)
+    scene.pose(10.5, a=(0.1, 0, 0))
+    assert scene.speeds()['a'] == pytest.approx(0.2)  # poses know it
+    scene.tell(10.5, a=APPROACHING)  # nor does it stand before those that follow
+    assert scene.speeds()['a'] == pytest.approx(0.3)
+    assert scene.troubles() == []
+    scene.tell(10.5 + ahead, a=STILL)
+    scene.clock.now += 6.0
+    assert scene.troubles() == []
+
+
+def test_one_that_is_ahead_of_now_is_not_used_where_no_message_poses_the_frame(scene):
+    scene.tell(3610.0, a=STILL)
+    assert scene.speeds()['a'] is None
+    assert len(scene.troubles()) == 1
+    scene.tell(10.0, a=APPROACHING)
+    assert scene.speeds()['a'] == pytest.approx(0.3)
+
+
+def test_senders_that_share_another_clock_are_understood(scene):
+    for stamp in (3610.0, 1e9):
+        scene.pose(stamp, a=(0, 0, 0))
+        scene.tell(stamp, a=APPROACHING)
+        assert scene.speeds()['a'] == pytest.approx(0.3)
+        assert scene.troubles() == []
+
+
+def test_what_is_from_before_the_clock_jumped_is_not_used(scene):
+    scene.pose(10.0, a=(0, 0, 0))
+    scene.tell(10.0, a=STILL, b=STILL)
+    assert scene.speeds()['a'] == 0.0
+    scene.jump(9.5)
+    assert scene.speeds() == {'a': None, 'tool': None}
+    scene.pose(9.5, a=(0.1, 0, 0), b=(2, 0, 0))
+    assert scene.speeds() == {'a': None, 'tool': None}
+    (told,) = scene.troubles()
+    assert ('before the clock jumped' in told, told.endswith('s::a, s::b')) == (True, True)
+    scene.clock.now = 10.0
+    scene.pose(10.0, a=(0.2, 0, 0), b=(2, 0, 0))
+    assert scene.speeds()['a'] == pytest.approx(0.2)
+
+
+def test_poses_on_both_sides_of_a_jump_tell_no_twist(scene):
+    scene.pose(10.0, a=(0, 0, 0))
+    scene.jump(10.2)
+    scene.pose(10.2, a=(0.1, 0, 0))
+    assert scene.speeds()['a'] is None
+
+
+def test_a_twist_grows_old(scene):
+    scene.pose(10.0, a=(0, 0, 0))
+    scene.pose(10.5, a=(0.1, 0, 0))
+    scene.clock.now = 10.5
+    assert scene.speeds()['a'] == pytest.approx(0.2)
+    scene.clock.now = 12.0
+    assert scene.speeds() == {'a': None, 'tool': None}
+
+
+def test_who_was_told_to_move_and_of_whom_no_more_is_heard_is_not_said_to_rest(scene):
+    scene.tell(10.0, a=APPROACHING)
+    assert scene.speeds()['a'] == pytest.approx(0.3)
+    scene.clock.now = 11.5
+    assert scene.speeds() == {'a': None, 'tool': None}
+    (told,) = scene.troubles()
+    assert 'older than 1 s: s::a' in told
+
+
+def test_what_is_fixed_after_it_moved_rests(scene):
+    scene.pose(10.0, a=(0, 0, 0))
+    scene.pose(10.1, a=(0.1, 0, 0))
+    assert scene.speeds()['a'] == pytest.approx(1.0)
+    with scene.live.editing() as held:
+        (a,) = held.names.frames_called('a')
+        fixed = FramePoseVector({a: RigidTransform()})
+        held.pose(fixed, {frozenset([a.get_value()]): ALWAYS}, Plain(sec=0, nanosec=0), TF)
+    assert scene.speeds() == {'a': 0.0, 'tool': 0.0}
 
 
 @pytest.mark.parametrize(
