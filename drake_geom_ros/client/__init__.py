@@ -6,6 +6,7 @@
 
 from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient
 from drake_geom_ros.client.held_filter import HeldFilter, sleep
+from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.listening import SceneListener
 from drake_geom_ros.client.results import (
     Penetration,
@@ -15,7 +16,7 @@ from drake_geom_ros.client.results import (
     SignedDistance,
     SignedDistances,
 )
-from drake_geom_ros.client.scene_table import Geometry, SceneTable
+from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
 from drake_geom_ros.client.services import RefusedError, Services, exclude_between, frame_poses
 
 __all__ = [
@@ -33,6 +34,8 @@ __all__ = [
     'PointDistance',
     'RefusedError',
     'NoAnswerError',
+    'IncompleteError',
+    'UnknownNameError',
     'frame_poses',
     'exclude_between',
     'sleep',

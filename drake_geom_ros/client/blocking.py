@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.time import Time
 
+from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.listening import SceneListener
 from drake_geom_ros.client.results import (
     Penetrations,
@@ -46,7 +47,8 @@ class SceneGraphClient:
     ``poses`` are "what if" poses: X_PF by frame, as RigidTransform or as seven numbers x y z [m]
     qx qy qz qw. Frames that are not named keep their poses, and the live scene does not change.
     Each call raises RefusedError with the node's reason where the node refuses it, and
-    NoAnswerError where no answer arrives within ``patience`` [s].
+    NoAnswerError where no answer arrives within ``patience`` [s]. An answer that leaves something
+    out, for a frame never had a pose, raises IncompleteError, unless ``allow_incomplete``.
 
         with SceneGraphClient() as client:
             print(client.signed_distances(poses={'ball': X_WB}).closest())
@@ -132,16 +134,21 @@ class SceneGraphClient:
         return accepted(name, self.wait_for(answered, f'an answer of {name}', end).result())
 
     def signed_distances(
-        self, max_distance: float = math.inf, poses: Poses | None = None, accuracy: str = ''
+        self,
+        max_distance: float = math.inf,
+        poses: Poses | None = None,
+        accuracy: str = '',
+        allow_incomplete: bool = False,
     ) -> SignedDistances:
         """Return the signed distances of the unfiltered pairs up to ``max_distance`` [m]."""
-        return self._named(
+        found = self._named(
             SignedDistances,
             'compute_signed_distance_pairwise',
             max_distance=_limit(max_distance),
             poses=frame_poses(poses or {}),
             accuracy=accuracy,
         )
+        return found if allow_incomplete else found.whole('signed_distances')
 
     def signed_distance(
         self, geometry_a: str, geometry_b: str, poses: Poses | None = None, accuracy: str = ''
@@ -157,14 +164,17 @@ class SceneGraphClient:
         )
         return next(iter(found))
 
-    def penetrations(self, poses: Poses | None = None, accuracy: str = '') -> Penetrations:
+    def penetrations(
+        self, poses: Poses | None = None, accuracy: str = '', allow_incomplete: bool = False
+    ) -> Penetrations:
         """Return the unfiltered pairs that overlap."""
-        return self._named(
+        found = self._named(
             Penetrations,
             'compute_point_pair_penetration',
             poses=frame_poses(poses or {}),
             accuracy=accuracy,
         )
+        return found if allow_incomplete else found.whole('penetrations')
 
     def point_distances(
         self,
@@ -172,9 +182,10 @@ class SceneGraphClient:
         threshold: float = math.inf,
         poses: Poses | None = None,
         accuracy: str = '',
+        allow_incomplete: bool = False,
     ) -> PointDistances:
         """Return the distances of ``points`` (n, 3) [m] to geometries within ``threshold`` [m]."""
-        return self._named(
+        found = self._named(
             PointDistances,
             'compute_signed_distance_to_point',
             points=np.asarray(points, dtype=np.float64).ravel().tolist(),
@@ -182,10 +193,18 @@ class SceneGraphClient:
             poses=frame_poses(poses or {}),
             accuracy=accuracy,
         )
+        return found if allow_incomplete else found.whole('point_distances')
 
-    def has_collisions(self, poses: Poses | None = None) -> bool:
-        """Return whether any unfiltered pair overlaps."""
-        return bool(self.ask('has_collisions', poses=frame_poses(poses or {})).has_collisions)
+    def has_collisions(self, poses: Poses | None = None, allow_incomplete: bool = False) -> bool:
+        """Return whether any unfiltered pair overlaps.
+
+        One that does is an answer whatever is left out.
+        """
+        answer = self.ask('has_collisions', poses=frame_poses(poses or {}))
+        left_out = LeftOut.of_pairs(answer)
+        if left_out.number and not (answer.has_collisions or allow_incomplete):
+            left_out.refuse('has_collisions')
+        return bool(answer.has_collisions)
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty where it is not."""

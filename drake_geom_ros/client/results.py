@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.client.left_out import LeftOut
 from drake_geom_ros.client.scene_table import SceneTable
 
 Floats = NDArray[np.float64]
@@ -95,11 +96,25 @@ class PointDistance:
 
 
 class Results(Sequence[Record], Generic[Record]):
-    """Rows of a message, with the table of the scene that it refers to."""
+    """Rows of a message, with the table of the scene that it refers to.
 
-    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
-        """Take these rows of the message, or all of them if None."""
+    What hangs on a frame that never had a pose is in no row: ``waiting_frames`` names these
+    frames, and ``is_complete`` says whether the rows are all that there are. Rows that are not
+    must not look like free space: ``bool()`` of none raises IncompleteError.
+    """
+
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        """Take these rows of the message, or all of them if None, and whether none is missing."""
         self._message = message
+        self._left_out = self._missing_from(message)
+        self.waiting_frames = self._left_out.frames
+        self.is_complete = not self._left_out.number if is_complete is None else is_complete
         self._rows = np.arange(len(message.error_bound)) if rows is None else rows
         self.table = table
         self.scene_version = int(message.scene_version)
@@ -118,16 +133,35 @@ class Results(Sequence[Record], Generic[Record]):
         columns = {name: getattr(self, name) for name in names}
         return {name: x[k] if x.ndim > 1 else x[k].item() for name, x in columns.items()}
 
-    def _subset(self: Rows, mask: NDArray[np.bool_]) -> Rows:
-        return type(self)(self._message, self.table, self._rows[mask])
+    @staticmethod
+    @abstractmethod
+    def _missing_from(message: Any) -> LeftOut:
+        """Return what a message of this kind leaves out."""
+
+    def whole(self: Rows, what: str) -> Rows:
+        """Return the results if they are complete; raise IncompleteError about ``what`` if not."""
+        if not self.is_complete:
+            self._left_out.refuse(what)
+        return self
+
+    def _subset(self: Rows, mask: NDArray[np.bool_], *names: Ids) -> Rows:
+        """Return some rows: all that there are of geometries with these ids."""
+        is_complete = self.is_complete or not self.table.waits(names, self.waiting_frames)
+        return type(self)(self._message, self.table, self._rows[mask], is_complete)
 
     def __len__(self) -> int:
         return len(self._rows)
 
+    def __bool__(self) -> bool:
+        """Return whether there is a row; raise IncompleteError where one may only be missing."""
+        if not len(self):
+            self.whole('no row')
+        return len(self) > 0
+
     def __getitem__(self, k: Any) -> Any:
         """Return the record of row ``k``, or the rows of a slice."""
         if isinstance(k, slice):
-            return type(self)(self._message, self.table, self._rows[k])
+            return type(self)(self._message, self.table, self._rows[k], self.is_complete)
         return self._record(range(len(self))[k])
 
     def __iter__(self) -> Iterator[Record]:
@@ -141,21 +175,37 @@ class Results(Sequence[Record], Generic[Record]):
 class _PairResults(Results[Record]):
     """Results of pairs."""
 
-    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
-        super().__init__(message, table, rows)
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
         self.id_a = self._column('id_a', kind=np.int64)  # (n,)
         self.id_b = self._column('id_b', kind=np.int64)  # (n,)
         self.nhat_BA_W = self._column('nhat_ba_w', 3)  # (n, 3)
 
+    @staticmethod
+    def _missing_from(message: Any) -> LeftOut:
+        return LeftOut.of_pairs(message)
+
+    @property
+    def waiting_pairs(self) -> int:
+        """How many unfiltered pairs the whole message leaves out."""
+        return self._left_out.number
+
     def between(self: Pairs, a: str, b: str = '*') -> Pairs:
         """Return the pairs of a geometry that ``a`` names and one that ``b`` names, in any order.
 
-        Each is a source, a frame or a geometry, or a pattern: see ``Geometry.matches``.
+        Each is a source, a frame or a geometry, or a pattern: see ``Geometry.matches``. Raises
+        UnknownNameError, with the nearest names, where nothing that queries report matches.
         """
         ids_a, ids_b = self.table.ids(a), self.table.ids(b)
         one_way = np.isin(self.id_a, ids_a) & np.isin(self.id_b, ids_b)
         other_way = np.isin(self.id_a, ids_b) & np.isin(self.id_b, ids_a)
-        return self._subset(one_way | other_way)
+        return self._subset(one_way | other_way, ids_a, ids_b)
 
     def _pair(self, k: int) -> dict[str, Any]:
         a, b = self.table[self.id_a[k]], self.table[self.id_b[k]]
@@ -170,8 +220,14 @@ class SignedDistances(_PairResults[SignedDistance]):
     ``nhat_BA_W`` (n, 3), ``id_a``, ``id_b``, ``method`` (n,).
     """
 
-    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
-        super().__init__(message, table, rows)
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
         self.max_distance = float(message.max_distance)  # [m]
         self.distance = self._column('distance')  # (n,) [m]
         self.p_ACa = self._column('p_aca', 3)  # (n, 3) [m]
@@ -182,8 +238,13 @@ class SignedDistances(_PairResults[SignedDistance]):
         """The certified lower bounds of the true distances (n,) [m]."""
         return np.asarray(self.distance - self.error_bound)
 
-    def closest(self) -> SignedDistance | None:
-        """Return the pair with the smallest lower bound; None if there is no pair."""
+    def closest(self, allow_incomplete: bool = False) -> SignedDistance | None:
+        """Return the pair with the smallest lower bound; None if there is no pair.
+
+        Raises IncompleteError where a closer one may be left out, unless ``allow_incomplete``.
+        """
+        if not allow_incomplete:
+            self.whole('the closest pair')
         return self[int(np.argmin(self.lower_bound))] if len(self) else None
 
     def _record(self, k: int) -> SignedDistance:
@@ -198,8 +259,14 @@ class Penetrations(_PairResults[Penetration]):
     ``id_a``, ``id_b``, ``method`` (n,).
     """
 
-    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
-        super().__init__(message, table, rows)
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
         self.depth = self._column('depth')  # (n,) [m]
         self.p_WCa = self._column('p_wca', 3)  # (n, 3) [m]
         self.p_WCb = self._column('p_wcb', 3)  # (n, 3) [m]
@@ -216,8 +283,14 @@ class PointDistances(Results[PointDistance]):
     ``p_GN``, ``grad_W`` (n, 3).
     """
 
-    def __init__(self, message: Any, table: SceneTable, rows: Ids | None = None) -> None:
-        super().__init__(message, table, rows)
+    def __init__(
+        self,
+        message: Any,
+        table: SceneTable,
+        rows: Ids | None = None,
+        is_complete: bool | None = None,
+    ) -> None:
+        super().__init__(message, table, rows, is_complete)
         self.point_index = self._column('point_index', kind=np.int64)  # (n,)
         self.id = self._column('id_g', kind=np.int64)  # (n,)
         self.distance = self._column('distance')  # (n,) [m]
@@ -226,9 +299,22 @@ class PointDistances(Results[PointDistance]):
         # [s] of the points that the answer is for
         self.query_stamp = message.query_stamp.sec + message.query_stamp.nanosec / 1_000_000_000
 
+    @staticmethod
+    def _missing_from(message: Any) -> LeftOut:
+        return LeftOut.of_geometries(message)
+
+    @property
+    def waiting_geometries(self) -> int:
+        """How many geometries the whole message leaves out."""
+        return self._left_out.number
+
     def to(self, name: str) -> PointDistances:
-        """Return the distances to the geometries that a name or a pattern matches."""
-        return self._subset(np.isin(self.id, self.table.ids(name)))
+        """Return the distances to the geometries that a name or a pattern matches.
+
+        Raises UnknownNameError, with the nearest names, where nothing that queries report does.
+        """
+        ids = self.table.ids(name)
+        return self._subset(np.isin(self.id, ids), ids)
 
     def _record(self, k: int) -> PointDistance:
         g = self.table[self.id[k]]

@@ -2,42 +2,63 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from itertools import islice
 from typing import Any
 
 import numpy as np
+from drake_geom_msgs.msg import Role
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
 WORLD = 'world'
+_MOST_KEPT = 64  # patterns of which the ids are kept: whoever watches asks for the same each time
+_MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, some 10 us each
+_SHOWN = 4  # names of a scene in a message
+
+
+class UnknownNameError(RuntimeError):
+    """A name or a pattern that stands for nothing that queries report in this scene."""
 
 
 @dataclass(frozen=True)
 class Geometry:
     """A geometry: shape type and dimensions as in the Shape message, X_FG (4, 4) in its frame.
 
-    ``frame`` is ``source::frame``, or ``world`` where the geometry is anchored.
+    ``frame_name`` is its frame's own name, ``world`` where it is anchored. ``line`` holds its
+    frame and all that this hangs on, upwards, each as ``source::frame``; it is empty where the
+    geometry is anchored. Queries report what ``has_proximity`` role.
     """
 
     id: int
     source: str
-    frame: str
+    frame_name: str
     name: str
     shape_type: int
     dimensions: tuple[float, ...]
     X_FG: NDArray[np.float64]
+    line: tuple[str, ...] = ()
+    has_proximity: bool = True
 
     @property
     def anchored(self) -> bool:
         """Whether the geometry is fixed to the world."""
-        return self.frame == WORLD
+        return not self.line
+
+    @property
+    def frame(self) -> str:
+        """The full name of its frame, ``source::frame``; ``world`` where it is anchored."""
+        return self.line[0] if self.line else WORLD
 
     @property
     def short_name(self) -> str:
         """The name without its source: ``frame/geometry``."""
-        return f'{self.frame.rpartition("::")[2]}/{self.name}'
+        return f'{self.frame_name}/{self.name}'
 
     @property
     def full_name(self) -> str:
@@ -49,16 +70,22 @@ class Geometry:
         """The name of the thing it is part of: its frame, or itself where it is anchored."""
         return f'{self.source}::{self.name}' if self.anchored else self.frame
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What it is found by: its source, frame and thing, and its own names."""
+        of_others = self.source, self.frame, self.frame_name, self.body
+        return (*of_others, self.name, self.short_name, self.full_name)
+
     def matches(self, pattern: str) -> bool:
         """Return whether a name, or a pattern with ``*`` and ``?``, stands for the geometry.
 
         That is the name of its source, frame or thing, or its own, each with or without the
-        source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``.
+        source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``. Names
+        may themselves hold ``::`` and ``/``: they are compared, and never split.
         """
-        frame = self.frame.rpartition('::')[2]
-        own = (self.name, self.short_name, self.full_name)
-        names = (self.source, self.frame, frame, self.body, *own)
-        return any(fnmatchcase(name, pattern) for name in names)
+        # A bracket is no pattern here: links are called `finger[0]`.
+        pattern = pattern.replace('[', '[[]')
+        return any(fnmatchcase(name, pattern) for name in self.names)
 
 
 class SceneTable:
@@ -81,17 +108,20 @@ class SceneTable:
         self.parents = parents or {}
         self._ids = np.array(sorted(self.geometries), dtype=np.int64)
         self._sources = np.array([self.geometries[i].source for i in self._ids.tolist()])
+        self._found: dict[str, NDArray[np.int64]] = {}
+        self._unknown: dict[str, str] = {}
 
     @classmethod
     def from_message(cls, message: Any) -> SceneTable:
         """Return the table of a Scene message."""
         sources = {source.id: source.name for source in message.sources}
-        frames = {
-            frame.id: WORLD
-            if frame.parent_id == frame.id
-            else f'{sources[frame.source_id]}::{frame.name}'
-            for frame in message.frames
-        }
+        entries = {frame.id: frame for frame in message.frames}
+        lines: dict[int, tuple[str, ...]] = {}
+        for id, frame in entries.items():
+            if frame.parent_id == id:
+                lines[id] = ()
+            else:
+                lines[id] = f'{sources[frame.source_id]}::{frame.name}', *lines[frame.parent_id]
         poses = [(entry.pose.position, entry.pose.orientation) for entry in message.geometries]
         rows = np.array([(p.x, p.y, p.z, q.x, q.y, q.z, q.w) for p, q in poses]).reshape(-1, 7)
         X_FGs = np.tile(np.eye(4), (len(rows), 1, 1))
@@ -100,19 +130,17 @@ class SceneTable:
             Geometry(
                 entry.id,
                 sources[entry.source_id],
-                frames[entry.frame_id],
+                entries[entry.frame_id].name if lines[entry.frame_id] else WORLD,
                 entry.name,
                 entry.shape.type,
                 tuple(entry.shape.dimensions),
                 X_FG,
+                lines[entry.frame_id],
+                any(role.role == Role.PROXIMITY for role in entry.roles),
             )
             for entry, X_FG in zip(message.geometries, X_FGs, strict=True)
         ]
-        parents = {
-            frames[frame.id]: frames[frame.parent_id]
-            for frame in message.frames
-            if frame.parent_id != frame.id
-        }
+        parents = {line[0]: line[1] if line[1:] else WORLD for line in lines.values() if line}
         return cls(geometries, message.scene_version, parents, message.names_version)
 
     def __getitem__(self, geometry_id: int) -> Geometry:
@@ -122,14 +150,69 @@ class SceneTable:
         return int(geometry_id) in self.geometries
 
     def ids(self, pattern: str) -> NDArray[np.int64]:
-        """Return the ids of the geometries that a name or a pattern matches, ascending."""
-        found = [g.id for g in self.geometries.values() if g.matches(pattern)]
-        return np.array(sorted(found), dtype=np.int64)
+        """Return the ids of the geometries that a name or a pattern matches, ascending.
+
+        Raises UnknownNameError, with the nearest names, where there are none, or none with the
+        proximity role: of those no query reports anything, ever.
+        """
+        if pattern not in self._found:
+            found = [g for g in self.geometries.values() if g.matches(pattern)]
+            if not any(geometry.has_proximity for geometry in found):
+                raise UnknownNameError(self._told(pattern, len(found)))
+            if len(self._found) >= _MOST_KEPT:
+                self._found.clear()
+            self._found[pattern] = ids = np.array(sorted(g.id for g in found), dtype=np.int64)
+            ids.setflags(write=False)
+        return self._found[pattern]
+
+    def _told(self, pattern: str, count: int) -> str:
+        """Return what is wrong with a pattern, of whose geometries no query reports anything."""
+        # A stream may be asked for the same name again and again.
+        if pattern not in self._unknown:
+            if len(self._unknown) >= _MOST_KEPT:
+                self._unknown.clear()
+            geometries = self.geometries.values()
+            if count:
+                why = f'; of that name {counted(count, "geometry")} without the proximity role'
+            else:
+                names = dict.fromkeys(name for g in geometries for name in g.names)
+                why = nearest(pattern, islice(names, _MOST_LOOKED_AT))
+            sources = sorted({repr(geometry.source) for geometry in geometries})[:_SHOWN]
+            self._unknown[pattern] = (
+                f'{pattern[:80]!r} stands for no geometry that queries report in the scene of '
+                f'version {self.version}{why}. It holds {counted(len(geometries), "geometry")} of '
+                f'{", ".join(sources) or "no source"}; see the topic ~/scene'
+            )
+        return self._unknown[pattern]
+
+    def waits(self, sets: Iterable[NDArray[np.int64]], frames: Collection[str]) -> bool:
+        """Return whether a geometry of one of the sets of ids hangs on one of these frames.
+
+        Frames are given as ``source::frame``, and only what queries report counts.
+        """
+        waiting = set(frames)
+        return any(
+            not waiting.isdisjoint(geometry.line)
+            for ids in sets
+            for geometry in map(self.geometries.__getitem__, ids.tolist())
+            if geometry.has_proximity
+        )
 
     def between(
         self, id_a: NDArray[np.int64], id_b: NDArray[np.int64], sources: tuple[str, str]
     ) -> NDArray[np.bool_]:
-        """Return which of n pairs have one geometry of each of two sources (n,)."""
+        """Return which of n pairs have one geometry of each of two sources (n,).
+
+        Raises UnknownNameError for a source that is not here, or that has no geometry.
+        """
+        known = dict.fromkeys(g.source for g in self.geometries.values() if g.has_proximity)
+        for source in sources:
+            if source not in known:
+                told = nearest(source, known)
+                raise UnknownNameError(
+                    f'no source {source[:80]!r} has a geometry that queries report in the scene '
+                    f'of version {self.version}{told}; see the topic ~/scene'
+                )
         source_a = self._sources[np.searchsorted(self._ids, id_a)]
         source_b = self._sources[np.searchsorted(self._ids, id_b)]
         first, second = sources

@@ -144,6 +144,10 @@ class QueryObject(ImageQueries):
         """Return how many unfiltered pairs have a geometry that is not placed: at any distance."""
         return self._context._count_waiting_pairs()
 
+    def num_waiting_geometries(self) -> int:
+        """Return how many geometries with the proximity role are not placed."""
+        return int(np.count_nonzero(self._context._up_to_date_world().waiting))
+
     def X_WGs(self, ids: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of geometries by the values (k,) of their ids.
 

@@ -1,10 +1,10 @@
 """Says stop as long as the robot may be nearer than 5 cm to anything, or nobody can know.
 
-It stops by the lower end of each certified distance, on poses that are old or of unknown age, and
-on results that do not come: these stop when poses stop, so that silence must never look like
-safety. Services let the gripper touch an object (``~/expect_contact``), take it (``~/attach``) and
-put it down (``~/release``). This is an example and no safety function: see
-docs/what_it_vouches_for.md.
+It stops by the lower end of each certified distance, on poses that are old or of unknown age,
+where the robot is not in the scene or not posed, and on results that do not come: these stop when
+poses stop, so that silence must never look like safety. Services let the gripper touch an object
+(``~/expect_contact``), take it (``~/attach``) and put it down (``~/release``). This is an example
+and no safety function: see docs/what_it_vouches_for.md.
 """
 
 import time
@@ -27,6 +27,7 @@ from drake_geom_ros.client import (
     RefusedError,
     SceneListener,
     Services,
+    UnknownNameError,
     exclude_between,
 )
 from drake_geom_ros.math import RigidTransform
@@ -65,10 +66,17 @@ class StopMonitor(Node):
 
     def _take(self, distances):
         self._heard = time.monotonic()
-        self._danger = self._danger_in(distances)
+        try:
+            self._danger = self._danger_in(distances)
+        except UnknownNameError as error:  # misspelt, not there yet, or gone
+            self._danger = 'nobody to watch', str(error)
 
     def _danger_in(self, distances):
         """Return what in a result is a reason to stop, and its figure; empty where nothing is."""
+        if not distances.max_distance >= self._stop_distance:
+            return 'results do not reach far enough', f'max_distance {distances.max_distance:g} m'
+        if not distances.between(self._robot).is_complete:
+            return 'not all is posed', ', '.join(distances.waiting_frames[:5])
         if not distances.oldest_pose_age <= self._oldest_pose:
             return 'poses are old', f'{distances.oldest_pose_age:.3g} s'
         moving = distances.table.ids(self._robot)
@@ -120,7 +128,7 @@ class StopMonitor(Node):
         """Have the object follow the gripper from where it is; to be called while both rest."""
         await self._expect_contact()
         X_WG, X_WO = await self._pose(self._gripper), await self._pose(self._object)
-        self._place(self._gripper.rpartition('::')[2], X_WG.inverse() @ X_WO)
+        self._place(_own_name(self._gripper), X_WG.inverse() @ X_WO)
         self._attached = True
         return f'{self._object} follows {self._gripper}'
 
@@ -144,24 +152,38 @@ class StopMonitor(Node):
 
     def _place(self, parent, X_PO):
         """Give the object another parent in TF: one transform, and nobody to fight with."""
-        entry = TransformStamped(child_frame_id=self._object.rpartition('::')[2])
+        entry = TransformStamped(child_frame_id=_own_name(self._object))
         entry.header.frame_id = parent
         entry.header.stamp = self.get_clock().now().to_msg()
         p, q = entry.transform.translation, entry.transform.rotation
         p.x, p.y, p.z, q.x, q.y, q.z, q.w = X_PO.ToArray().tolist()
         self._static.publish(TFMessage(transforms=[entry]))
 
+    def stop_for_good(self):
+        """Leave stop as the last word."""
+        self._stop.publish(Bool(data=True))
+
+
+def _own_name(frame):
+    """Return what TF calls a frame of the scene: its name without the source, which is first."""
+    return frame.partition('::')[2] or frame
+
 
 def main():
     """Watch until interrupted."""
     rclpy.init()
+    monitor = StopMonitor()
     try:
-        rclpy.spin(StopMonitor())
+        rclpy.spin(monitor)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except RuntimeError:  # what rclpy raises where a signal ends its context while it waits
         if rclpy.ok():
+            monitor.stop_for_good()
             raise
+    except BaseException:
+        monitor.stop_for_good()
+        raise
     finally:
         rclpy.try_shutdown()
 

@@ -6,11 +6,20 @@ import numpy as np
 import pytest
 from ros.demo import scenes
 
+from drake_geom_ros.client.left_out import IncompleteError
 from drake_geom_ros.client.results import Penetrations, PointDistances, SignedDistances
+from drake_geom_ros.client.scene_table import UnknownNameError
 
 TABLE = scenes.table(version=3)
 HEADER = Some(stamp=Some(sec=12, nanosec=500_000_000))
-COMMON = {'header': HEADER, 'scene_version': 3, 'oldest_pose_age': 0.25, 'method': [1, 2, 4]}
+WHOLE = {'waiting_frames': [], 'waiting_pairs': 0, 'waiting_geometries': 0}
+COMMON = {
+    **WHOLE,
+    'header': HEADER,
+    'scene_version': 3,
+    'oldest_pose_age': 0.25,
+    'method': [1, 2, 4],
+}
 DISTANCES = SignedDistances(
     Some(
         **COMMON,
@@ -51,7 +60,39 @@ def test_what_holds_for_all_rows():
 
 def test_the_closest_is_that_of_the_least_lower_bound():
     assert DISTANCES.closest().id_a == 3
-    assert DISTANCES.between('nobody').closest() is None
+    assert DISTANCES.between('left', 'things').closest() is None
+
+
+def test_a_name_that_stands_for_nothing_is_no_free_space():
+    for ask in (DISTANCES.between, lambda name: DISTANCES.between('left', name)):
+        with pytest.raises(UnknownNameError, match=r"'rigth' stands for .*; nearest: 'right'"):
+            ask('rigth')
+
+
+def left_out(frames):
+    """Return the distances of a message that leaves pairs of these frames out."""
+    message = vars(DISTANCES._message) | {'waiting_frames': frames, 'waiting_pairs': 4}
+    return SignedDistances(Some(**message), TABLE)
+
+
+def test_what_is_left_out_is_no_free_space():
+    found = left_out(['things::can'])
+    assert (found.is_complete, found.waiting_pairs) == (False, 4)
+    assert found.waiting_frames == ('things::can',)
+    for less in (found, found.between('things'), found.between('left'), found[:0], found[1:]):
+        assert not less.is_complete
+        with pytest.raises(IncompleteError, match=r'4 pairs are left out .*: things::can'):
+            less.closest()
+    assert found.closest(allow_incomplete=True).id_a == DISTANCES.closest().id_a
+    assert found
+    with pytest.raises(IncompleteError, match='no row: '):
+        bool(found[:0])
+    assert not DISTANCES[:0]
+    # Of what has poses all is there.
+    whole = found.between('left', 'right')
+    assert whole.is_complete
+    assert whole.closest().id_b == 3
+    assert not whole.between('left', 'left')
 
 
 @pytest.mark.parametrize(
@@ -110,7 +151,14 @@ def test_points():
         TABLE,
     )
     assert found.query_stamp == 7.0
+    with pytest.raises(UnknownNameError, match="nearest: 'room'"):
+        found.to('roam')
     point = found.to('room')[1]
     assert (point.point_index, point.source, point.name) == (1, 'room', 'world/table')
     assert point.lower_bound == pytest.approx(0.2)
     assert point.p_GN.tolist() == point.grad_W.tolist() == [6, 7, 8]
+    message = vars(found._message) | {'waiting_frames': ['left::hand'], 'waiting_geometries': 1}
+    found = PointDistances(Some(**message), TABLE)
+    assert (found.is_complete, found.waiting_geometries) == (False, 1)
+    assert found.to('room').is_complete
+    assert not found.to('left').is_complete

@@ -5,7 +5,7 @@ import pytest
 from ros.demo import scenes
 from ros.demo.test_reading import SCENE
 
-from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
 
 
 def test_names():
@@ -48,8 +48,70 @@ def test_pairs_between_two_sources_in_either_order():
         ('room::table', [5]),
         ('world/table', [5]),
         ('*', [1, 2, 3, 4, 5, 6, 7]),
-        ('nobody', []),
     ],
 )
 def test_what_a_name_or_a_pattern_stands_for(pattern, ids):
     assert scenes.table().ids(pattern).tolist() == ids
+
+
+def ball(id, source, frame, name='ball', **more):
+    """Return a ball; on the world where the frame is empty."""
+    line = (f'{source}::{frame}',) if frame else ()
+    return Geometry(id, source, frame or 'world', name, 1, (0.1,), np.eye(4), line, **more)
+
+
+def test_names_may_hold_what_joins_names():
+    """As SDFormat nests models: ``arm::base`` is a frame's own name."""
+    table = SceneTable(
+        [
+            ball(1, 'cell', 'arm::base'),
+            ball(2, 'cell', 'leg::base'),
+            ball(3, 'lab::arm', 'base'),
+            ball(4, 'arm', 'base', 'left/tip'),
+            ball(5, 'arm', 'finger[0]'),
+        ]
+    )
+    for name, ids in {
+        'leg::base': [2],
+        'cell::arm::base': [1],
+        'arm::base': [1, 4],  # whatever bears the name, as with one of two sources' frames
+        'lab::arm': [3],
+        'lab::arm::base/ball': [3],
+        'arm::base/ball': [1],
+        'arm::base/left/tip': [4],
+        'left/tip': [4],
+        'finger[0]': [5],
+        'cell::*::base': [1, 2],
+    }.items():
+        assert table.ids(name).tolist() == ids
+    assert [table[i].frame for i in (1, 3)] == ['cell::arm::base', 'lab::arm::base']
+    assert table[1].short_name == 'arm::base/ball'
+    assert table[3].full_name == 'lab::arm::base/ball'
+
+
+def test_what_queries_never_report_is_not_found():
+    seen = ball(9, 'room', '', 'picture', has_proximity=False)
+    table = SceneTable([*scenes.table().geometries.values(), seen], version=4)
+    told = r"'picture' stands for .*; of that name 1 geometry without the proximity role"
+    for _ in range(2):  # the second one is remembered
+        with pytest.raises(UnknownNameError, match=told):
+            table.ids('picture')
+    assert table.ids('room').tolist() == [5, 6, 7, 9]
+    with pytest.raises(UnknownNameError, match=r"'n{80}' stands for no geometry"):
+        table.ids('n' * 10**6)
+    with pytest.raises(UnknownNameError, match=r'version 4; nearest: .left::hand.'):
+        table.ids('left::hant')
+    with pytest.raises(UnknownNameError, match=r"no source 'rigth' .*; nearest: 'right'"):
+        table.between(np.array([1]), np.array([3]), ('left', 'rigth'))
+    with pytest.raises(UnknownNameError, match='It holds 0 geometries of no source'):
+        SceneTable([]).ids('*')
+
+
+def test_what_hangs_on_a_frame_waits_with_it():
+    table = SceneTable.from_message(SCENE)
+    assert table[6].line == ('arm::tip', 'arm::hand')
+    everything = table.ids('*')
+    assert table.waits([everything], ['arm::hand'])
+    assert table.waits([table.ids('tip')], ['arm::hand'])
+    assert not table.waits([table.ids('ring')], ['arm::tip'])
+    assert not table.waits([everything], [])

@@ -106,7 +106,7 @@ LAYERS = {
         ('numpy', 'PIL', 'matplotlib'),
     ),
     # What asks a node is no part of it.
-    'client': (('math', 'client'), ('numpy', 'ROS')),
+    'client': (('math', 'common', 'client'), ('numpy', 'ROS')),
     **ROS_ROOMS,
 }
 # One file for what nobody else may touch.

@@ -72,6 +72,7 @@ class PointQueries:
         message = self._message_class()
         fill_point_distances(message, parts, threshold, blocks)
         view.moment.stamp(message)
+        view.waiting().tell_geometries(message)
         message.query_stamp = cloud.header.stamp
         return message
 

@@ -81,7 +81,9 @@ class Cycle:
         }
         if not any(wanted.values()):
             return
-        moment = scene.moment()
+        moment, waiting = scene.moment(), scene.waiting()
+        for message in self._messages.values():
+            waiting.tell_pairs(message)
         scene.tell_effects(detailed=wanted['cycle_report'])
         effects = [Effect('poses', poses_taken, poses_seconds, '' if poses_taken else _NO_POSES)]
         computed = None
@@ -93,7 +95,6 @@ class Cycle:
             effects += _computed(computed) + published
             effects += [beside.take() for beside in self._beside]
             seconds = poses_seconds + time.perf_counter() - start
-            self._fill_waiting(scene)
             self._report(moment, effects, computed, seconds, time_budget)
 
     def _answer(
@@ -141,11 +142,6 @@ class Cycle:
         moment.stamp(message)
         self._publishers[name].publish(message)
         return Effect(f'publish ~/{name}', len(message.id_a), time.perf_counter() - start)
-
-    def _fill_waiting(self, scene: HeldScene) -> None:
-        """Say in the report what is left out for want of poses."""
-        message, waiting = self._messages['cycle_report'], scene.waiting()
-        message.waiting_frames, message.waiting_pairs = waiting.frames, waiting.pairs
 
     def _report(
         self,

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.pose_ages import UnknownAges
-from drake_geom_ros.ros.scene.waiting import waiting
+from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,11 @@ class SceneView:
         """Return how fast pairs come together at the twists of this moment; None: nobody knows."""
         return None if self.twists is None else closing_speeds(results, self.twists)
 
+    def waiting(self) -> Waiting:
+        """Return what an answer leaves out for want of poses."""
+        return waiting(self.query, self.names)
+
     def reservations(self) -> str:
         """Return in words what an answer leaves out, and which poses it should not be built on."""
-        said = waiting(self.query, self.names).in_words(), self.unknown_ages.in_words()
+        said = self.waiting().in_words(), self.unknown_ages.in_words()
         return '; '.join(filter(None, said))

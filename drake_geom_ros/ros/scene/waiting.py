@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import QueryObject
@@ -10,10 +10,11 @@ from drake_geom_ros.ros.conversions.names import NameTable, some_of
 
 
 class Waiting(NamedTuple):
-    """The full names of the frames that never had a pose, and how many pairs that leaves out."""
+    """The full names of the frames that never had a pose, and what that leaves out."""
 
     frames: list[str]
-    pairs: int
+    pairs: int  # unfiltered ones
+    geometries: int  # with the proximity role
 
     def in_words(self) -> str:
         """Return a sentence about it; empty where nothing waits."""
@@ -24,8 +25,21 @@ class Waiting(NamedTuple):
             f'{counted(len(self.frames), "frame")} never had a pose: {some_of(self.frames)}'
         )
 
+    def tell_pairs(self, message: Any) -> None:
+        """Say it in an answer about pairs, or in the report of a cycle."""
+        message.waiting_frames, message.waiting_pairs = self.frames, self.pairs
+
+    def tell_geometries(self, message: Any) -> None:
+        """Say it in an answer about geometries."""
+        message.waiting_frames, message.waiting_geometries = self.frames, self.geometries
+
+
+_NONE = Waiting([], 0, 0)
+
 
 def waiting(query: QueryObject, names: NameTable) -> Waiting:
     """Return what waits in the scene of a query object."""
     frames = [names.frame_names[frame] for frame in query.waiting_frames()]
-    return Waiting(frames, query.num_waiting_pairs() if frames else 0)
+    if not frames:
+        return _NONE
+    return Waiting(frames, query.num_waiting_pairs(), query.num_waiting_geometries())

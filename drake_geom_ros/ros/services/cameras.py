@@ -74,6 +74,7 @@ def render_image(live: LiveScene, request: Any, response: Any) -> None:
     response.legend.scene_version = view.moment.version
     for message in (response.camera_info, response.legend):
         fill_header(message, camera, stamp)
+    response.waiting_frames = view.waiting().frames
     response.message = view.reservations()
 
 

@@ -94,6 +94,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
     fill_penetrations(response.result, results)
     fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
+    view.waiting().tell_pairs(response.result)
     response.message = view.reservations()
 
 
@@ -112,6 +113,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
     fill_signed_distances(response.result, results, limit)
     fill_closing_speeds(response.result, view.closing_speeds(results))
     view.moment.stamp(response.result)
+    view.waiting().tell_pairs(response.result)
     response.message = view.reservations()
 
 
@@ -149,6 +151,7 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
     _require_room(live, sum(map(len, parts)), POINT_DISTANCE_SIZE, instead)
     fill_point_distances(response.result, parts, limit, blocks)
     view.moment.stamp(response.result)
+    view.waiting().tell_geometries(response.result)
     response.message = view.reservations()
 
 
@@ -158,13 +161,21 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
     ids = view.query.collision_candidates()
     _require_room(live, len(ids), CANDIDATE_SIZE, 'filter pairs that never matter')
     response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
-    response.message = view.reservations()
+    _tell(view, response)
 
 
 def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether any pair overlaps."""
     view = live.view(request.poses)
     response.has_collisions = view.query.HasCollisions()
+    _tell(view, response)
+
+
+def _tell(view: SceneView, response: Any) -> None:
+    """Say in an answer without a header what it is for, and what it leaves out."""
+    response.scene_version = view.moment.version
+    response.oldest_pose_age = view.moment.oldest_pose_age
+    view.waiting().tell_pairs(response)
     response.message = view.reservations()
 
 

@@ -15,10 +15,10 @@ def _at(x, y, z):
 def table(version=1):
     return SceneTable(
         [
-            Geometry(1, 'left', 'left::hand', 'ball', 1, (0.1,), _at(0, 0, 0.05)),
-            Geometry(2, 'left', 'left::arm', 'rod', 4, (0.05, 0.4), np.eye(4)),
-            Geometry(3, 'right', 'right::hand', 'ball', 1, (0.1,), np.eye(4)),
-            Geometry(4, 'things', 'things::can', 'can', 3, (0.03, 0.1), np.eye(4)),
+            Geometry(1, 'left', 'hand', 'ball', 1, (0.1,), _at(0, 0, 0.05), ('left::hand',)),
+            Geometry(2, 'left', 'arm', 'rod', 4, (0.05, 0.4), np.eye(4), ('left::arm',)),
+            Geometry(3, 'right', 'hand', 'ball', 1, (0.1,), np.eye(4), ('right::hand',)),
+            Geometry(4, 'things', 'can', 'can', 3, (0.03, 0.1), np.eye(4), ('things::can',)),
             Geometry(5, 'room', 'world', 'table', 2, (1.0, 0.6, 0.1), _at(0, 0, -0.2)),
             Geometry(6, 'room', 'world', 'floor', 6, (), np.eye(4)),
             Geometry(7, 'room', 'world', 'stone', 5, (0.05, 0.1, 0.02), _at(0.3, 0.1, -0.1)),

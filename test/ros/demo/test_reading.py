@@ -16,7 +16,7 @@ def _pose(x, y, z, q=(0.0, 0.0, 0.0, 1.0)):
 def _geometry(id, source, frame, name, kind, dimensions, pose):
     return Some(
         id=id, source_id=source, frame_id=frame, name=name, pose=pose,
-        shape=Some(type=kind, dimensions=dimensions),
+        shape=Some(type=kind, dimensions=dimensions), roles=[Some(role=1)],
     )  # fmt: skip
 
 
@@ -52,6 +52,8 @@ def _result(distance):
         scene_version=7,
         names_version=7,
         oldest_pose_age=0.0,
+        waiting_frames=[],
+        waiting_pairs=0,
         max_distance=1.0,
         distance=distance,
         error_bound=[0.0] * 3,

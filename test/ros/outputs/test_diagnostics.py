@@ -11,7 +11,7 @@ from drake_geom_ros.ros.outputs.diagnostics import Diagnostics, SceneState
 from drake_geom_ros.ros.scene.waiting import Waiting
 
 CYCLE = Plain(count=3, worst_error_bound=0.0)
-NOBODY = Waiting([], 0)
+NOBODY = Waiting([], 0, 0)
 
 
 def status_of(ages, waiting=NOBODY, owners=None):
@@ -22,7 +22,7 @@ def status_of(ages, waiting=NOBODY, owners=None):
 
 
 def test_a_frame_that_never_had_a_pose_is_warned_of_and_named():
-    waiting = Waiting([f's::f{k}' for k in range(7)], 12)
+    waiting = Waiting([f's::f{k}' for k in range(7)], 12, 3)
     ages = dict.fromkeys(waiting.frames, math.inf)
     status, values = status_of({**ages, 's::old': 2.0}, waiting)
     assert status.level == DiagnosticStatus.WARN

@@ -1,0 +1,130 @@
+"""The monitor of examples/ur5_cell says stop while its robot is not there, and goes once it is."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from conventions.source_tree import ROOT
+from drake_geom_msgs import msg, srv
+from ros.harness import LATCHED, environment, start_node
+from ros.scene_calls import accepted, poses
+from std_msgs.msg import Bool
+
+pytest.importorskip('tf2_msgs.msg', reason='`./run test` builds it where it is missing')
+SCENE = """
+sources: [cell, {robot}]
+frames:
+- {{name: cart, source: cell, pose: {{position: [5, 0, 0]}}}}
+- {{name: 'arm::hand', source: {robot}}}
+geometries:
+- {{name: block, source: cell, shape: {{type: box, size: [1, 1, 1]}}}}
+- {{name: load, source: cell, frame: cart, shape: {{type: box, size: [1, 1, 1]}}}}
+- {{name: ball, source: {robot}, frame: 'arm::hand', shape: {{type: sphere, radius: 0.1}}}}
+"""
+
+
+class Watched:
+    """A node, and a monitor that is told to watch ``robot``."""
+
+    def __init__(self, folder, client, robot):
+        self.client, self.at = client, None
+        self.node = start_node(folder / 'node', max_distance=0.5)
+        given = [f'robot:={robot}', 'oldest_pose:=5.0', 'longest_silence:=5.0']
+        self.log = folder / 'monitor'
+        with self.log.open('w') as log:
+            self.monitor = subprocess.Popen(
+                [sys.executable, str(ROOT / 'examples/ur5_cell/stop_monitor.py'), '--ros-args']
+                + [word for each in given for word in ('-p', each)],
+                env=environment(),
+                stdout=log,
+                stderr=subprocess.STDOUT,
+            )
+        self.stops = client.listen(Bool, '/stop_monitor/stop', LATCHED)
+        self._poses = client.publisher(msg.FramePoses, 'frame_poses')
+
+    def load(self, robot):
+        """Load the scene with a robot of that name, which has no pose yet."""
+        text = SCENE.format(robot=robot)
+        accepted(self.client.call(srv.LoadScene, 'load_scene', text=text, replace=True))
+        self.robot, self.at = robot, None
+
+    def move(self):
+        """Send the poses of now."""
+        frames, places = ['cell::cart'], [(5, 0, 0)]
+        if self.at is not None:
+            frames, places = [*frames, f'{self.robot}::arm::hand'], [*places, self.at]
+        self._poses.publish(poses(frames, places))
+
+    def says(self, words):
+        """Wait until the monitor says something, which is its last word then."""
+
+        def said():
+            self.move()
+            lines = self.log.read_text().splitlines()
+            return lines and words in lines[-1]
+
+        self.client.wait_for(said, f'{words!r} of the monitor')
+
+    def stays(self, stop, seconds=1.5):
+        """Wait a while, in which the monitor must not change its mind."""
+        self.client.wait_for(lambda: self.stops and self.stops[-1].data == stop, f'stop: {stop}')
+        self.stops.clear()
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.move()
+            self.client.spin_until(time.monotonic() + 0.05)
+        assert len(self.stops) > 10
+        assert {word.data for word in self.stops} == {stop}
+
+    def close(self):
+        self.monitor.send_signal(signal.SIGINT)
+        self.monitor.wait(20.0)
+        assert self.node.end() == 0, self.node.output()
+        assert 'Traceback' not in self.log.read_text()
+
+
+@pytest.fixture
+def watch(tmp_path, lone_client):
+    """Return a function that starts a node, and a monitor of a robot."""
+    started = []
+
+    def start(robot):
+        started.append(Watched(tmp_path, lone_client, robot))
+        return started[0]
+
+    yield start
+    for each in started:
+        each.close()
+
+
+def test_a_misspelt_robot_is_stopped_for_ever_and_the_nearest_name_is_told(watch):
+    watched = watch('rigth')
+    watched.load('right')
+    watched.at = (0.0, 0.0, 0.0)  # right in the block: the robot that was meant
+    watched.says("stop: nobody to watch: 'rigth' stands for no geometry")
+    assert "nearest: 'right'" in watched.log.read_text()
+    watched.at = (0.0, 0.0, 3.0)
+    watched.stays(stop=True)
+
+
+def test_it_goes_once_its_robot_is_there_and_posed_and_stops_when_it_is_gone(watch):
+    watched = watch('right')
+    watched.load('other')
+    watched.says('stop: nobody to watch')
+    watched.stays(stop=True)
+    watched.load('right')
+    watched.says('stop: not all is posed: right::arm::hand')
+    watched.stays(stop=True)
+    watched.at = (0.0, 0.0, 3.0)
+    watched.says('go')
+    watched.stays(stop=False)
+    watched.at = (0.0, 0.0, 0.62)
+    watched.says('stop: cell::world/block to right::arm::hand/ball: 0.0200 m')
+    watched.load('other')
+    watched.at = (0.0, 0.0, 3.0)
+    watched.says('stop: nobody to watch')
+    watched.load('right')
+    watched.at = (0.0, 0.0, 3.0)
+    watched.says('go')
