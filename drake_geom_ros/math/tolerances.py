@@ -32,3 +32,7 @@ DIRECTION_NORM = 1e-10
 # | |q| - 1 | and | |axis| - 1 | may reach this [-] in a Quaternion and an AngleAxis (Drake's
 # choice: it takes 1e-6 and refuses 1e-3); what is made of them is normalised.
 UNIT_NORM = 1e-5
+
+# [m] and [-] of R: what is welded to the world may differ by so much from its first pose, as
+# transforms do that were written with few digits.
+WELDED_STAYS = 1e-6
