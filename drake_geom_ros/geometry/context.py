@@ -21,6 +21,7 @@ from drake_geom_ros.geometry._records import GeometryRecord
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.ids import FrameId, SourceId
+from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -35,9 +36,6 @@ class _Built(NamedTuple):
 
 _LAST = 0  # no source's value
 _MOST_USUAL = 16  # max_distances may come without end
-# [m] and [-] of R: what is welded to the world may differ by so much from its first pose, as
-# transforms do that were written with few digits.
-_STAYS = 1e-6
 
 
 class _WaitingPairs(NamedTuple):
@@ -225,7 +223,7 @@ class SceneGraphContext:
             first = welded[frame]
             if first is None:
                 welded[frame] = X_WF.copy()
-            elif np.abs(X_WF - first).max() > _STAYS:
+            elif np.abs(X_WF - first).max() > WELDED_STAYS:
                 on_it = self._model.geometries_on(FrameId(frame))
                 keys = [g.id.get_value() for g in on_it if g.proximity is not None]
                 self._filters.unweld(frame, keys)

@@ -37,3 +37,8 @@ UNIT_NORM = 1e-5
 # whose millimetres are read as metres is above, one of up to 1 m that is scaled by 0.001 although
 # it is in metres is below.
 LARGEST_PART, SMALLEST_PART = 10.0, 1e-3  # [m]
+
+
+# [m] and [-] of R: what is welded to the world may differ by so much from its first pose, as
+# transforms do that were written with few digits.
+WELDED_STAYS = 1e-6

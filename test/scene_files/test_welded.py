@@ -102,8 +102,9 @@ def test_a_pose_elsewhere_ends_the_weld_in_that_context(scene_graph):
 
 
 def test_only_frames_on_the_world_can_be_welded(scene_graph):
+    text = 'name: s\nframes: [{name: a}, {name: b, parent: a, welded: true}]'
     with pytest.raises(RuntimeError, match='must be the world'):
-        load_scene('frames: [{name: a}, {name: b, parent: a, welded: true}]\n', scene_graph)
+        load_scene(text, scene_graph)
 
 
 def test_by_topic_and_a_node_tells_of_one_that_is_moved():
