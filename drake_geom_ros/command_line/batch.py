@@ -21,9 +21,10 @@ from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
 from drake_geom_ros.command_line.query import points_of_file
+from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
 from drake_geom_ros.geometry.state_queries import PackedScene
-from drake_geom_ros.scene_files import LoadedScene, SceneFileError, load_scene
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
 _PIECE = 1 << 20  # bytes of a file that are hashed at once
@@ -70,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     output = Path(options.output)
     check_suffix(output)
     scene_graph = SceneGraph()
-    loaded = load_scene(options.scene, scene_graph, srdf=options.srdf)
+    loaded = load_and_tell(options.scene, scene_graph, options.srdf)
     states = read_states(options.states, options.names)
     points = points_of_file(options.points) if options.points else None
     question = Question(

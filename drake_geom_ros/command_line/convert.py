@@ -6,8 +6,9 @@ from typing import Any
 
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
+from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.geometry import SceneGraph
-from drake_geom_ros.scene_files import SceneFileError, load_scene, save_scene
+from drake_geom_ros.scene_files import SceneFileError, save_scene
 
 _SCENE_SUFFIXES = ('.yaml', '.yml')
 
@@ -30,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     source, target = Path(options.input), Path(options.output)
     if source.suffix in ('.urdf', *_SCENE_SUFFIXES) and target.suffix in _SCENE_SUFFIXES:
         scene_graph = SceneGraph()
-        loaded = load_scene(source, scene_graph, srdf=options.srdf)
+        loaded = load_and_tell(str(source), scene_graph, options.srdf)
         target.write_text(
             save_scene(scene_graph, loaded.X_PFs, loaded.robots.values()), encoding='utf-8'
         )

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Iterable
 
 from drake_geom_ros.command_line.pose_file import FramePose
+from drake_geom_ros.command_line.scene_input import read_and_tell
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
 from drake_geom_ros.scene_files import (
     SceneDescription,
     SceneFileError,
-    read_scene,
     register,
 )
 from drake_geom_ros.scene_files.names import NameTable
@@ -22,9 +22,12 @@ class PosedScene:
     """
 
     def __init__(self, path: str, srdf: str = '') -> None:
-        """Load a file; raises SceneFileError for one that cannot be."""
+        """Load a file; raises SceneFileError for one that cannot be.
+
+        What is not understood in it is told on standard error.
+        """
         self._path = path
-        self.description: SceneDescription = read_scene(path, srdf=srdf)
+        self.description: SceneDescription = read_and_tell(path, srdf)
         self.scene_graph = SceneGraph()
         loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames

@@ -131,6 +131,7 @@ class ConfiguredNode:
         self._tf: TfInput | None = None
         if settings.values.use_tf:
             self._tf = listen_to_tf(surface, self._stream, guard, groups.stream, live.clocks)
+            self._stream.tf = self._tf
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
@@ -336,9 +337,12 @@ class ConfiguredNode:
         self._publish_scene()
 
     def _log_what_is_told(self) -> None:
-        """Log what became of transient filters, in one line."""
+        """Log what became of transient filters, in one line, and warnings, one in a line."""
         with self.live.editing() as scene:
             told, scene.told = scene.told, []
+            warned, scene.warned = scene.warned, []
+        for warning in warned:
+            self._guard.tell(warning, warning, once=True)
         if told:
             self._node.get_logger().info('; '.join(told))
 

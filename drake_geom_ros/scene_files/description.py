@@ -197,6 +197,7 @@ class SceneDescription:
     """A whole scene, robots expanded to frames, geometries and filters.
 
     Each part is in the order in which it is registered; of filters the last word counts.
+    ``warnings`` name, with file and line, what was read and not understood, once for each kind.
     """
 
     file: str = '<scene>'
@@ -206,3 +207,4 @@ class SceneDescription:
     geometries: tuple[GeometryDescription, ...] = ()
     filters: tuple[FilterDescription, ...] = ()
     cameras: tuple[CameraDescription, ...] = ()
+    warnings: tuple[str, ...] = field(default=(), compare=False)

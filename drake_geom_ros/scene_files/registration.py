@@ -45,7 +45,7 @@ class LoadedScene:
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
     parent of each frame that the description gives one, which contexts made later begin with;
     ``static``, of each frame of which the description says it, whether its pose does not grow old;
-    ``cameras`` with the frames that they are on.
+    ``cameras`` with the frames that they are on; ``warnings`` those of the description.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -56,6 +56,7 @@ class LoadedScene:
     X_PFs: Mapping[FrameId, RigidTransform] = field(default_factory=dict)
     static: Mapping[FrameId, bool] = field(default_factory=dict)
     cameras: tuple[tuple[FrameId, CameraDescription], ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
@@ -132,6 +133,7 @@ class _Registration:
                 if frame.static is not None
             },
             tuple((self._frame_id(c.source, c.frame), c) for c in description.cameras),
+            description.warnings,
         )
 
     def _frame_id(self, source: str, name: str) -> FrameId:

@@ -30,6 +30,8 @@ from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, sha
 
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
+# Keys of a robot that say how its URDF is read.
+_OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes'}
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
@@ -54,6 +56,7 @@ class _SceneParser:
         self._frames: list[FrameDescription] = []
         self._geometries: list[GeometryDescription] = []
         self._filters: list[FilterDescription] = []
+        self._warnings: list[str] = []
 
     def parse(self) -> SceneDescription:
         for index, plain in enumerate(self._plain.get('robots', ())):
@@ -73,6 +76,7 @@ class _SceneParser:
             tuple(self._geometries),
             tuple(self._filters),
             read_cameras(self._document, names),
+            tuple(self._warnings),
         )
 
     def _source(self, plain: Plain) -> str:
@@ -98,6 +102,11 @@ class _SceneParser:
         X_WB = self._pose(plain, *path)
         self._robots.append(RobotDescription(name, urdf_path, X_WB, srdf_path, where))
         if plain.get('loaded', False):
+            for key in _OF_READING & plain.keys():
+                raise self._document.at(*path, key).error(
+                    'has no effect with `loaded: true`: geometries and filters are those that '
+                    'this file lists'
+                )
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -112,6 +121,12 @@ class _SceneParser:
             self._resolver,
             options,
         )
+        self._warnings += parts.warnings
+        if 'pose' in plain:
+            try:
+                parts = parts.placed(X_WB)
+            except ValueError as error:
+                raise self._document.at(*path, 'pose').error(str(error)) from error
         self._frames += parts.frames
         self._geometries += parts.geometries
         self._filters += parts.filters

@@ -144,7 +144,7 @@ def _sources(scene: HeldScene) -> set[str]:
 
 def joined(first: SceneDescription, second: SceneDescription) -> SceneDescription:
     """Return a scene of two; what the second says is registered last."""
-    names = ('sources', 'robots', 'frames', 'geometries', 'filters')
+    names = ('sources', 'robots', 'frames', 'geometries', 'filters', 'warnings')
     return replace(first, **{name: getattr(first, name) + getattr(second, name) for name in names})
 
 

@@ -40,6 +40,7 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         with live.editing() as scene:
             added = scene.add(description)
     response.frames, response.geometries = added
+    response.message = '\n'.join(description.warnings)
 
 
 def save_scene(live: LiveScene, request: Any, response: Any) -> None:
