@@ -11,6 +11,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -113,7 +114,7 @@ def _from_csv(text: str, file: str) -> Iterator[PoseSet]:
 
 def _from_json(text: str, file: str) -> Iterator[PoseSet]:
     try:
-        value = json.loads(text)
+        value = json.loads(text, object_pairs_hook=partial(_each_once, file))
     except json.JSONDecodeError as error:
         raise SceneFileError(f'not JSON: {error.msg}', file, error.lineno) from None
     except RecursionError:
@@ -136,6 +137,16 @@ def _from_json(text: str, file: str) -> Iterator[PoseSet]:
             values = [_number(number, place) for number in numbers]
             moment.poses.append(FramePose(frame, _pose(values, place), place))
         yield moment
+
+
+def _each_once(file: str, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return an object of JSON; raises SceneFileError for a key that is there twice."""
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise SceneFileError('the key is there twice in one object', file, key=key)
+        found[key] = value
+    return found
 
 
 def _number(value: Any, where: Location) -> float:

@@ -132,6 +132,7 @@ class ConfiguredNode:
         self._tf: TfInput | None = None
         if settings.values.use_tf:
             self._tf = listen_to_tf(surface, self._stream, guard, groups.stream, live.clocks)
+            self._stream.tf = self._tf
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None

@@ -66,6 +66,8 @@ class PosePlayer(Node):
         self._loop = self._declare('loop', True)
         package_roots = filter(None, self._declare('package_roots', ()))
         scene = read_scene(scene_file, package_roots=package_roots)
+        for told in scene.warnings:
+            self.get_logger().warning(told)
         self._motion = load_motion(trajectory_file or None, scene)
         self._message = FramePoses(frame_names=_full_names(self._motion))
         self._message.header.frame_id = self._declare('world_frame', 'world')

@@ -25,6 +25,7 @@ class PoseStream:
         cycle: Cycle,
     ) -> None:
         self.active = False
+        self.tf: TfInput | None = None  # what may hang on frames that messages pose
         self._live = live
         self._settings = settings
         self._diagnostics = diagnostics
@@ -40,7 +41,10 @@ class PoseStream:
         """Take a FramePoses that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
         start = time.perf_counter()
         with self._live.editing() as scene:
-            self._posed(scene, scene.take_poses(message, waited), start)
+            frames = scene.take_poses(message, waited)
+            if self.tf is not None:
+                frames += self.tf.follow(scene)
+            self._posed(scene, frames, start)
         self._diagnostics.take(time.perf_counter() - start)
 
     def take_twists(self, message: Any, waited: float) -> None:

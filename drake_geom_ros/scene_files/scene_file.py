@@ -1,6 +1,7 @@
 """Scene files from the outside: read one, load one into a scene graph, save a scene graph."""
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -81,9 +82,12 @@ def load_scene(
     """Register all that a scene file describes, and return the ids by name.
 
     Arguments and errors are those of ``read_scene`` and ``register``; after an error the scene
-    graph is as it was.
+    graph is as it was. What is not understood in the file is told as a UserWarning each, too.
     """
-    return register(scene_graph, read_scene(path_or_text, format, srdf, package_roots))
+    loaded = register(scene_graph, read_scene(path_or_text, format, srdf, package_roots))
+    for told in loaded.warnings:
+        warnings.warn(told, stacklevel=2)
+    return loaded
 
 
 def save_scene(

@@ -11,14 +11,13 @@ masses, limits and visuals, and a library that reads those as well (yourdfpy) br
 FCL into a process whose scene has no mesh, 0.7 s and 60 MB.
 """
 
-import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.geometry import Mesh, ProximityProperties, Role
-from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import urdf_filters, urdf_shapes
 from drake_geom_ros.scene_files.description import (
     WORLD,
@@ -28,8 +27,19 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
 )
 from drake_geom_ros.scene_files.resources import ResourceResolver
-from drake_geom_ros.scene_files.urdf_filters import Joint, moved_links
-from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
+from drake_geom_ros.scene_files.urdf_filters import moved_links
+from drake_geom_ros.scene_files.urdf_poses import pose_of
+from drake_geom_ros.scene_files.urdf_tree import (
+    UrdfJoint,
+    fixed_poses,
+    read_joints,
+    read_links,
+    root_links,
+)
+from drake_geom_ros.scene_files.urdf_vocabulary import check_vocabulary
+from drake_geom_ros.scene_files.xml_tree import attribute, place_of, read_robot_xml
+
+_NO_SHAPES = 'the robot {!r} has no <collision> elements: no query sees anything of it'
 
 
 @dataclass(frozen=True)
@@ -39,12 +49,29 @@ class RobotParts:
     frames: tuple[FrameDescription, ...]
     geometries: tuple[GeometryDescription, ...]
     filters: tuple[FilterDescription, ...]
+    joints: tuple[UrdfJoint, ...] = ()
     warnings: tuple[str, ...] = ()
 
     @property
     def link_names(self) -> list[str]:
         """The links in the order of the file."""
         return [frame.name for frame in self.frames]
+
+    def placed(self, X_WB: RigidTransform) -> 'RobotParts':
+        """Return the parts with the root link B, and what is fixed to it, where they stand.
+
+        Raises ValueError, which names no line, for links that have no single root.
+        """
+        known = dict.fromkeys((*(joint.parent for joint in self.joints), *self.link_names))
+        roots = root_links(self.joints, known)
+        if len(roots) != 1:
+            raise ValueError(
+                f'the pose is that of the root link, but the links {", ".join(map(repr, roots))} '
+                'have no parent each'
+            )
+        poses = fixed_poses(self.joints, roots[0], X_WB)
+        frames = (replace(frame, X_PF=poses.get(frame.name)) for frame in self.frames)
+        return replace(self, frames=tuple(frames))
 
 
 def robot_name(data: bytes, file: str) -> str:
@@ -64,15 +91,19 @@ def read_urdf(
 
     The n-th geometry of a link is named as its collision element, or ``collision_n`` (from 0)
     where that has no name or one that an earlier element of the link has.
-    Raises SceneFileError, with the line, for what is not a URDF, links that are there twice or
-    not at all, shapes that are not known or have bad dimensions, and missing mesh files.
+    Raises SceneFileError, with the line, for what is not a URDF, one without links, links and
+    joints that are there twice or not at all or form no tree, shapes that are not known or have
+    bad dimensions, missing mesh files, and for what cannot be meant as it is read.
     """
     root = read_robot_xml(data, file)
     attribute(root, 'name', file)
-    links = _links(root, file)
-    joints = [_joint(element, links, file) for element in root.findall('joint')]
+    warnings = check_vocabulary(root, file)
+    links = read_links(root, file)
+    joints = read_joints(root, links, file)
+    warnings += tuple(_unknown_leaders(joints))
     held = [*joints, *urdf_filters.drakes_joints(root, links, file)]
-    groups, warnings = urdf_filters.read_groups(root, file, source)
+    groups, of_groups = urdf_filters.read_groups(root, file, source)
+    warnings += of_groups
     moved, welded = moved_links(held), urdf_filters.welded_links(held, options)
     frames = []
     geometries: list[GeometryDescription] = []
@@ -86,25 +117,25 @@ def read_urdf(
             FrameDescription(source, name, static=static, where=where, welded=name in welded)
         )
         geometries += _link_geometries(element, name, file, source, folder, resolver, options)
+    if below := [joint for joint in joints if joint.child == WORLD]:
+        raise below[0].where.error(f'the child {WORLD!r} is the world frame, which nothing holds')
     with_geometry = {geometry.frame for geometry in geometries}
     filters: tuple[FilterDescription, ...] = (
         *urdf_filters.adjacent_cliques(held, with_geometry, source, options),
         *urdf_filters.self_cliques(with_geometry, source, options),
         *groups,
     )
-    return RobotParts(tuple(frames), tuple(geometries), filters, warnings)
+    if not geometries:
+        warnings += (str(place_of(root, file).error(_NO_SHAPES.format(source))),)
+    return RobotParts(tuple(frames), tuple(geometries), filters, tuple(joints), warnings)
 
 
-def _links(root: Any, file: str) -> dict[str, Any]:
-    """Return the link elements by name; refuse missing names, and links that are there twice."""
-    links: dict[str, Any] = {}
-    for element in root.findall('link'):
-        name = attribute(element, 'name', file)
-        if name in links:
-            first = links[name].sourceline
-            raise place_of(element, file).error(f'link {name!r} is listed twice, see line {first}')
-        links[name] = element
-    return links
+def _unknown_leaders(joints: Sequence[UrdfJoint]) -> Iterator[str]:
+    """Yield, in words, which joints mimic one that is not there: whoever moves them is told."""
+    names = {joint.name for joint in joints}
+    for joint in joints:
+        if joint.mimic is not None and joint.mimic.joint not in names:
+            yield str(joint.where.error(f'it mimics {joint.mimic.joint!r}, which is not a joint'))
 
 
 def _check_world(element: Any, file: str) -> None:
@@ -114,21 +145,6 @@ def _check_world(element: Any, file: str) -> None:
             f'the link {WORLD!r} is the world frame and cannot have collision elements; make them '
             'anchored geometries of the scene file, or rename the link'
         )
-
-
-def _joint(element: Any, links: Mapping[str, Any], file: str) -> Joint:
-    """Return what a joint holds together; refuse one to a link that is not there."""
-    attribute(element, 'name', file)
-    ends = []
-    for end in ('parent', 'child'):
-        child = element.find(end)
-        if child is None:
-            raise place_of(element, file).error(f'missing <{end} link="..."/>')
-        link = attribute(child, 'link', file)
-        if link not in links:
-            raise place_of(child, file).error(f'link {link!r} is not in the file')
-        ends.append(link)
-    return Joint(attribute(element, 'type', file), *ends)
 
 
 def _link_geometries(
@@ -145,7 +161,7 @@ def _link_geometries(
         place = place_of(element, file)
         try:
             shape = urdf_shapes.shape_of(element, folder, resolver)
-            X_LG = _pose(element.find('origin'))
+            X_LG = pose_of(element)
         except (ValueError, RuntimeError) as error:
             raise place.error(str(error)) from error
         name = (element.get('name') or '').strip(' \t')
@@ -157,13 +173,3 @@ def _link_geometries(
             properties.AddProperty('mesh', 'solid', True)
         roles = {Role.kProximity: properties}
         yield GeometryDescription(source, frame, name, shape, X_LG, roles, place)
-
-
-def _pose(origin: Any) -> RigidTransform:
-    """Return the pose that an ``<origin>``, None where there is none, stands for."""
-    if origin is None:
-        return RigidTransform()
-    xyz, rpy = (numbers(origin, name, 3, '0 0 0') for name in ('xyz', 'rpy'))
-    if not all(map(math.isfinite, (*xyz, *rpy))):
-        raise ValueError('origin: xyz and rpy must be finite numbers')
-    return RigidTransform(RollPitchYaw(rpy).ToRotationMatrix(), xyz)

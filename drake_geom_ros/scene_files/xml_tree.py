@@ -27,9 +27,18 @@ def read_robot_xml(data: bytes, file: str) -> Any:
         raise SceneFileError(f'not XML: {error.msg}', file, error.lineno) from error
     if root.getroottree().docinfo.doctype:
         raise SceneFileError('a document type (<!DOCTYPE ...>); remove it', file)
+    _leave_default_namespace(root)
     if root.tag != 'robot':
         raise place_of(root, file).error(f'root element <{root.tag}>; must be <robot>')
     return root
+
+
+def _leave_default_namespace(root: Any) -> None:
+    """Name elements of the root's default namespace plainly: URDF has no namespace of its own."""
+    prefix = f'{{{root.nsmap.get(None)}}}'
+    if root.tag.startswith(prefix):
+        for element in root.iter():
+            element.tag = str(element.tag).removeprefix(prefix)
 
 
 def local_name(element: Any) -> str:
@@ -67,7 +76,8 @@ def numbers(element: Any, name: str, count: int, default: str | None = None) -> 
         values = [float(word) for word in text.split()]
     except ValueError:
         values = []
-    if len(values) != count:
+    # Python alone reads 1_0 as 10.
+    if len(values) != count or '_' in text:
         wanted = 'a number' if count == 1 else f'{count} numbers'
         raise ValueError(f'{local_name(element)}: {name} = {text!r} must be {wanted}')
     return values

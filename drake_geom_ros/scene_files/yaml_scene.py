@@ -30,6 +30,8 @@ from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, sha
 
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
+# Keys of a robot that say how its URDF is read.
+_OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes'}
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
@@ -100,6 +102,11 @@ class _SceneParser:
         X_WB = self._pose(plain, *path)
         self._robots.append(RobotDescription(name, urdf_path, X_WB, srdf_path, where))
         if plain.get('loaded', False):
+            for key in _OF_READING & plain.keys():
+                raise self._document.at(*path, key).error(
+                    'has no effect with `loaded: true`: geometries and filters are those that '
+                    'this file lists'
+                )
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -111,6 +118,11 @@ class _SceneParser:
             data, str(urdf_path), name, urdf_path.parent, self._resolver, options
         )
         self._warnings += parts.warnings
+        if 'pose' in plain:
+            try:
+                parts = parts.placed(X_WB)
+            except ValueError as error:
+                raise self._document.at(*path, 'pose').error(str(error)) from error
         self._frames += parts.frames
         self._geometries += parts.geometries
         self._filters += parts.filters

@@ -1,13 +1,12 @@
 """Forward kinematics of a URDF tree, vectorised over joints and over configurations."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.geometry.joint_trees import JointKind, JointTree
+from drake_geom_ros.scene_files.urdf_tree import LinkTree, UrdfJoint, read_link_tree, root_links
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 
 _KINDS = {
@@ -24,26 +23,25 @@ class Kinematics:
     ``joined_links`` are the two links of each joint, fixed ones too; ``tree`` is all that a pose
     of a link depends on, as arrays.
 
-    The URDF is parsed by yourdfpy, which keeps every element and loads no mesh when told so. Its
-    own forward kinematics walks a graph in Python, one configuration at a time (milliseconds for
-    a dozen links), so that of ``JointTree`` is taken.
+    The URDF is read as that of a scene file is. A link called as the world is a link here.
     """
 
     def __init__(self, urdf_path: str):
         """Read the URDF at a path; raises ValueError for what is not a tree of simple joints.
 
-        Raises GeometryError where yourdfpy is not installed.
+        Raises SceneFileError, with the line, for what is no URDF, and for a link with two parents.
         """
-        robot = _parsed(urdf_path)
-        joints = _parents_first(robot)
+        robot = read_link_tree(urdf_path)
+        root = _root(robot)
+        joints = _parents_first(robot, root)
         leader = _mimicked(robot, urdf_path)
         independent = [j for j in robot.joints if leader[j.name][0] == j.name]
-        limits = [_limits(j) for j in independent]
+        limits = [(j.lower, j.upper, j.max_speed) for j in independent]
 
         self.name: str = robot.name
         self.joint_names = tuple(j.name for j in independent)
         self.lower, self.upper, self.max_speed = np.array(limits, dtype=float).reshape(-1, 3).T
-        self.link_names = (_root(robot), *(j.child for j in joints))
+        self.link_names = (root, *(j.child for j in joints))
         self.joined_links = tuple((j.parent, j.child) for j in joints)
 
         self.tree = JointTree(
@@ -52,7 +50,7 @@ class Kinematics:
             offsets=np.array([leader[j.name][2] for j in joints], dtype=float),
             kinds=np.array([_KINDS.get(j.type, JointKind.FIXED) for j in joints], dtype=np.int64),
             axes=np.array([_unit_axis(j) for j in joints], dtype=float).reshape(-1, 3),
-            X_PJs=_poses_in_parents(joints),
+            X_PJs=np.array([j.X_PJ.ToArray() for j in joints]).reshape(-1, 7),
             parents=np.array([self.link_names.index(j.parent) for j in joints], dtype=np.int64),
             children=np.arange(1, len(joints) + 1),
         )
@@ -101,48 +99,28 @@ class Kinematics:
         return Js
 
 
-def _parsed(urdf_path: str) -> Any:
-    """Return the robot of a URDF. Only now its parser is imported: it takes long, as trimesh."""
-    try:
-        import yourdfpy
-    except ImportError as error:
-        raise GeometryError(
-            f"{urdf_path}: to place a robot's links takes yourdfpy, which cannot be imported "
-            f"({error}): pip install yourdfpy, or this package with its extra 'robots'"
-        ) from None
-    return yourdfpy.URDF.load(str(urdf_path), build_scene_graph=False, load_meshes=False).robot
-
-
-def _root(robot: Any) -> str:
+def _root(robot: LinkTree) -> str:
     """Return the name of the one link that no joint has as its child."""
-    children = [j.child for j in robot.joints]
-    roots = [link.name for link in robot.links if link.name not in children]
-    if len(roots) != 1 or len(set(children)) != len(children):
-        raise ValueError(
-            f'{robot.name}: links must form one tree; roots are {roots}, '
-            f'links with several parents {sorted({c for c in children if children.count(c) > 1})}'
-        )
-    root: str = roots[0]
-    return root
+    roots = root_links(robot.joints, robot.links)
+    if len(roots) != 1:
+        raise ValueError(f'{robot.name}: links must form one tree; roots are {roots}')
+    return roots[0]
 
 
-def _parents_first(robot: Any) -> list[Any]:
+def _parents_first(robot: LinkTree, root: str) -> list[UrdfJoint]:
     """Return the joints so that each one's parent link is the root or a child of one before."""
-    placed = {_root(robot)}
-    ordered: list[Any] = []
+    placed = {root}
+    ordered: list[UrdfJoint] = []
     waiting = list(robot.joints)
     while waiting:
         ready = [j for j in waiting if j.parent in placed]
-        if not ready:
-            names = [j.name for j in waiting]
-            raise ValueError(f'{robot.name}: joints {names} do not hang on the root link')
         ordered += ready
         placed |= {j.child for j in ready}
         waiting = [j for j in waiting if j.child not in placed]
     return ordered
 
 
-def _mimicked(robot: Any, urdf_path: str) -> dict[str, tuple[str, float, float]]:
+def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, float]]:
     """Return ``(leader, multiplier, offset)`` of each joint, for a fixed one an empty leader."""
     by_name = {j.name: j for j in robot.joints}
     found: dict[str, tuple[str, float, float]] = {}
@@ -163,34 +141,20 @@ def _mimicked(robot: Any, urdf_path: str) -> dict[str, tuple[str, float, float]]
                     f'{urdf_path}: joint {name} mimics {mimic.joint!r}, which is '
                     f'{"itself mimicking it" if mimic.joint in passed else "not a joint"}'
                 )
-            offset += multiplier * (mimic.offset or 0.0)
-            multiplier *= 1.0 if mimic.multiplier is None else mimic.multiplier
+            offset += multiplier * mimic.offset
+            multiplier *= mimic.multiplier
             name = mimic.joint
             passed.add(name)
+            if by_name[name].type == 'fixed':
+                raise ValueError(f'{urdf_path}: joint {joint.name} mimics {name!r}, a fixed joint')
         found[joint.name] = (name, multiplier, offset)
     return found
 
 
-def _limits(joint: Any) -> tuple[float, float, float]:
-    """Return lower, upper and speed limit of a joint, infinite where it has none."""
-    limit = joint.limit
-    speed = np.inf if limit is None or not limit.velocity else limit.velocity
-    if joint.type == 'continuous' or limit is None:
-        return -np.inf, np.inf, speed
-    # A missing bound counts as 0 in the URDF specification.
-    return limit.lower or 0.0, limit.upper or 0.0, speed
-
-
-def _unit_axis(joint: Any) -> NDArray[np.float64]:
+def _unit_axis(joint: UrdfJoint) -> NDArray[np.float64]:
     """Return the joint's axis with length 1."""
-    length = float(np.linalg.norm(joint.axis))
-    if joint.type in _MOVING and not (np.isfinite(length) and length > 0.0):
+    axis = np.array(joint.axis)
+    length = float(np.linalg.norm(axis))
+    if joint.type in _MOVING and not length > 0.0:
         raise ValueError(f'joint {joint.name} has axis {joint.axis}; it must not be zero')
-    axis: NDArray[np.float64] = joint.axis
     return axis / length if length > 0.0 else axis
-
-
-def _poses_in_parents(joints: list[Any]) -> NDArray[np.float64]:
-    """Return X_PJ (m, 7) of each joint in its parent link."""
-    origins = [np.eye(4) if j.origin is None else j.origin for j in joints]
-    return poses_of_matrices(np.array(origins).reshape(-1, 4, 4))

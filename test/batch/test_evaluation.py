@@ -136,7 +136,7 @@ def test_frames_that_no_state_names_stay_where_the_context_has_them(cell):
     poses = np.tile([0.6, 0.1, 0.4, 0.0, 0.0, 0.0, 1.0], (5, 1, 1))
     poses[:, 0, 2] += np.linspace(0.0, 0.4, 5)
     context = cell.scene_graph.CreateDefaultContext()
-    with pytest.raises(PoseError, match="never had a pose: 'base'"):
+    with pytest.raises(PoseError, match="never had a pose: 'upper'"):
         evaluate(context, [tray], poses, 'least')
     arm = FramePoseVector.FromArrays(cell.joints.frame_ids, cell.joints.poses(cell.states(1))[0])
     context.UpdateFramePoses(arm)

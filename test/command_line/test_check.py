@@ -116,3 +116,40 @@ geometries:
     assert '  scene::world/hull: mesh a.obj (as its hull, 4 vertices), proximity' in lines
     assert '  scene::world/solid: mesh a.obj (as a solid, 4 triangles), proximity' in lines
     assert '  scene::world/convex: convex a.obj (4 vertices), proximity' in lines
+
+
+URDF = """<robot name="r" version="1.1">
+<link name="a"><glue/></link>
+<link name="b"><glue/><collision><origin xyz="0.1 0 0" quat_xyzw="0 0 0.7071 0.7071"/>
+<geometry><box size="1 0.1 0.1"/></geometry></collision></link>
+{joints}</robot>"""
+JOINT = '<joint name="{}" type="fixed"><parent link="{}"/><child link="{}"/></joint>\n'
+
+
+def test_what_is_not_understood_in_a_urdf_is_told_once_on_standard_error(capsys, tmp_path):
+    path = tmp_path / 'r.urdf'
+    path.write_text(URDF.format(joints=JOINT.format('j', 'a', 'b')))
+    assert main(['check', str(path)]) == 0
+    out, err = capsys.readouterr()
+    assert err == (
+        f'warning: {path}:2: link[a].glue: <glue> in <link> is not understood. It is left out '
+        '(and 1 more like it)\n'
+    )
+    assert 'glue' not in out
+
+
+@pytest.mark.parametrize(
+    ('joints', 'reason'),
+    [
+        (('jab', 'jab'), "joint 'j' is listed twice"),
+        (('jab', 'kba'), 'joints form a ring'),
+        (('jab', 'kbb'), "link 'b' has two parents"),
+    ],
+)
+def test_what_is_no_tree_is_refused_by_check(capsys, tmp_path, joints, reason):
+    path = tmp_path / 'r.urdf'
+    path.write_text(URDF.format(joints=''.join(JOINT.format(*joint) for joint in joints)))
+    assert main(['check', str(path)]) == 1
+    error = capsys.readouterr().err
+    assert error.startswith(f'{path}:6: joint[')
+    assert reason in error

@@ -83,6 +83,11 @@ def test_moments_without_times_cannot_be_csv(tmp_path):
         ('.json', '[{"a": [1, 2, 3, 0, 0, 0, null]}]', '[0].a', 'finite'),
         ('.json', '{"a": [1, 2, 3, 0, 0, 0, true]}', 'a', 'finite'),
         ('.json', '{"a": [1, 2, 3, 0, 0, 0, 1e999]}', 'a', 'finite'),
+        (
+            *('.json', '{"a": [0, 0, 0, 0, 0, 0, 1], "a": [9, 0, 0, 0, 0, 0, 1]}'),
+            *('poses.json: a: ', 'twice'),
+        ),
+        ('.json', '{"time": 1, "time": 2, "poses": {}}', 'time', 'twice'),
         ('.txt', '', '', '.csv'),
     ],
 )

@@ -80,7 +80,7 @@ def test_a_robot_that_came_as_text_is_saved_without_its_urdf(folder):
         (TEXT, {'srdf': 'a.srdf'}, '<text>: srdf is only for a URDF'),
         (TEXT + 'frames: 1', {}, '<text>:3: frames: 1 must be a list'),
         ('<robot/>', {}, '<text>:1: missing attribute `name`'),
-        ('<robot name="r">\n</robot>', {'srdf': 'none.srdf'}, 'none.srdf: cannot be read'),
+        ('<robot name="r"><link name="a"/></robot>', {'srdf': 'a.srdf'}, 'a.srdf: cannot be read'),
         ('<robot name="r">\n</robot>', {'format': 'yaml'}, '<text>'),
         ('a: \ud800\n', {}, '<text>: not UTF-8'),
     ],

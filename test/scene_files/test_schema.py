@@ -143,3 +143,30 @@ def test_the_first_fault_of_several_is_told():
     with pytest.raises(SceneFileError) as caught:
         check('filters: 1\nframes: 2\ngeometries: 3\n')
     assert caught.value.line == 1
+
+
+def closed_to_unknown_keys(schema):
+    """Yield the mappings of a schema, and whether each says which keys it takes."""
+    if isinstance(schema, dict):
+        kinds = schema.get('type', ())
+        if isinstance(kinds, str | list) and 'object' in kinds and 'allOf' not in schema:
+            yield schema, 'additionalProperties' in schema
+        for part in schema.values():
+            yield from closed_to_unknown_keys(part)
+    elif isinstance(schema, list):
+        for part in schema:
+            yield from closed_to_unknown_keys(part)
+
+
+@pytest.mark.parametrize('path', sorted(PACKAGE.rglob('*.schema.json')), ids=name_of)
+def test_no_level_of_a_schema_takes_unknown_keys(path):
+    levels = list(closed_to_unknown_keys(json.loads(path.read_text())))
+    assert len(levels) > 3
+    assert [level for level, is_closed in levels if not is_closed] == []
+
+
+@pytest.mark.parametrize('kind', ['sphere', 'box', 'capsule', 'ellipsoid', 'half_space', 'mesh'])
+def test_a_shape_takes_no_unknown_keys(kind):
+    uri = ', uri: a.obj' * (kind == 'mesh')
+    with pytest.raises(SceneFileError, match='unknown key; allowed are type'):
+        check(HEAD + GEOMETRY % f'{kind}{uri}, colour: red')

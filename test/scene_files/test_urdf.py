@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.geometry import Box, Capsule, Cylinder, Ellipsoid, Mesh, Role, Sphere
-from drake_geom_ros.math import RollPitchYaw
+from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files.description import (
     CliqueDescription,
     GroupDescription,
@@ -100,6 +100,40 @@ def test_a_pose_has_rotation_and_position(folder):
     np.testing.assert_allclose(X.rotation().matrix(), expected, atol=1e-15)
 
 
+def test_a_quaternion_turns_a_collision_element(folder):
+    turned = ARM.replace(b'rpy="0.1 0.2 0.3"', b'quat_xyzw="0 0 0.7071 0.7071"')
+    X = read(turned, folder).geometries[0].X_FG
+    np.testing.assert_allclose(
+        X.rotation().matrix(), [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-15
+    )
+
+
+def test_a_robot_without_shapes_and_a_leader_that_is_not_there_are_told(folder):
+    bare = b"""<robot name="r"><link name="a"/><link name="b"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><mimic joint="k"/></joint>
+</robot>"""
+    assert not read(ARM, folder).warnings
+    assert read(bare, folder).warnings == (
+        "r.urdf:2: joint[j]: it mimics 'k', which is not a joint",
+        "r.urdf:1: the robot 'left' has no <collision> elements: no query sees anything of it",
+    )
+
+
+def test_what_is_fixed_to_a_placed_root_has_a_pose_and_no_other_link(folder):
+    fixed = ARM.replace(b'type="prismatic"', b'type="fixed"')
+    parts = read(fixed, folder).placed(RigidTransform([0, 0, 1]))
+    poses = {frame.name: frame.X_PF for frame in parts.frames}
+    assert poses['empty'] is None
+    for name in ('base', 'tip'):
+        np.testing.assert_array_equal(poses[name].translation(), [0, 0, 1])
+
+
+def test_what_has_several_roots_has_no_place(folder):
+    two = ARM.replace(b'<link name="empty"/>', b'<link name="empty"/><link name="alone"/>')
+    with pytest.raises(ValueError, match="the links 'base', 'alone' have no parent each"):
+        read(two, folder).placed(RigidTransform())
+
+
 def test_filters_are_cliques_of_adjacent_links_and_groups(folder):
     clique, group = read(ARM, folder).filters
     assert isinstance(clique, CliqueDescription)
@@ -153,6 +187,11 @@ def test_places_have_lines(folder):
         (b'<link name="empty"/>',
          b'<link name="empty"/><link name="world"><collision/></link>',
          "r.urdf:12: link[world]: the link 'world' is the world frame and cannot have"),
+        (b'<link name="empty"/>', b'<link name="empty"/><link name="world"/><joint name="w" '
+         b'type="fixed"><parent link="base"/><child link="world"/></joint>',
+         "r.urdf:12: joint[w]: the child 'world' is the world frame, which nothing holds"),
+        (b'<joint name="j2"', b'<joint name="j1"',
+         "r.urdf:21: joint[j1]: joint 'j1' is listed twice, see line 18"),
         (b' type="prismatic"', b'', 'r.urdf:21: joint[j2]: missing attribute `type`'),
         (b'<robot name="arm"', b'<robot', 'r.urdf:2: missing attribute `name`'),
         (b'member link="tip"', b'member link="top"',

@@ -69,13 +69,20 @@ def test_size_is_bounded(monkeypatch):
     assert fault(b'<robot />') == 'r.urdf: 9 bytes; at most 8 are read'
 
 
+def test_a_default_namespace_is_left_out_and_lines_stay():
+    root = read_robot_xml(b'<robot xmlns="http://www.ros.org">\n<link name="a"/></robot>', 'f')
+    assert root.tag == 'robot'
+    assert [(link.tag, link.sourceline) for link in root] == [('link', 2)]
+
+
 def test_numbers_of_an_attribute():
-    element = read_robot_xml(b'<robot a="1 -2e1" b="x"/>', 'r.urdf')
+    element = read_robot_xml(b'<robot a="1 -2e1" b="x" d="1_0"/>', 'r.urdf')
     assert numbers(element, 'a', 2) == [1.0, -20.0]
     assert numbers(element, 'c', 3, '0 0 1') == [0.0, 0.0, 1.0]
     for name, count, message in (
         ('a', 3, "robot: a = '1 -2e1' must be 3 numbers"),
         ('b', 1, "robot: b = 'x' must be a number"),
+        ('d', 1, "robot: d = '1_0' must be a number"),
         ('c', 1, 'robot has no attribute `c`'),
     ):
         with pytest.raises(ValueError, match=message):

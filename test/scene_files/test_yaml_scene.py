@@ -214,3 +214,49 @@ def test_a_fault_in_a_urdf_names_the_urdf(folder):
         parse('robots:\n- {name: r, urdf: arm.urdf}', folder)
     assert caught.value.file == str(folder / 'arm.urdf')
     assert caught.value.line == 2
+
+
+FIXED_HAND = """<robot name="arm">
+<link name="base"/><link name="mount"/><link name="hand"><collision><geometry><sphere radius="1"/>
+</geometry></collision><glue/></link>
+<joint name="j" type="fixed"><parent link="base"/><child link="mount"/><origin xyz="0 1 0"/>
+</joint>
+<joint name="k" type="continuous"><parent link="mount"/><child link="hand"/></joint>
+</robot>"""
+
+
+def test_the_pose_of_a_robot_is_that_of_its_root_and_of_what_is_fixed_to_it(folder):
+    (folder / 'fixed.urdf').write_text(FIXED_HAND)
+    text = 'robots:\n- {name: left, urdf: fixed.urdf, pose: {position: [0, 0, 2]}}'
+    poses = {frame.name: frame.X_PF for frame in parse(text, folder).frames}
+    assert poses['hand'] is None
+    assert poses['base'].translation().tolist() == [0, 0, 2]
+    assert poses['mount'].translation().tolist() == [0, 1, 2]
+
+
+def test_without_the_key_no_link_has_a_pose(folder):
+    (folder / 'fixed.urdf').write_text(FIXED_HAND)
+    scene = parse('robots:\n- {name: left, urdf: fixed.urdf}', folder)
+    assert [frame.X_PF for frame in scene.frames] == [None] * 3
+
+
+def test_a_pose_needs_one_root_link(folder):
+    (folder / 'two.urdf').write_text('<robot name="r"><link name="a"/><link name="b"/></robot>')
+    with pytest.raises(SceneFileError, match=r"a.yaml:2: robots\[0\].pose: .* 'a', 'b' have no"):
+        parse('robots:\n- {name: left, urdf: two.urdf, pose: {}}', folder)
+
+
+def test_what_a_urdf_says_beyond_what_is_understood_is_a_warning(folder):
+    (folder / 'fixed.urdf').write_text(FIXED_HAND)
+    (warning,) = parse('robots:\n- {name: left, urdf: fixed.urdf}', folder).warnings
+    assert warning.startswith(f'{folder}/fixed.urdf:3: link[hand].glue: <glue> in <link>')
+
+
+@pytest.mark.parametrize(
+    'key', ['adjacent_links: kept', 'self_collisions: filtered', 'solid_meshes: []']
+)
+def test_a_loaded_robot_refuses_what_would_have_no_effect(folder, key):
+    with pytest.raises(
+        SceneFileError, match=r'robots\[0\]\.\w+: has no effect with `loaded: true`'
+    ):
+        parse(f'robots:\n- {{name: r, urdf: arm.urdf, loaded: true, {key}}}', folder)

@@ -167,9 +167,11 @@ def test_what_is_filtered_and_what_is_not(loaded, a, b, reason):
         assert reasons[-1].startswith(reason)
 
 
-def test_the_first_poses_are_of_the_objects(loaded):
+def test_the_first_poses_are_of_the_objects_and_of_the_bases(loaded):
     scene_graph, scene = loaded
     inspector = scene_graph.model_inspector()
-    owners = {inspector.GetOwningSourceName(frame_id) for frame_id in scene.X_PFs}
-    assert owners == {'objects'}
+    names = {(inspector.GetOwningSourceName(f), inspector.GetName(f)) for f in scene.X_PFs}
+    links = {name for name in names if name[0] != 'objects'}
+    assert len(names) > len(links)
+    assert links == {(arm, 'panda_link0') for arm in ('left', 'right')}
     assert all(isinstance(X_PF, RigidTransform) for X_PF in scene.X_PFs.values())

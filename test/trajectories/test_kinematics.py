@@ -1,11 +1,9 @@
-import sys
-
 import numpy as np
 import pytest
 import yourdfpy
 from oracles import panda
 
-from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
 
@@ -109,12 +107,20 @@ def test_joints_in_any_order_with_long_axes_and_chained_mimics(tmp_path):
 
 
 TREELESS = [
-    ('abcd', [_joint('j', 'fixed', 'a', 'b')], 'one tree'),
-    ('ab', [_joint('j', 'fixed', 'a', 'b'), _joint('k', 'fixed', 'b', 'a')], 'roots are'),
-    ('abc', [_joint('j', 'fixed', 'b', 'c'), _joint('k', 'fixed', 'c', 'b')], 'do not hang'),
-    ('abc', [_joint(n, 'fixed', n, 'b') for n in 'ac'], "parents \\['b'\\]"),
+    ('ab', [_joint('j', 'fixed', 'a', 'b'), _joint('k', 'fixed', 'b', 'a')], 'form a ring'),
+    ('abc', [_joint('j', 'fixed', 'b', 'c'), _joint('k', 'fixed', 'c', 'b')], 'form a ring'),
+    ('abc', [_joint(n, 'fixed', n, 'b') for n in 'ac'], "'b' has two parents"),
 ]
 COMPLICATED = [
+    ('abcd', [_joint('j', 'fixed', 'a', 'b')], 'one tree'),
+    (
+        'abc',
+        [
+            _joint('j', 'fixed', 'a', 'b'),
+            _joint('k', 'continuous', 'b', 'c', '<mimic joint="j"/>'),
+        ],
+        'a fixed joint',
+    ),
     ('ab', [_joint('j', 'floating', 'a', 'b')], "type 'floating'"),
     ('ab', [_joint('j', 'continuous', 'a', 'b', '<mimic joint="x"/>')], 'not a joint'),
     ('ab', [_joint('j', 'continuous', 'a', 'b', '<mimic joint="j"/>')], 'itself'),
@@ -122,13 +128,35 @@ COMPLICATED = [
 ]
 
 
-@pytest.mark.parametrize(('links', 'joints', 'reason'), TREELESS + COMPLICATED)
+@pytest.mark.parametrize(('links', 'joints', 'reason'), COMPLICATED)
 def test_what_is_no_tree_of_simple_joints_is_refused(tmp_path, links, joints, reason):
     with pytest.raises(ValueError, match=reason):
         Kinematics(_urdf(tmp_path, *joints, links=links))
 
 
-def test_without_its_parser_the_extra_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, 'yourdfpy', None)
-    with pytest.raises(GeometryError, match=r"yourdfpy.*pip install.* extra 'robots'"):
-        Kinematics(panda.URDF)
+@pytest.mark.parametrize(('links', 'joints', 'reason'), TREELESS)
+def test_what_is_no_tree_is_refused_with_its_place(tmp_path, links, joints, reason):
+    with pytest.raises(SceneFileError, match=rf'robot\.urdf:1: joint.*{reason}'):
+        Kinematics(_urdf(tmp_path, *joints, links=links))
+
+
+@pytest.mark.parametrize(
+    'turn',
+    [
+        'rpy="0 0 1.5707963267948966"',
+        'quat_xyzw="0 0 0.7071 0.7071"',
+        'wxyz="0.7071 0 0 0.7071"',
+    ],
+)
+def test_the_origin_of_a_joint_is_turned_as_it_says(tmp_path, turn):
+    text = _joint('j', 'prismatic', 'a', 'b', f'<origin xyz="1 0 0" {turn}/><axis xyz="1 0 0"/>')
+    X_WL = Kinematics(_urdf(tmp_path, text, links='ab')).link_transforms([0.0])[1]
+    turned = [[0, -1, 0, 1], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    np.testing.assert_allclose(X_WL, turned, atol=1e-12)
+
+
+def test_capsules_of_newer_urdf_are_no_hindrance(tmp_path):
+    shape = '<collision><geometry><capsule radius="0.1" length="0.3"/></geometry></collision>'
+    path = tmp_path / 'robot.urdf'
+    path.write_text(f'<robot name="r" version="1.1"><link name="a">{shape}</link></robot>')
+    assert Kinematics(str(path)).link_names == ('a',)

@@ -2,9 +2,10 @@
 
 A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or,
 where only one source has a frame of that name, ``frame``; the chain of TF must lead to the world
-frame. Nothing is looked up later: the newest transform of each TF frame is kept. Messages that
-came together pose the frames of the scene that hang on what they bring; of a message what is no
-transform is left out. No ROS import.
+frame, or to a frame on it that the scene file or ``~/frame_poses`` posed, such as a robot's base
+with the key ``pose``. Nothing is looked up later: the newest transform of each TF frame is kept.
+Messages that came together pose the frames of the scene that hang on what they bring; of a message
+what is no transform is left out. No ROS import.
 
 A frame that ``~/frame_poses`` posed since is left alone until its own transform comes anew: what
 was let go is not torn away by the gripper that it was in.
@@ -17,6 +18,7 @@ more than a second (a bag begins anew) what was known from ``/tf`` is forgotten.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,6 +64,8 @@ class TfInput:
         self._version = self._named_version = -1
         self._scene_frames: list[tuple[FrameId, tuple[str, ...]]] = []
         self._unknown: set[FrameId] = set()  # that TF knows, but not their parents
+        self._loose: frozenset[str] | None = None  # parents that are no child; None: to be found
+        self._footing: dict[str, tuple[bytes, Since]] = {}  # as chains were followed last
 
     def hear(self, message: Any, *, static: bool, waited: float = 0.0) -> Refusal:
         """Take the transforms of a TFMessage that came ``waited`` [s] ago; ``pose`` poses by them.
@@ -81,6 +85,8 @@ class TfInput:
                 if known is not None and known.parent != edge.parent:
                     now = self._clocks.steady()
                     self._claims.notice(child, edge.parent, known.parent, now)
+                if known is None or known.parent != edge.parent:
+                    self._loose = None
                 self._edges[child] = edge
                 changed.add(child)
         # What is static holds at any time: its own does not tell how new the poses are.
@@ -101,7 +107,9 @@ class TfInput:
 
     def follow(self, scene: EditableScene) -> int:
         """Pose the frames of a changed scene by what is known; return how many were posed."""
-        return self._pose(scene, set()) if self._version != scene.version else 0
+        if self._version != scene.version or self._moved(self._ends(scene)):
+            return self._pose(scene, set())
+        return 0
 
     def _refuse_too_many(self, fresh: list[tuple[str, Edge]]) -> None:
         """Raise ArgumentError where more frames would be known than are kept."""
@@ -119,6 +127,7 @@ class TfInput:
             known = self._edges.get(child)
             if known and known.stamp < math.inf and edge.stamp < known.stamp - _REWIND:
                 self._edges = {c: e for c, e in self._edges.items() if e.stamp == math.inf}
+                self._loose = None
                 return
 
     def troubles(self, scene: HeldScene) -> list[str]:
@@ -126,7 +135,7 @@ class TfInput:
         return [
             *self._claims.told(self._clocks.steady()),
             *self._loops[:SHOWN],
-            *unlinked(self._edges, self._names_of_frames(scene), scene.world_frame),
+            *unlinked(self._edges, self._names_of_frames(scene), tuple(self._ends(scene))),
             *shared(self._edges, scene.names),
         ]
 
@@ -139,9 +148,11 @@ class TfInput:
         heard = changed
         if self._version != scene.version:
             changed, self._version = set(self._edges), scene.version
-        placed: dict[str, _Placed | None] = {scene.world_frame: _WORLD}
+        ends = self._ends(scene)
+        moved = dict.fromkeys(self._moved(ends), True)
+        self._footing = {name: _footing(end) for name, end in ends.items()}
+        placed: dict[str, _Placed | None] = {**ends}
         self._loops = []
-        moved: dict[str, bool] = {}
         found: dict[FrameId, _Placed] = {}
         affected = set()
         for frame, names in self._names_of_frames(scene):
@@ -176,6 +187,37 @@ class TfInput:
             posed = {frozenset(frames): moment for moment, frames in since.items()}
             scene.pose(FramePoseVector.FromArrays(ids, rows), posed, self._stamp, TF)
         return len(to_pose)
+
+    def _ends(self, scene: HeldScene) -> dict[str, _Placed]:
+        """Return where chains of TF may end, by TF name: the world frame comes first.
+
+        The others are frames on the world whose own transform TF does not have, and that were
+        posed otherwise.
+        """
+        ends = {scene.world_frame: _WORLD}
+        if self._loose is None:
+            parents = frozenset(edge.parent for edge in self._edges.values())
+            self._loose = parents - self._edges.keys()
+        names = self._loose - ends.keys()
+        if not names:
+            return ends
+        for frame, own in self._names_of_frames(scene):
+            name = next((n for n in own if n in names), None)
+            if name is None or any(n in self._edges for n in own):
+                continue
+            since = scene.posed_since(frame)
+            if (
+                since is not None
+                and scene.inspector.GetParentFrame(frame) == scene.names.world
+                and not scene.feeders.is_fed_by(TF, frame.get_value())
+            ):
+                X_WF = scene.query.X_WF(frame)
+                ends[name] = _Placed(X_WF.rotation().matrix(), X_WF.translation(), since)
+        return ends
+
+    def _moved(self, ends: Mapping[str, _Placed]) -> list[str]:
+        """Return which ends of chains are not where they were when chains were followed last."""
+        return [n for n, end in ends.items() if self._footing.get(n) != _footing(end)]
 
     def _names_of_frames(self, scene: HeldScene) -> list[tuple[FrameId, tuple[str, ...]]]:
         """Return the frames of the scene and the TF names that each answers to."""
@@ -225,6 +267,11 @@ class TfInput:
         found = known.get(name, False)
         known |= dict.fromkeys(chain, found)
         return found
+
+
+def _footing(end: _Placed) -> tuple[bytes, Since]:
+    """Return where the end of a chain is, and since when, to be compared."""
+    return end.R_WF.tobytes() + end.p_WF.tobytes(), end.since
 
 
 def _in_parent(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from drake_geom_ros.common.counting import are, counted
 from drake_geom_ros.geometry import FrameId
@@ -49,13 +49,14 @@ def loop_of(names: Iterable[str]) -> str:
 def unlinked(
     edges: Mapping[str, Edge],
     followed: Iterable[tuple[FrameId, tuple[str, ...]]],
-    world_frame: str,
+    good: Sequence[str],
 ) -> list[str]:
-    """Return in words which frames come by TF whose chain ends elsewhere than in the world.
+    """Return in words which frames come by TF whose chain ends where nobody knows it to be.
 
-    ``followed`` are the frames of the scene with the TF names that each answers to.
+    ``followed`` are the frames of the scene with the TF names that each answers to, ``good`` are
+    the TF frames that chains may end in, the world frame first.
     """
-    ends: dict[str, str] = {world_frame: ''}
+    ends: dict[str, str] = dict.fromkeys(good, '')
     lost: dict[str, list[str]] = defaultdict(list)
     for _, names in followed:
         name = next((n for n in names if n in edges), None)
@@ -63,7 +64,7 @@ def unlinked(
             lost[end].append(repr(name[:80]))
     return [
         f'{counted(len(names), "frame")} from TF cannot be posed: {some_of(names, SHOWN)}; the '
-        f'chain ends in {end[:80]!r}. Publish the transform from the world frame {world_frame!r} '
+        f'chain ends in {end[:80]!r}. Publish the transform from the world frame {good[0]!r} '
         f'to {end[:80]!r}, or start the node with world_frame:={end[:80]}'
         for end, names in list(lost.items())[:SHOWN]
     ]

@@ -28,6 +28,11 @@ from drake_geom_ros.scene_files import (
     register,
 )
 
+_IS_THE_WORLD = (
+    'the frame {!r} is called as the parameter world_frame is, so it is the world: the pose that '
+    'the scene file gives it is left out; give it none, or choose another world_frame'
+)
+
 
 @dataclass(frozen=True)
 class PreparedScene:
@@ -87,7 +92,7 @@ class EditableScene(HeldScene):
 
     def _take(self, loaded: LoadedScene) -> tuple[int, int]:
         """Take over what was registered."""
-        X_PFs = {**self._frame_that_is_the_world(loaded), **loaded.X_PFs}
+        X_PFs = {**loaded.X_PFs, **self._frame_that_is_the_world(loaded)}
         self._context.UpdateFramePoses(FramePoseVector(X_PFs))
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self._ages.begin([frame.get_value() for frame in X_PFs], declared)
@@ -104,12 +109,16 @@ class EditableScene(HeldScene):
         if self.world_frame == WORLD:
             return {}
         called = self.names.frames_called(self.world_frame)
-        return {
+        found = {
             frame: RigidTransform()
             for frame in loaded.frames.values()
             if called == [frame]
             and self.inspector.GetParentFrame(frame) == self.inspector.world_frame_id()
         }
+        for frame, X_WF in found.items():
+            if not loaded.X_PFs.get(frame, X_WF).IsExactlyIdentity():
+                self.warned.append(_IS_THE_WORLD.format(self.names.frame_names[frame]))
+        return found
 
     def set_accuracy(self, accuracy: str) -> None:
         """Set the accuracy level of queries that name none."""

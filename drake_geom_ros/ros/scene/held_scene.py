@@ -24,7 +24,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ReadPoses
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
-from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
@@ -147,6 +147,10 @@ class HeldScene:
     def unknown_ages(self) -> UnknownAges:
         """Return the frames that were not posed since the node's clock jumped."""
         return UnknownAges(self._ages.unknown(self.names))
+
+    def posed_since(self, frame: FrameId) -> Since | None:
+        """Return since when a frame has its pose; None where it waits, or nobody knows."""
+        return self._ages.since(frame.get_value())
 
     def lag(self) -> float:
         """Return how far [s] behind the poses that were taken last the node is."""

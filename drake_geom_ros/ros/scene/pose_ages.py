@@ -69,6 +69,11 @@ class PoseAges:
         rest = (value for value in with_poses if declared.get(value) is not False)
         self._pose(frozenset(rest), ALWAYS, None)
 
+    def since(self, frame: int) -> Since | None:
+        """Return since when a frame has its pose; None where it waits, or nobody knows."""
+        together = self._posed.get(frame)
+        return None if together is None else together.since
+
     def static(self) -> dict[int, bool]:
         """Return which frames are static (true) or expected to move (false), as far as known."""
         moved = (value for value, together in self._posed.items() if together.since != ALWAYS)

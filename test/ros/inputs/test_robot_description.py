@@ -110,6 +110,14 @@ def test_another_text_takes_its_place_and_all_else_stays(scene, robot):
         (urdf('arm', 'base', radius=-1.0), 'radius'),
         (urdf('room', 'base'), 'has a source of that name'),
         ('<robot name="x"><link name="a"/><link name="a"/></robot>', 'twice'),
+        ('<robot name="foo"></robot>', 'no links; a robot has at least one'),
+        (urdf('arm', 'base', 'upper', 'hand').replace('j1', 'j0'), "'j0' is listed twice"),
+        (urdf('arm', 'base', 'hand', 'base'), 'listed twice'),
+        (urdf('arm', 'a', 'b', 'c').replace('parent link="a"', 'parent link="c"'), 'form a ring'),
+        (urdf('arm', 'a', 'b', 'c').replace('child link="c"', 'child link="b"'), 'two parents'),
+        (urdf('arm', 'a', 'b').replace('child link="b"', 'child link="c"'), "'c' is not in the"),
+        (urdf('arm', 'a', 'b').replace('<axis', '<origin xyz="0,0,1"/><axis'), '3 numbers'),
+        (urdf('arm', 'a', 'b').replace('<axis', '<origin rot="0 0 1"/><axis'), '`rot` of <origin'),
     ],
 )
 def test_what_cannot_be_is_refused_and_changes_nothing(scene, robot, text, words):
@@ -118,6 +126,15 @@ def test_what_cannot_be_is_refused_and_changes_nothing(scene, robot, text, words
     with pytest.raises(RuntimeError, match=words):
         robot.take(text)
     assert (scene.version, frames(scene)) == (version, before)
+
+
+def test_what_is_not_understood_is_told_with_the_robot(scene, robot):
+    text = urdf('arm', 'base', 'hand').replace('<sphere', '<sphere unit="mm"')
+    assert 'added' in robot.take(text)
+    (warning,) = scene.warned
+    assert warning.startswith(
+        '<text>:1: link[base].collision.geometry.sphere: the attribute `unit`'
+    )
 
 
 def test_meshes_come_from_the_roots_only(scene, robot, tmp_path):

@@ -258,3 +258,56 @@ def test_the_world_may_have_another_name(clock, tf):
     with live_scene(TEXT, clock, 'map').editing() as scene:
         assert take(tf, scene, message(transform('world', 'tool', at(1))), static=False) == 0
         assert take(tf, scene, message(transform('map', 'tool', at(2))), static=False) == 1
+
+
+STANDING = TEXT.replace('base, source: left', 'base, source: left, pose: {position: [0, 0, 2]}')
+STANDING = STANDING.replace(', parent: base', '')
+
+
+def frame_poses(name, *xyz):
+    return Plain(
+        header=Plain(frame_id='', stamp=Plain(sec=0, nanosec=0)),
+        source='left',
+        frame_names=[name],
+        frame_ids=[],
+        poses=[*map(float, xyz), 0.0, 0.0, 0.0, 1.0],
+    )
+
+
+def test_what_hangs_on_a_frame_that_the_scene_file_poses_stands_on_it(clock):
+    live = live_scene(STANDING, clock)
+    tf = TfInput(live.clocks)
+    with live.editing() as scene:
+        chain = message(transform('left/base', 'left/hand', at(1.0), 1000.0))
+        assert take(tf, scene, chain, static=False) == 1
+        assert position(scene, 'hand') == [1, 0, 2]
+        assert not tf.troubles(scene)
+        assert scene.pose_ages()['left::hand'] == 0.0
+        # TF may have the base itself later: then that counts.
+        tf.hear(message(transform('world', 'left/base', at(5.0))), static=True)
+        assert tf.pose(scene) == 2
+        assert position(scene, 'hand') == [6, 0, 0]
+
+
+def test_what_hangs_on_a_frame_that_messages_pose_follows_it_and_is_as_old(clock):
+    live = live_scene(STANDING, clock)
+    tf = TfInput(live.clocks)
+    with live.editing() as scene:
+        take(tf, scene, message(transform('left/base', 'left/hand', at(1.0))), static=True)
+        assert tf.follow(scene) == 0
+        scene.take_poses(frame_poses('base', 0, 3, 0))
+        assert tf.follow(scene) == 1
+        assert position(scene, 'hand') == [1, 3, 0]
+        assert tf.follow(scene) == 0
+        clock.now += 3.0
+        assert scene.pose_ages()['left::hand'] == 3.0
+
+
+def test_what_tf_posed_before_is_no_place_to_stand_on(scene, tf):
+    """Its own transform is forgotten when time goes back: where it is now nobody says."""
+    take(tf, scene, message(transform('world', 'left/base', at(1.0), 50.0)), static=False)
+    take(tf, scene, message(transform('left/base', 'left/hand', at(1.0), 50.0)), static=False)
+    later = message(transform('left/base', 'left/hand', at(2.0), 1.0))
+    assert take(tf, scene, later, static=False) == 0
+    assert position(scene, 'hand') == [2, 0, 0]
+    assert any("chain ends in 'left/base'" in told for told in tf.troubles(scene))

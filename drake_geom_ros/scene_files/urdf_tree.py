@@ -1,0 +1,208 @@
+"""The tree of a URDF: its links, the joints that hold them together, and that these form no ring.
+
+The one reader of joints, for filters and for forward kinematics: so a pose that a file gives means
+the same to a node, to ``check`` and to a player.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.description import WORLD
+from drake_geom_ros.scene_files.errors import Location, SceneFileError
+from drake_geom_ros.scene_files.urdf_filters import Joint
+from drake_geom_ros.scene_files.urdf_poses import pose_of
+from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
+
+_SHOWN = 5  # joints in a sentence
+_NOWHERE = Location('<urdf>')
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that stands at ``multiplier`` times the value of ``joint``, plus ``offset``."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class UrdfJoint(Joint):
+    """A joint J: X_PJ in its parent link, its axis, and its limits [m], [rad], [1/s].
+
+    Lower and upper limit and speed are infinite where the file gives none.
+    """
+
+    name: str
+    X_PJ: RigidTransform
+    axis: tuple[float, float, float]
+    lower: float = -math.inf
+    upper: float = math.inf
+    max_speed: float = math.inf
+    mimic: Mimic | None = None
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class LinkTree:
+    """The name of a robot, and its links and joints in the order of its file."""
+
+    name: str
+    links: tuple[str, ...]
+    joints: tuple[UrdfJoint, ...]
+
+
+def read_link_tree(path: str | Path) -> LinkTree:
+    """Return the links and joints of a URDF file.
+
+    Raises SceneFileError as ``read_links`` and ``read_joints``, and for a file that is no URDF.
+    """
+    file = str(path)
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise SceneFileError(f'cannot be read: {error.strerror}', file) from error
+    root = read_robot_xml(data, file)
+    links = read_links(root, file)
+    joints = read_joints(root, links, file)
+    return LinkTree(attribute(root, 'name', file), tuple(links), tuple(joints))
+
+
+def read_links(root: Any, file: str) -> dict[str, Any]:
+    """Return the link elements by name.
+
+    Raises SceneFileError, with the line, for no links, missing names, and two links of one name.
+    """
+    links: dict[str, Any] = {}
+    for element in root.findall('link'):
+        name = attribute(element, 'name', file)
+        if name in links:
+            first = links[name].sourceline
+            raise place_of(element, file).error(f'link {name!r} is listed twice, see line {first}')
+        links[name] = element
+    if not links.keys() - {WORLD}:
+        raise place_of(root, file).error(
+            f'no links{f" but {WORLD!r}" if links else ""}; a robot has at least one'
+        )
+    return links
+
+
+def read_joints(root: Any, links: Mapping[str, Any], file: str) -> list[UrdfJoint]:
+    """Return the joints of a URDF in its order; ``links`` are its link elements by name.
+
+    Raises SceneFileError, with the line, for a joint without a name or a type, two of one name,
+    one to a link that is not there, numbers that are none, a link with two parents, and a ring.
+    """
+    joints: dict[str, UrdfJoint] = {}
+    for element in root.findall('joint'):
+        joint = _joint(element, links, file)
+        if joint.name in joints:
+            first = joints[joint.name].where.line
+            raise joint.where.error(f'joint {joint.name!r} is listed twice, see line {first}')
+        joints[joint.name] = joint
+    _check_forest(list(joints.values()))
+    return list(joints.values())
+
+
+def root_links(joints: Iterable[Joint], links: Iterable[str]) -> list[str]:
+    """Return the links that no joint has as its child, in their order."""
+    children = {joint.child for joint in joints}
+    return [link for link in links if link not in children]
+
+
+def fixed_poses(
+    joints: Iterable[UrdfJoint], root: str, X_WB: RigidTransform
+) -> dict[str, RigidTransform]:
+    """Return X_WL of the root link and of those that fixed joints hold to it, by name."""
+    poses, waiting = {root: X_WB}, [joint for joint in joints if joint.type == 'fixed']
+    while ready := [joint for joint in waiting if joint.parent in poses]:
+        poses |= {joint.child: poses[joint.parent] @ joint.X_PJ for joint in ready}
+        waiting = [joint for joint in waiting if joint.child not in poses]
+    return poses
+
+
+def _joint(element: Any, links: Mapping[str, Any], file: str) -> UrdfJoint:
+    """Return a joint; refuse one to a link that is not there."""
+    where = place_of(element, file)
+    name = attribute(element, 'name', file)
+    kind = attribute(element, 'type', file)
+    ends = []
+    for end in ('parent', 'child'):
+        child = element.find(end)
+        if child is None:
+            raise where.error(f'missing <{end} link="..."/>')
+        link = attribute(child, 'link', file)
+        if link not in links:
+            raise place_of(child, file).error(f'link {link!r} is not in the file')
+        ends.append(link)
+    try:
+        x, y, z = _finite(element.find('axis'), 'xyz', 3, '1 0 0')
+        limits = _limits(element.find('limit'), kind)
+        X_PJ, mimic = pose_of(element), _mimic(element.find('mimic'))
+    except (ValueError, RuntimeError) as error:
+        raise where.error(str(error)) from error
+    return UrdfJoint(kind, ends[0], ends[1], name, X_PJ, (x, y, z), *limits, mimic, where)
+
+
+def _limits(limit: Any, kind: str) -> tuple[float, float, float]:
+    """Return lower, upper and speed limit; a bound that ``<limit>`` does not give counts as 0."""
+    (speed,) = _finite(limit, 'velocity', 1, '0')
+    if limit is None or kind == 'continuous':
+        return -math.inf, math.inf, speed or math.inf
+    (lower,), (upper,) = (_finite(limit, name, 1, '0') for name in ('lower', 'upper'))
+    return lower, upper, speed or math.inf
+
+
+def _mimic(element: Any) -> Mimic | None:
+    if element is None:
+        return None
+    if not element.get('joint'):
+        raise ValueError('mimic has no attribute `joint`')
+    (multiplier,) = _finite(element, 'multiplier', 1, '1')
+    (offset,) = _finite(element, 'offset', 1, '0')
+    return Mimic(element.get('joint'), multiplier, offset)
+
+
+def _finite(element: Any, name: str, count: int, default: str) -> list[float]:
+    """Return an attribute of finite numbers, the default where there is no element."""
+    if element is None:
+        return [float(word) for word in default.split()]
+    values = numbers(element, name, count, default)
+    if not all(map(math.isfinite, values)):
+        raise ValueError(f'{element.tag}: {name} = {element.get(name)!r} must be finite')
+    return values
+
+
+def _check_forest(joints: list[UrdfJoint]) -> None:
+    """Refuse a link with two parents, and joints that form a ring."""
+    above: dict[str, UrdfJoint] = {}
+    for joint in joints:
+        if (other := above.setdefault(joint.child, joint)) is not joint:
+            raise joint.where.error(
+                f'link {joint.child!r} has two parents: joint {other.name!r} (line '
+                f'{other.where.line}) holds it to {other.parent!r}, and this one to '
+                f'{joint.parent!r}; links must form a tree'
+            )
+    rooted: set[str] = set()
+    for joint in joints:
+        passed: dict[str, UrdfJoint] = {}
+        link = joint.child
+        while link in above and link not in rooted:
+            if link in passed:
+                raise _ring(list(passed.values()))
+            passed[link] = above[link]
+            link = above[link].parent
+        rooted |= passed.keys()
+
+
+def _ring(passed: list[UrdfJoint]) -> SceneFileError:
+    """Return the refusal of joints, each held by the next one, that lead back into themselves."""
+    start = next(k for k, joint in enumerate(passed) if joint.child == passed[-1].parent)
+    ring = passed[start:][::-1]
+    told = ', '.join(f'{joint.name!r} (line {joint.where.line})' for joint in ring[:_SHOWN])
+    more = f' and {len(ring) - _SHOWN} more' if len(ring) > _SHOWN else ''
+    return ring[0].where.error(f'joints form a ring: {told}{more}; links must form a tree')
