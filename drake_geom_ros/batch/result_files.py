@@ -8,10 +8,11 @@ where the answers come from.
 from __future__ import annotations
 
 import json
+import os
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.lib import format as npy
@@ -19,9 +20,11 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.batch.questions import Columns
 from drake_geom_ros.batch.running import BatchError
+from drake_geom_ros.common.whole_files import whole_file
 
 Blocks = Callable[[], Iterable[Columns]]  # the columns of each block, in order, as often as asked
 SUFFIXES = ('.npz', '.parquet')
+_ABOUT = ('scene', 'question', 'versions')
 _PLACES = {'id_A': 'geometry_a', 'id_B': 'geometry_b', 'id_G': 'geometry'}
 
 
@@ -33,21 +36,44 @@ def check_suffix(path: Path) -> None:
         _parquet()
 
 
+def check_place(path: Path) -> None:
+    """Raise BatchError where something is that is not to be replaced: anything but results."""
+    if not os.path.lexists(path):
+        return
+    if not path.is_file() or not _holds_results(path):
+        raise BatchError(
+            f'{path} is there, and not as results of a batch: it stays as it is. Give another '
+            'name, or remove it'
+        )
+
+
+def _holds_results(path: Path) -> bool:
+    try:
+        if path.suffix == '.npz':
+            with zipfile.ZipFile(path) as file:
+                return {f'{key}.npy' for key in _ABOUT} <= set(file.namelist())
+        told = _parquet().parquet.read_schema(path).metadata or {}
+        return {key.encode() for key in _ABOUT} <= set(told)
+    except (OSError, ValueError, zipfile.BadZipFile):  # pyarrow's errors are ValueErrors, too
+        return False
+
+
 def write(path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]) -> None:
     """Write blocks of columns to a file, which is there only when it is whole."""
-    unfinished = path.with_name(path.name + '.unfinished')
-    (_write_npz if path.suffix == '.npz' else _write_parquet)(unfinished, blocks, names, about)
-    unfinished.replace(path)
+    with whole_file(path, 'wb') as file:
+        (_write_npz if path.suffix == '.npz' else _write_parquet)(file, blocks, names, about)
 
 
-def _write_npz(path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]) -> None:
+def _write_npz(
+    target: IO[bytes], blocks: Blocks, names: Sequence[str], about: Mapping[str, str]
+) -> None:
     lengths: dict[str, int] = {}
     kinds: dict[str, NDArray[Any]] = {}
     for block in blocks():
         for name, values in block.items():
             lengths[name] = lengths.get(name, 0) + len(values)
             kinds.setdefault(name, values[:0])
-    with zipfile.ZipFile(path, 'w') as file:
+    with zipfile.ZipFile(target, 'w') as file:
         _put(file, 'geometries', [np.array(names)], len(names))
         for key, text in about.items():
             _put(file, key, [np.array([text])], 1)
@@ -83,7 +109,7 @@ def _parquet() -> Any:
 
 
 def _write_parquet(
-    path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]
+    target: IO[bytes], blocks: Blocks, names: Sequence[str], about: Mapping[str, str]
 ) -> None:
     pyarrow, writer, first = _parquet(), None, 0
     try:
@@ -97,7 +123,7 @@ def _write_parquet(
             for name, values in block.items():
                 columns[_PLACES.get(name, name)] = _column(pyarrow, name, values, names)
             table = pyarrow.table(columns).replace_schema_metadata(dict(about))
-            writer = writer or pyarrow.parquet.ParquetWriter(path, table.schema)
+            writer = writer or pyarrow.parquet.ParquetWriter(target, table.schema)
             writer.write_table(table)
     finally:
         if writer is not None:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
-from collections.abc import Sequence
+import hashlib
+import zipfile
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.batch.file_rows import FileRows
 from drake_geom_ros.scene_files import SceneFileError
 
 SUFFIXES = ('.npy', '.npz', '.csv')
@@ -22,7 +26,7 @@ class States(NamedTuple):
     none: all joints of the scene then.
     """
 
-    rows: NDArray[np.float64]
+    rows: NDArray[np.float64] | FileRows
     names: tuple[str, ...] | None
 
     @property
@@ -30,25 +34,39 @@ class States(NamedTuple):
         """Whether the rows are poses of frames."""
         return self.rows.ndim == 3
 
+    @property
+    def digest(self) -> str:
+        """The hash of what was read; a file may change afterwards."""
+        if isinstance(self.rows, FileRows):
+            return self.rows.digest
+        rows = np.ascontiguousarray(self.rows)
+        return hashlib.sha256(repr(rows.shape).encode() + rows.tobytes()).hexdigest()
+
 
 def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
     """Return the states of a file; ``names`` stand for those that it has not.
 
-    ``.npy`` holds the rows alone, and is not read but mapped: memory stays flat. ``.npz`` holds
+    ``.npy`` holds the rows alone, which are read block by block: memory stays flat. ``.npz`` holds
     ``states`` and, if need be, ``joints``, their names; or ``poses`` and ``frames``. ``.csv`` has
-    a header of the joints' names. Raises SceneFileError for what is not of this form.
+    a header of the joints' names. Raises SceneFileError for what is not of this form, and for a
+    file that changes while it is read; of ``.npy``, also later, for the block that changed.
     """
     path, own = Path(path), None if names is None else tuple(names)
     if path.suffix not in SUFFIXES:
         raise SceneFileError(f'a file of states ends with one of {", ".join(SUFFIXES)}', str(path))
     try:
         if path.suffix == '.npy':
-            rows: Any = np.load(path, mmap_mode='r')
+            rows: Any = FileRows.of(path)
+            if rows is None:  # of another order, or to be refused for its type
+                with _unchanged(path):
+                    rows = np.load(path)
         elif path.suffix == '.npz':
-            rows, own = _from_npz(path, own)
+            with _unchanged(path):
+                rows, own = _from_npz(path, own)
         else:
-            rows, own = _from_csv(path)
-    except (OSError, ValueError, KeyError) as error:
+            with _unchanged(path):
+                rows, own = _from_csv(path)
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise SceneFileError(f'cannot be read as states: {error}', str(path)) from None
     is_poses = rows.ndim == 3 and rows.shape[2] == 7
     if rows.dtype != np.float64 or not (rows.ndim == 2 or is_poses):
@@ -62,6 +80,19 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
     if own is not None and len(own) != rows.shape[1]:
         raise SceneFileError(f'{len(own)} names for {rows.shape[1]} columns', str(path))
     return States(rows, own)
+
+
+@contextlib.contextmanager
+def _unchanged(path: Path) -> Iterator[None]:
+    """Raise ValueError where a file was written to while it was read at once."""
+    before = path.stat()
+    yield
+    after = path.stat()
+    if any(
+        getattr(before, name) != getattr(after, name)
+        for name in ('st_dev', 'st_ino', 'st_size', 'st_mtime_ns', 'st_ctime_ns')
+    ):
+        raise ValueError('the file was written to while it was read')
 
 
 def _from_npz(path: Path, names: tuple[str, ...] | None) -> tuple[Any, tuple[str, ...] | None]:

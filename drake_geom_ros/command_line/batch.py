@@ -1,7 +1,6 @@
 """``batch``: one question about many states of a scene, into a file."""
 
 import argparse
-import hashlib
 import math
 import sys
 import time
@@ -15,19 +14,20 @@ from drake_geom_ros.batch import WANTS, Joints, Question, cluster_executor
 from drake_geom_ros.batch.evaluation import computed
 from drake_geom_ros.batch.parts import Parts
 from drake_geom_ros.batch.questions import Job
-from drake_geom_ros.batch.result_files import about, check_suffix, write
+from drake_geom_ros.batch.result_files import about, check_place, check_suffix, write
 from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
 from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
+from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
 from drake_geom_ros.geometry.state_queries import PackedScene
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
-_PIECE = 1 << 20  # bytes of a file that are hashed at once
 
 
 def add_to(commands: Any) -> None:
@@ -70,8 +70,13 @@ def run(options: argparse.Namespace) -> int:
     """Answer and return the exit code; raises GeometryError or OSError for bad input."""
     output = Path(options.output)
     check_suffix(output)
+    given = [options.scene, options.srdf, options.states, options.points]
+    outputs = {'--output': output, '--picture': options.picture}
+    check_outputs(outputs, given)
+    check_place(output)
     scene_graph = SceneGraph()
     loaded = load_and_tell(options.scene, scene_graph, options.srdf)
+    check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
     states = read_states(options.states, options.names)
     points = points_of_file(options.points) if options.points else None
     question = Question(
@@ -82,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     size = size_for_all(len(states.rows), 0, REMOTE_BLOCK)
     task = {
         'job': job.digest,
-        'states': _digest(Path(options.states)),
+        'states': states.digest,
         'version': version(),
         'question': question.words,
     }
@@ -99,11 +104,13 @@ def run(options: argparse.Namespace) -> int:
             print(f'interrupted; --resume goes on with {parts.folder}', file=sys.stderr)
             return INTERRUPTED
     said = about(job.scene.digest, question.words, {'drake_geom_ros': version()})
+    check_place(output)  # once more: hours may have passed
     write(output, lambda: map(parts.get, parts.blocks), names, said)
     summary = Summary(map(parts.get, parts.blocks))
     if options.picture:
         summary.draw(Path(options.picture), f'{Path(options.scene).stem}: {question.want}')
-    parts.remove()
+    if not parts.remove():
+        print(f'{parts.folder} stays: it holds what is not of this run', file=sys.stderr)
     print(*summary.lines(), f'seconds {time.perf_counter() - start:.2f}', sep='\n')
     return 0
 
@@ -141,12 +148,3 @@ def _job(
         for (source, frame, name), id in loaded.geometries.items()
     }
     return Job(scene, question, arms), [named[id] for id in geometry_ids.tolist()]
-
-
-def _digest(path: Path) -> str:
-    """Return the SHA-256 of a file."""
-    digest = hashlib.sha256()
-    with path.open('rb') as file:
-        while piece := file.read(_PIECE):
-            digest.update(piece)
-    return digest.hexdigest()

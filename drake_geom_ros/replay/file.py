@@ -9,10 +9,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.common.whole_files import whole_file
 from drake_geom_ros.replay.record import Answer, Opinion, Question, Replay
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.scene_files.schema import faults, read_schema
@@ -22,16 +22,15 @@ _FORMAT = 'drake_geom_ros replay 1'
 
 
 def write(replay: Replay, path: Path) -> None:
-    """Write a replay file; raises OSError, and leaves no part of a file, where it cannot be."""
+    """Write a new replay file; raises OSError where there is one, or none can be.
+
+    It leaves no part of a file.
+    """
     text = json.dumps({'format': _FORMAT, **dataclasses.asdict(replay)}, indent=1) + '\n'
-    descriptor, temporary = tempfile.mkstemp(dir=path.parent, prefix='.', suffix='.part')
-    try:
-        with open(descriptor, 'w', encoding='utf-8') as file:
-            file.write(text)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+    if os.path.lexists(path):
+        raise FileExistsError(f'{path} is there already, and stays as it is')
+    with whole_file(path) as file:
+        file.write(text)
 
 
 def read(path: str | Path) -> Replay:

@@ -68,10 +68,10 @@ LAYERS = {
         ('numpy', 'yaml', 'yourdfpy'),
     ),
     'batch': (
-        ('math', 'geometry', 'scene_files', 'trajectories', 'batch'),
+        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'batch'),
         ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
     ),
-    'replay': (('math', 'geometry', 'scene_files', 'replay'), ()),
+    'replay': (('math', 'common', 'geometry', 'scene_files', 'replay'), ()),
     'cross_check': (
         ('math', 'geometry', 'replay', 'cross_check', 'evidence', 'evidence/peers'),
         ('numpy',),
@@ -99,7 +99,7 @@ LAYERS = {
     ),
     'command_line': (
         (
-            *('math', 'sensors', 'geometry', 'scene_files', 'trajectories', 'replay'),
+            *('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'replay'),
             *('command_line', 'batch', 'evidence', 'evidence/peers', 'cross_check'),
             *('viewing', 'viewing/page'),
         ),

@@ -67,19 +67,31 @@ def test_what_is_written_comes_back(tmp_path_factory, replay):
 
 def test_a_file_is_whole_or_not_there(tmp_path, monkeypatch):
     path = tmp_path / 'case.json'
-    write(REPLAY, path)
-    before = path.read_text()
 
-    def full(*arguments):
+    def full(*arguments, **options):
         raise OSError('no space left')
 
-    monkeypatch.setattr(file.os, 'replace', full)
-    with pytest.raises(OSError, match='no space'):
-        write(dataclasses.replace(REPLAY, scene='other'), path)
-    assert path.read_text() == before
-    assert [p.name for p in tmp_path.iterdir()] == ['case.json']
+    with monkeypatch.context() as patch:
+        patch.setattr(file.os, 'replace', full)
+        with pytest.raises(OSError, match='no space'):
+            write(REPLAY, path)
+    assert list(tmp_path.iterdir()) == []
     with pytest.raises(OSError, match='nowhere'):
         write(REPLAY, tmp_path / 'nowhere' / 'case.json')
+
+
+def test_what_is_there_already_stays(tmp_path):
+    """Even what nobody can see: two nodes may find the same in one second."""
+    path, link = tmp_path / 'case.json', tmp_path / 'link.json'
+    write(REPLAY, path)
+    before = path.read_text()
+    link.symlink_to(tmp_path / 'elsewhere.json')
+    for there in (path, link):
+        with pytest.raises(FileExistsError, match='is there already'):
+            write(dataclasses.replace(REPLAY, scene='other'), there)
+    assert path.read_text() == before
+    assert link.is_symlink()
+    assert sorted(each.name for each in tmp_path.iterdir()) == ['case.json', 'link.json']
 
 
 def changes():

@@ -15,6 +15,8 @@ from sensor_msgs.msg import PointCloud2, PointField
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from drake_geom_ros.ros.services import saved_file
+
 SCENE = ROOT / 'scenes' / 'minimal.yaml'
 URDF = """<robot name="arm">
   <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -301,7 +303,7 @@ def test_mesh_roots_bound_what_services_open(client, tmp_path):
     assert set_parameter(client, 'mesh_roots', string_array_value=[str(tmp_path)]).successful
     accepted(client.call(srv.LoadScene, 'load_scene', path=str(scene)))
     saved = accepted(client.call(srv.SaveScene, 'save_scene', path=str(tmp_path / 'saved.yaml')))
-    assert (tmp_path / 'saved.yaml').read_text() == saved.text
+    assert (tmp_path / 'saved.yaml').read_text() == saved_file.MARK + saved.text
 
 
 def test_the_rate_can_be_changed(client):

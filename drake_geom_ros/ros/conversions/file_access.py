@@ -4,8 +4,9 @@ What comes through a service or a topic may name files: meshes, scene files, URD
 file that a scene is saved to. Those must lie in the folders of ``mesh_roots`` or beside the
 node's own ``scene_file``, or, to be read, in ``package_roots``, where packages are looked for
 first; a link in one of them is followed to read, as colcon installs by links, and never to write
-elsewhere. In ``mesh_roots``, ``package://`` stands for the share folders of all
-packages, and a relative folder counts from the working folder of the node.
+elsewhere. Folders alone are written to through a link, files never. In ``mesh_roots``,
+``package://`` stands for the share folders of all packages, and a relative folder counts from the
+working folder of the node.
 """
 
 from __future__ import annotations
@@ -53,9 +54,10 @@ class FileAccess:
             raise ArgumentError(f'{what}: {error}. See the parameter mesh_roots.') from None
 
     def new_file(self, path: str, what: str) -> Path:
-        """Return the path of a file to write; raises ArgumentError outside the folders.
+        """Return the path of a file to write, in a folder whose path is resolved.
 
-        And everywhere where nothing may be written.
+        What it itself stands for is for who writes to look at. Raises ArgumentError outside the
+        folders, there and where a link leads, and everywhere where nothing may be written.
         """
         if not self._writes:
             raise ArgumentError(
@@ -63,7 +65,11 @@ class FileAccess:
                 'empty path asks for the text alone.'
             )
         target = Path(path).absolute()
-        if not any(target.resolve().is_relative_to(root.resolve()) for root in self._to_write):
+        target = target.parent.resolve() / target.name
+        roots = [root.resolve() for root in self._to_write]
+        if not all(
+            any(each.is_relative_to(root) for root in roots) for each in (target, target.resolve())
+        ):
             folders = ', '.join(map(str, self._to_write)) or 'none'
             raise ArgumentError(
                 f'{what}: {str(target)!r} lies outside the folders that files may be opened in: '

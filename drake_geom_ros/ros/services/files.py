@@ -6,15 +6,12 @@ while they take it down or put it up. RuntimeError refuses. No ROS import here.
 
 from __future__ import annotations
 
-import contextlib
-import os
-import secrets
-from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.services.saved_file import SavedFile
 from drake_geom_ros.scene_files import read_scene, rehearse, to_yaml
 
 
@@ -44,34 +41,10 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
 
 
 def save_scene(live: LiveScene, request: Any, response: Any) -> None:
-    """Write the scene down."""
-    target = _target(live, request) if request.path else None
+    """Write the scene down; the file has one line more than the answer, by which it is known."""
+    target = SavedFile(live.files.new_file(request.path, 'path')) if request.path else None
     with live.reading() as scene:
         description = scene.description()
     response.text = to_yaml(description)
     if target is not None:
-        _write(response.text, target)
-
-
-def _target(live: LiveScene, request: Any) -> Path:
-    """Return the file to write: what a link stands for lies in the folders; it itself may not."""
-    path = live.files.new_file(request.path, 'path').resolve()
-    if os.path.isdir(path):
-        raise ArgumentError(f'the scene cannot be written to {path}: it is a folder')
-    return path
-
-
-def _write(text: str, path: Path) -> None:
-    """Write a file whole: one who is killed meanwhile leaves what was there before.
-
-    What is half written is a new file, whose name nobody can have prepared.
-    """
-    part = path.with_name(f'.{secrets.token_hex(8)}.part')
-    try:
-        with part.open('x') as file:
-            file.write(text)
-        os.replace(part, path)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            part.unlink()
-        raise ArgumentError(f'the scene cannot be written to {path}: {error}') from None
+        target.write(response.text)

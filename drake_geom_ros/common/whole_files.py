@@ -1,0 +1,114 @@
+"""Files that are written whole or not at all, and never over what was read to make them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+import stat
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import IO, Any
+
+_ONLY_FOLDERS = os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC
+_NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+
+
+@contextlib.contextmanager
+def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) -> Iterator[IO[Any]]:
+    """Give a file to write; it stands at ``path`` when the block is left without an error.
+
+    ``mode`` is ``'w'`` (UTF-8) or ``'wb'``. Until then, and after an error for ever, what is there
+    stays as it is. A link is followed, and the permissions of a file that is replaced stay. What
+    is no plain file, such as a terminal or a pipe, is written to as it is. Raises OSError.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not target.is_file():
+        encoding = None if 'b' in mode else 'utf-8'
+        with target.open(mode, newline=newline, encoding=encoding) as file:
+            yield file
+        return
+    folder = os.open(target.parent, _ONLY_FOLDERS)
+    try:
+        with replaced(folder, target.name, mode, newline) as file:
+            yield file
+    finally:
+        os.close(folder)
+
+
+@contextlib.contextmanager
+def replaced(
+    folder: int, name: str, mode: str = 'w', newline: str | None = None
+) -> Iterator[IO[Any]]:
+    """Do as ``whole_file`` for a name in a folder that is open, whatever that name stands for.
+
+    What is half written is a new file, whose name nobody can have prepared.
+    """
+    part = f'.{secrets.token_hex(8)}.part'
+    descriptor = os.open(part, _NEW, 0o666, dir_fd=folder)
+    try:
+        encoding = None if 'b' in mode else 'utf-8'
+        with open(descriptor, mode, newline=newline, encoding=encoding) as file:
+            yield file
+            file.flush()
+            with contextlib.suppress(FileNotFoundError):
+                before = os.stat(name, dir_fd=folder, follow_symlinks=False)
+                if stat.S_ISREG(before.st_mode):
+                    os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))
+            # Else a machine that loses power could have the new name, and nothing in it.
+            os.fsync(file.fileno())
+        os.replace(part, name, src_dir_fd=folder, dst_dir_fd=folder)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(part, dir_fd=folder)
+        raise
+
+
+def open_folder(path: Path) -> int:
+    """Return a descriptor of a folder by its resolved path; close it.
+
+    No part of the path may be a link: one that became one since it was resolved leads nowhere.
+    Raises OSError.
+    """
+    first, *names = path.parts
+    folder = os.open(first, _ONLY_FOLDERS)
+    for name in names:
+        above = folder
+        try:
+            folder = os.open(name, _ONLY_FOLDERS | os.O_NOFOLLOW, dir_fd=above)
+        finally:
+            os.close(above)
+    return folder
+
+
+def check_outputs(
+    outputs: Mapping[str, str | Path | None], inputs: Iterable[str | Path | None]
+) -> None:
+    """Raise FileExistsError where an output, by its option, is an input, or is another output.
+
+    By whatever name, also through links; what is empty or None is nothing.
+    """
+    given = [Path(path) for path in inputs if path]
+    written: list[tuple[str, Path]] = []
+    for option, path in outputs.items():
+        if not path:
+            continue
+        for read in given:
+            if _same(Path(path), read):
+                raise FileExistsError(
+                    f'{option} {path} is the file {read} that is read: it would be written over; '
+                    'give another name'
+                )
+        for other, there in written:
+            if _same(Path(path), there):
+                raise FileExistsError(f'{option} and {other} are the same file, {path}')
+        written.append((option, Path(path)))
+
+
+def _same(a: Path, b: Path) -> bool:
+    """Tell whether two paths are of one file, there or not yet."""
+    try:
+        # Two commands may well share a terminal, or what keeps nothing.
+        return os.path.samefile(a, b) and a.is_file()
+    except OSError:
+        return os.path.realpath(a) == os.path.realpath(b)
