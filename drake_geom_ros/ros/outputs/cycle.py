@@ -154,7 +154,7 @@ class Cycle:
         """Publish the CycleReport of a cycle."""
         computed = computed or Effects()
         message = self._messages['cycle_report']
-        moment.stamp(message)
+        moment.stamp_report(message)
         message.cycle = self.count
         message.seconds = seconds
         message.frames_moved = computed.frames_moved

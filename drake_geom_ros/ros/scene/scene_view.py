@@ -35,13 +35,17 @@ class Moment:
     world_frame: str
 
     def stamp(self, message: Any) -> None:
-        """Say in a result which poses and which scene it answers for."""
+        """Say in a result which poses and which scene it answers for, and whose ids it holds."""
+        self.stamp_report(message)
+        message.names_version = self.names_version
+
+    def stamp_report(self, message: Any) -> None:
+        """Say in a message without ids which poses and which scene it is about."""
         message.header.frame_id = self.world_frame
         # A message that is filled again may bear the stamp of an earlier scene.
         stamp = self.newest_stamp
         message.header.stamp = type(message.header.stamp)() if stamp is None else stamp
         message.scene_version = self.version
-        message.names_version = self.names_version
         message.oldest_pose_age = self.oldest_pose_age
 
 
