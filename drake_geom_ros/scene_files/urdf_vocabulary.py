@@ -88,7 +88,7 @@ _MAY_HOLD_ANYTHING = _words('limit')
 # The others read these.
 _READ_ELSEWHERE = _words('collision_filter_group')
 # As Drake writes them; what else is in a namespace is not what has the same name in none.
-_OF_ANY_NAMESPACE = _words('collision_filter_group capsule ellipsoid declare_convex')
+_OF_ANY_NAMESPACE = _words('collision_filter_group joint capsule ellipsoid declare_convex')
 # A word that is not known is an orientation or a length that is not read.
 _REFUSED_IN = _words('origin')
 

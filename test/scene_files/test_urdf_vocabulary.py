@@ -47,7 +47,7 @@ def test_what_changes_no_answer_is_not_told():
         (link('<collison/>'), 'r.urdf:2: link[a].collison: <collison> in <link> is not'),
         (link('<origin xyz="0 0 1"/>'), '<origin> in <link> is not understood. It is left out'),
         (robot('<include href="b.urdf"/>'), '<include> in <robot> is not understood'),
-        (robot('<drake:joint/>', DRAKE), '<drake:joint> in <robot> is not understood'),
+        (robot('<drake:hinge/>', DRAKE), '<drake:hinge> in <robot> is not understood'),
         (
             robot('<drake:link name="a"/>', DRAKE),
             'drake:link> in <robot> is not understood',
