@@ -45,7 +45,7 @@ setup(
     license='Apache-2.0',
     maintainer='drake_geom_ros maintainers',
     maintainer_email='maintainers@drake-geom-ros.invalid',
-    python_requires='>=3.10',
+    python_requires='>=3.10,<3.14',  # those that are tested
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={NAME: ['py.typed', '*/*.schema.json', 'evidence/hard_cases/catalogue/*.json']},
     data_files=[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,8 +33,7 @@ class _Built(NamedTuple):
     proximity: int
 
 
-_LAST = 0  # no source's value
-_MOST_USUAL = 16  # max_distances may come without end
+_MOST_SENDERS = 64  # who poses ever other frames must not fill the memory
 
 
 class _WaitingPairs(NamedTuple):
@@ -63,10 +61,11 @@ class SceneGraphContext:
         self._filters = filters
         self._accuracy = accuracy
         self._engine = Engine()
-        self._usual: dict[Hashable, Prepared] = {}
         self._built, self._seen = self._versions(), model.versions.any
-        # The frames of sources by the values of their ids, and by _LAST those posed without one.
-        self._named: dict[int, Named] = {}
+        # Who poses frames names the same ones each time: all lists of them, by the bytes of their
+        # ids, and those of sources by the values of theirs.
+        self._named: dict[bytes, Named] = {}
+        self._own: dict[int, bytes] = {}
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
         self._waiting_pairs = _WaitingPairs(None, 0)
@@ -75,9 +74,6 @@ class SceneGraphContext:
         if model.first_X_PFs:
             self.UpdateFramePoses(FramePoseVector(model.first_X_PFs))
 
-    def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, '_usual': {}}  # the arrays of a copy are elsewhere
-
     def copy(self) -> SceneGraphContext:
         """Return a context that shares nothing that either could change."""
         other = SceneGraphContext.__new__(type(self))
@@ -85,9 +81,9 @@ class SceneGraphContext:
         other._filters = self._filters.copy()
         other._accuracy = self._accuracy
         other._partial = self._partial
-        other._engine, other._usual = Engine(), {}
+        other._engine = Engine()
         other._built, other._seen = other._versions(), other._model.versions.any
-        other._named = {}
+        other._named, other._own = {}, {}
         other._world = self._up_to_date_world().copy()
         other._snapshot = None
         other._waiting_pairs = _WaitingPairs(None, 0)
@@ -110,14 +106,14 @@ class SceneGraphContext:
         other.__dict__.update(self.__dict__)
         other._model = self._snapshot
         other._filters = self._filters.copy()
-        other._engine, other._usual = Engine(), {}
+        other._engine = Engine()
         other._world = world.copy()
+        other._named, other._own = dict(self._named), dict(self._own)
         return other
 
     def set_default_accuracy(self, accuracy: str) -> None:
         """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
         self._accuracy = checked_accuracy(accuracy)
-        self._usual.clear()
 
     def set_detailed_effects(self, detailed: bool) -> None:
         """Set whether ``QueryObject.effects()`` gives the seconds of cache and kernels separately.
@@ -142,22 +138,20 @@ class SceneGraphContext:
         Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
-        # Once more what ``_up_to_date_world`` does first: see ``FramePoseVector.FromArrays``.
-        is_known = self._seen == self._model.versions.any
-        world = self._world if is_known else self._up_to_date_world()
-        own = self._named.get(source_id._value) or self._source_frames(source_id)
-        given, X_PFs = poses._arrays or poses._as_arrays()
-        if self._filters.welded and (given is own.ids or own.names(given)):
-            self._look_after_welds(given, X_PFs)
-        if given is own.ids or own.names(given):
-            world.pose(own, X_PFs)
-            return
+        world = self._up_to_date_world()
+        own = self._own.get(source_id._value) or self._source_frames(source_id)
+        given, X_PFs = poses._as_arrays()
         # Mostly the frames come in the order of their ids.
-        if not np.array_equal(given := np.sort(given), own.ids):
+        if given.tobytes() == own:
+            self._look_after_welds(given, X_PFs)
+            world.pose(self._frames_named(own, given), X_PFs)
+            return
+        own_ids = np.frombuffer(own, dtype=np.int64)
+        if not np.array_equal(given := np.sort(given), own_ids):
             problems = []
-            if missing := np.setdiff1d(own.ids, given).tolist():
+            if missing := np.setdiff1d(own_ids, given).tolist():
                 problems.append(f'these frames of it have no pose: {self._describe(missing)}')
-            if foreign := np.setdiff1d(given, own.ids).tolist():
+            if foreign := np.setdiff1d(given, own_ids).tolist():
                 problems.append(f'these frames are not its own: {self._describe(foreign)}')
             raise PoseError(
                 f"Poses for source '{self._model.source_name(source_id)}' were refused, nothing "
@@ -180,12 +174,30 @@ class SceneGraphContext:
         rows = world.frame_rows(values)
         return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
-    def _source_frames(self, source_id: SourceId) -> Named:
-        """Return a source's frames, by ascending ids, and note them."""
+    def _source_frames(self, source_id: SourceId) -> bytes:
+        """Return the ascending ids of a source's frames, and note them."""
         values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
-        ids = np.array(sorted(values), dtype=np.int64)
-        named = Named(ids, self._up_to_date_world().frame_rows(ids))
-        self._named[source_id.get_value()] = named
+        own = self._own[source_id.get_value()] = np.array(sorted(values), dtype=np.int64).tobytes()
+        return own
+
+    def _frames_named(self, key: bytes, ids: Indices) -> Named:
+        """Return frames by the values (n,) of their ids, whose bytes are the key.
+
+        Raises PoseError when one does not exist.
+        """
+        named = self._named.get(key)
+        if named is None:
+            world = self._up_to_date_world()
+            named = world.named(ids)
+            if named is None:
+                unknown = ids[~world.has_frames(ids)]
+                raise PoseError(
+                    'Poses were refused, nothing was changed: these frames are not in this scene: '
+                    f'{self._describe(sorted(unknown.tolist()))}.'
+                )
+            if len(self._named) == _MOST_SENDERS:
+                del self._named[next(iter(self._named))]
+            self._named[key] = named
         return named
 
     def UpdateFramePoses(self, poses: FramePoseVector) -> None:
@@ -193,30 +205,17 @@ class SceneGraphContext:
 
         Raises PoseError when a frame does not exist; nothing changes then.
         """
-        world, known = self._up_to_date_world(), self._named
-        ids, X_PFs = poses._arrays or poses._as_arrays()
-        # Whoever poses frames names the same ones each time.
-        last = known.get(_LAST)
-        if last is not None and last.names(ids):
-            if self._filters.welded:
-                self._look_after_welds(ids, X_PFs)
-            world.pose(last, X_PFs)
-            return
-        named = world.named(ids)
-        if named is None:
-            unknown = ids[~world.has_frames(ids)]
-            raise PoseError(
-                'Poses were refused, nothing was changed: these frames are not in this scene: '
-                f'{self._describe(sorted(unknown.tolist()))}.'
-            )
-        known[_LAST] = named
-        if self._filters.welded:
-            self._look_after_welds(ids, X_PFs)
+        world = self._up_to_date_world()
+        ids, X_PFs = poses._as_arrays()
+        named = self._frames_named(ids.tobytes(), ids)
+        self._look_after_welds(ids, X_PFs)
         world.pose(named, X_PFs)
 
     def _look_after_welds(self, ids: Indices, X_PFs: Floats) -> None:
         """Undo the weld of a frame that is posed elsewhere than where its first pose put it."""
         welded = self._filters.welded
+        if not welded:
+            return
         for frame, X_WF in zip(ids.tolist(), X_PFs, strict=True):
             if frame not in welded:
                 continue
@@ -239,8 +238,7 @@ class SceneGraphContext:
 
     def _posed_world(self) -> World:
         """Return the world for a query; raises PoseError if it lacks poses that it must have."""
-        is_known = self._seen == self._model.versions.any
-        world = self._world if is_known else self._up_to_date_world()
+        world = self._up_to_date_world()
         if not (world.is_whole or self._partial):
             waiting = world.unposed_frames().tolist()
             raise PoseError(
@@ -253,27 +251,15 @@ class SceneGraphContext:
         return world
 
     def _query(
-        self, usual: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
+        self, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
     ) -> Prepared:
         """Return a query as the engine takes it: see ``Engine.prepared``.
 
-        Those at the default accuracy are kept by what is ``usual`` to be asked. Raises PoseError
-        if there are no poses that it must have.
+        Raises PoseError if there are no poses that it must have.
         """
-        if accuracy is None:
-            known = self._usual.get(usual)
-            # Either number only grows.
-            scene = self._model.versions.any + self._filters.version
-            if known is not None and known.scene == scene and known.handles is known.near.handles:
-                return known
         level = self._accuracy if accuracy is None else checked_accuracy(accuracy)
         world = self._posed_world()
-        query = self._engine.prepared(world, self._filters, level, cutoff, penetrating, mode)
-        if accuracy is None:
-            if len(self._usual) == _MOST_USUAL:
-                self._usual.clear()
-            self._usual[usual], query.scene = query, scene
-        return query
+        return self._engine.prepared(world, self._filters, level, cutoff, penetrating, mode)
 
     def _placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
         """Return the world and the row of a frame in it.
@@ -312,7 +298,7 @@ class SceneGraphContext:
             if built != self._built:
                 self._world = self._world.rebuilt(*_tables(self._model))
             if built.frames != self._built.frames:
-                self._named = {}
+                self._named, self._own = {}, {}
             self._built, self._seen = built, seen
         return self._world
 

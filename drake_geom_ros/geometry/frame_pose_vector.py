@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from sys import getrefcount
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.common.counting import counted
-from drake_geom_ros.geometry._proximity.buffers import UNHELD
-from drake_geom_ros.geometry._proximity.compiled import Entry
-from drake_geom_ros.geometry._proximity.given import GIVEN
 from drake_geom_ros.geometry._proximity.poses import (
     POSE_WIDTH,
     REFUSED,
@@ -20,7 +16,6 @@ from drake_geom_ros.geometry._proximity.poses import (
     packed_poses,
     positions_of,
     read_frame_poses,
-    read_known_poses,
     rotations_of,
 )
 from drake_geom_ros.geometry.errors import PoseError, UnknownIdError
@@ -33,13 +28,6 @@ from drake_geom_ros.math.tolerances import FARTHEST
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _INT64, _FLOAT64 = np.dtype(np.int64), np.dtype(np.float64)
-_READING = Entry(read_known_poses, *4 * (GIVEN,))
-# Of last time: ids, rising ones, which nobody changes; and room for as many poses, used again once
-# nobody holds it. Whoever poses in a loop holds the last ones until the next are there.
-_known_ids: list[Indices] = [np.zeros(0, dtype=np.int64)]
-_spare = [np.empty((0, POSE_WIDTH)) for _ in range(2)]
-_UNHELD = UNHELD + 1  # references to what a list and a name refer to
-_new = object.__new__
 
 # Id values (n,) of frames, and their poses (n, POSE_WIDTH): see ``_proximity.poses``.
 _Arrays: TypeAlias = tuple[Indices, Floats]
@@ -76,23 +64,12 @@ class FramePoseVector:
         off unit length by more than 1e-3, a coordinate beyond 1e302 m, or a frame that is named
         twice.
         """
-        vector = _new(cls)
+        vector = cls.__new__(cls)
         vector._values = None
-        # What a cycle hands over, arrays for the frames of last time, is looked at in one compiled
-        # call: in the first cycle after other work each further step costs a microsecond or two,
-        # for its code comes from memory.
-        known, X_PFs = _known_ids[0], _spare[0]
-        if getrefcount(X_PFs) > _UNHELD:
-            X_PFs = _other_spare(len(known))
-        if _READING.call(frame_ids, known, poses, X_PFs) == RISING:
-            vector._arrays = known, X_PFs
-            return vector
         if _are_numbers(frame_ids, poses):
             ids: Indices = frame_ids.copy()  # type: ignore[union-attr,assignment]
             X_PFs = np.empty((len(ids), POSE_WIDTH))
             if read_frame_poses(ids, poses, X_PFs) == RISING:
-                _known_ids[0] = ids
-                _spare[:] = (np.empty_like(X_PFs) for _ in _spare)
                 vector._arrays = ids, X_PFs
                 return vector
         ids = _id_values(frame_ids)
@@ -192,15 +169,6 @@ def _are_numbers(frame_ids: object, poses: object) -> bool:
         and poses.shape == (len(frame_ids), 7)
         and poses.flags.carray
     )
-
-
-def _other_spare(count: int) -> Floats:
-    """Return room for so many poses that nobody holds."""
-    _spare.reverse()
-    X_PFs = _spare[0]
-    if getrefcount(X_PFs) > _UNHELD or len(X_PFs) != count:
-        X_PFs = _spare[0] = np.empty((count, POSE_WIDTH))
-    return X_PFs
 
 
 def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:

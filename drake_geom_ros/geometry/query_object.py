@@ -182,7 +182,7 @@ class QueryObject(ImageQueries):
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
-        query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
+        query = context._query(accuracy, 0.0, True, ANSWERS)
         world = context._world
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         batch = context._engine.answer_of(query, world, budget)
@@ -190,7 +190,7 @@ class QueryObject(ImageQueries):
         unsure = query.is_bound or budget > 0.0
         if unsure:
             batch = PairBatch(*batch).penetrating()
-        return PenetrationResults(batch, world.now or world.moment())
+        return PenetrationResults(batch, world.moment())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -200,7 +200,7 @@ class QueryObject(ImageQueries):
         interval of its distance reaches below 0: there a contact is possible.
         """
         context = self._context
-        query = context._query('contact', accuracy, 0.0, True, CONTACT)
+        query = context._query(accuracy, 0.0, True, CONTACT)
         return context._engine.finds_overlap(query, context._world)
 
     def ComputeSignedDistancePairwiseClosestPoints(
@@ -227,11 +227,11 @@ class QueryObject(ImageQueries):
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        query = context._query(reach, accuracy, reach, False, ANSWERS)
+        query = context._query(accuracy, reach, False, ANSWERS)
         world = context._world
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         batch = context._engine.answer_of(query, world, budget)
-        return SignedDistanceResults(batch, world.now or world.moment())
+        return SignedDistanceResults(batch, world.moment())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -308,7 +308,7 @@ class QueryObject(ImageQueries):
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        query = context._query('candidates', 'bound', 0.0, False, CANDIDATES)
+        query = context._query('bound', 0.0, False, CANDIDATES)
         world = context._world
         return world.geometries.ids[context._engine.candidates_of(query, world)]
 
@@ -337,7 +337,7 @@ class QueryObject(ImageQueries):
                 f'ComputeSignedDistanceToPoint was given p_WQ of shape {np.shape(p_WQ)}; '
                 'it must be one point (3,) or points (m, 3), in metres.'
             )
-        if not are_allowed.call(p_WQs):
+        if not are_allowed(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
         world = context._posed_world()

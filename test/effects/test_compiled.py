@@ -57,7 +57,6 @@ def test_a_scene_of_spheres_compiles_only_kernels_of_spheres(compiled):
     assert modules == {
         *(
             'bounds',
-            'prefetch',
             'side_by_side',
             'vectors',
             'calling.extremes',

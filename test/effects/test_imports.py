@@ -71,7 +71,6 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
     assert kernels == {
         *(
             'bounds',
-            'prefetch',
             'side_by_side',
             'summit',
             'vectors',

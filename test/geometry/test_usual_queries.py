@@ -109,23 +109,42 @@ def test_answers_are_those_of_who_asks_for_the_first_time(seed):
             np.testing.assert_array_equal(found, expected, err_msg=str(step))
 
 
-def test_answers_that_are_held_stay_as_they_were():
-    """Who asks in a loop has the last answer while the next is computed, or all of them."""
-    scene, held, expected = Balls(0), [], []
-    for _ in range(10):
-        scene.moved()
-        held.append(scene.query.ComputePointPairPenetration())
-        expected.append((held[-1].id_A.copy(), held[-1].p_WCa.copy()))
-        for results, (ids, points) in zip(held, expected, strict=True):
-            np.testing.assert_array_equal(results.id_A, ids)
-            np.testing.assert_array_equal(results.p_WCa, points)
+def held(scene):
+    """Return all that is handed out for the poses of now, results and arrays of them."""
+    query = scene.query
+    near = query.ComputeSignedDistancePairwiseClosestPoints(0.2)
+    every = query.ComputeSignedDistancePairwiseClosestPoints()
+    points = query.ComputeSignedDistanceToPoint(scene.rng.normal(size=(40, 3)))
+    overlaps = query.ComputePointPairPenetration()
+    in_time = query.ComputeSignedDistancePairwiseClosestPoints(time_budget=1e-9)
+    results = near, every, points, overlaps, in_time, every.penetrations()
+    return results, [array for each in results for array in each._batch]
 
 
-def test_a_loop_that_holds_the_last_answer_takes_turns_in_two_places():
-    scene, places = Balls(0), []
-    results = None
-    for _ in range(12):
+@pytest.mark.parametrize('kept', ['results', 'arrays', 'parts'])
+def test_what_was_handed_out_is_never_written_again(kept):
+    """Whoever holds results, their arrays or parts of these has them as they were, for ever."""
+    scene, holders, shown, copies = Balls(0), [], [], []
+    for _ in range(25):
         scene.moved()
-        results = scene.query.ComputePointPairPenetration()
-        places.append(results.depth.ctypes.data)
-    assert len(set(places[4:])) == 2
+        results, arrays = held(scene)
+        copies.append([array.copy() for array in arrays])
+        if kept == 'parts':
+            arrays, copies[-1] = ([a[::2].T for a in each] for each in (arrays, copies[-1]))
+        holders.append(results if kept == 'results' else arrays)
+        del results, arrays
+    for each in holders:
+        shown.append([a for r in each for a in r._batch] if kept == 'results' else each)
+    for arrays, expected in zip(shown, copies, strict=True):
+        for array, its_copy in zip(arrays, expected, strict=True):
+            np.testing.assert_array_equal(array, its_copy)
+
+
+def test_arrays_of_answers_are_of_their_own():
+    """None shares memory with another, or with what the world and the engine work on."""
+    scene, arrays = Balls(0), []
+    for _ in range(5):
+        scene.moved()
+        arrays.append(scene.query.ComputePointPairPenetration().depth)
+    for k, array in enumerate(arrays):
+        assert not any(np.shares_memory(array, other) for other in arrays[:k])

@@ -26,7 +26,7 @@ def _finite(value):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def set_side(near, g, distance):  # type: ignore[no-untyped-def]
+def _set_side(near, g, distance):  # type: ignore[no-untyped-def]
     """Write the sides of a box, of which the lower ones are out by a distance [m].
 
     They are measured from ORIGIN, for far from World's they keep their digits so. A plane is
@@ -68,20 +68,15 @@ def _is_pair(near, frames, i, k, distance):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def look_at_one(near, world, g, start, distance, count):  # type: ignore[no-untyped-def]
-    """Append the codes of the pairs of g with those from ``start`` on; return how many there are.
-
-    A pair of two that have left is appended by the one with the lower row.
-    """
-    n, box = near.is_plane.size, box_at(near.sides, g)
-    for first in range(start, n, LANES):
+def _look_at_one(near, world, i, distance, count):  # type: ignore[no-untyped-def]
+    """Append the codes of the pairs of i with those behind it; return how many there are."""
+    n, box = near.is_plane.size, box_at(near.sides, i)
+    for first in range(i + 1, n, LANES):
         bits = overlapping(near.sides, first, box) & first_lanes(n - first)
         while bits != 0:
             k = first + lowest(bits)
             bits &= bits - 1
-            is_new = k > g or (k < g and not near.has_left[k])
-            kept = is_new and _is_pair(near, world.frames, g, k, distance)
-            count = put_code(near.found, count, min(g, k), max(g, k), kept)
+            count = put_code(near.found, count, i, k, _is_pair(near, world.frames, i, k, distance))
     return count
 
 
@@ -98,7 +93,7 @@ def look_at_all(near, world, distance):  # type: ignore[no-untyped-def]
     for c in range(3):
         near.lengths[ORIGIN + c] = _finite(near.lowers[0, c])
     for g in range(n):
-        set_side(near, g, distance)
+        _set_side(near, g, distance)
     for i in range(n):
-        count = look_at_one(near, world, i, i + 1, distance, count)
+        count = _look_at_one(near, world, i, distance, count)
     return count

@@ -19,7 +19,6 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import row
-from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, prefetch, until
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     sub,
@@ -130,21 +129,7 @@ def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ign
     world = world_of(world)
     types, frames, outer = world.types, world.frames, world.outer
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
-    ask_until = until(hits.size)
     for k in range(hits.size):
-        if k < ask_until:
-            hit = np.uint64(hits[k + AHEAD])
-            prefetch(memory, (slots[hit],))
-            prefetch(memory, (slots[hit], 8))
-            prefetch(R_WGs, (pairs[hit, 1],))
-            prefetch(R_WGs, (pairs[hit, 1], 2))
-            prefetch(p_WGs, (pairs[hit, 1],))
-            prefetch(frames, (pairs[hit, 1],))
-            prefetch(world.ids, (pairs[hit, 1],))
-            prefetch(outer, (pairs[hit, 1],))
-            prefetch(roundings, (pairs[hit, 1],))
-            near = np.uint64(hits[k + AHEAD // 2])
-            prefetch(p_WFs, (frames[pairs[near, 1]],))
         hit = np.uint64(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(memory, slots[hit]), row(rows, k)

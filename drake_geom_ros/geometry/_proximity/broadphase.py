@@ -31,7 +31,6 @@ from drake_geom_ros.geometry._proximity.handing import (
     Reals,
     SingleRows,
 )
-from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, prefetch
 from drake_geom_ros.geometry._proximity.kernels.side_by_side import (
     LANES,
     above,
@@ -241,11 +240,6 @@ def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyp
         boxes.starts[bucket] = total
     # From the ends of the buckets back: then their starts are what is left.
     for k in range(rows.size - 1, -1, -1):
-        if k >= AHEAD:
-            prefetch(boxes.starts, (boxes.found[k - AHEAD, BUCKET],))
-            at = boxes.starts[boxes.found[k - AHEAD // 2, BUCKET]] - 1  # or next to it
-            prefetch(boxes.bounds, (at,))
-            prefetch(boxes.cells, (at,))
         bucket = boxes.found[k, BUCKET]
         boxes.starts[bucket] -= 1
         at, g = boxes.starts[bucket], rows[k]

@@ -7,7 +7,6 @@ from typing import Any
 
 from llvmlite import ir
 from numba import config, types
-from numba.core import cgutils
 from numba.extending import intrinsic
 
 if config.DISABLE_JIT:
@@ -27,13 +26,15 @@ else:
             long, int32 = ir.IntType(64), ir.IntType(32)
             timespec = ir.LiteralStructType([long, long])
             kind = ir.FunctionType(int32, [int32, timespec.as_pointer()])
-            function = cgutils.get_or_insert_function(builder.module, kind, 'clock_gettime')
-            told = cgutils.alloca_once(builder, timespec)
+            function = builder.module.globals.get('clock_gettime')
+            if function is None:
+                function = ir.Function(builder.module, kind, 'clock_gettime')
+            with builder.goto_entry_block():  # where a loop makes no more of it each time
+                told = builder.alloca(timespec)
             builder.call(function, [ir.Constant(int32, _CLOCK), told])
-            double, zero = ir.DoubleType(), cgutils.gep_inbounds(builder, told, 0, 0)
-            seconds = builder.sitofp(builder.load(zero), double)
-            one = cgutils.gep_inbounds(builder, told, 0, 1)
-            nanoseconds = builder.sitofp(builder.load(one), double)
+            read, double = builder.load(told), ir.DoubleType()
+            seconds = builder.sitofp(builder.extract_value(read, 0), double)
+            nanoseconds = builder.sitofp(builder.extract_value(read, 1), double)
             return builder.fadd(seconds, builder.fdiv(nanoseconds, ir.Constant(double, 1e9)))
 
         return types.float64(), codegen

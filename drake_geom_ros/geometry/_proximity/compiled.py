@@ -15,31 +15,36 @@ import hashlib
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from numba import config, njit, types, version_info
+from numba import cfunc, config, njit, version_info
 from numba.core import event
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
-    from drake_geom_ros.geometry._proximity import intermediate
+    from drake_geom_ros.geometry._proximity import intermediate as _intermediate
+
+    intermediate: Any = _intermediate
 else:
-    intermediate = None  # type: ignore[assignment]
+    intermediate = None
 
 _FOLDER = 'drake_geom_ros'
 _VERSION = 'kernels-'  # a digest follows
 _KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
+_PACKAGE = Path(__file__).parents[2]
+# All that is compiled in, as folders and files: a test looks at what these import.
+SOURCES = tuple(_PACKAGE / name for name in ('geometry/_proximity', 'math/tolerances.py'))
 
 
-def _digest() -> str:
-    """Return a name for the content of all sources beside this file and below."""
+def digest_of(sources: Iterable[Path]) -> str:
+    """Return a name for the content of files, and of all sources in folders."""
     digest = hashlib.sha256()
-    folder = Path(__file__).parent
-    for path in sorted(folder.rglob('*.py')):
-        digest.update(str(path.relative_to(folder)).encode())
-        digest.update(path.read_bytes())
+    for source in sources:
+        for path in sorted(source.rglob('*.py')) if source.is_dir() else [source]:
+            digest.update(str(path.relative_to(source.parent)).encode())
+            digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 
@@ -65,7 +70,7 @@ def _own_folder(path: Path) -> bool:
 
 def _cache_folder() -> str:
     """Return the folder of this version's cache, or an empty text where none can be written."""
-    name = _VERSION + _digest()
+    name = _VERSION + digest_of(SOURCES)
     for base in _candidates():
         if _own_folder(base) and _own_folder(base / name):
             return str(base / name)
@@ -155,13 +160,22 @@ def allocating(function: Callable[..., Any]) -> Any:
     return _compiled(function, counted=True)
 
 
-def brief(function: Callable[..., Any]) -> Any:
-    """Return the function compiled as ``compiled`` does, for one that keeps the GIL.
+def view(function: Callable[..., Any]) -> Any:
+    """Return the function compiled to what shows a part of an array and holds no reference to it.
 
-    For what is soon done: to give the lock back and take it again costs a microsecond in the first
-    cycle after other work.
+    See ``intermediate``; without that it counts references.
     """
-    return _compiled(function, nogil=False)
+    if intermediate is not None and not config.DISABLE_JIT:
+        return getattr(intermediate, function.__name__)
+    return _compiled(function, forceinline=True)
+
+
+def made(function: Callable[..., Any]) -> Any:
+    """Return a function that was made, which no file has, compiled for callers that are.
+
+    It may return arrays of memory that is not its own, whoever calls it.
+    """
+    return _compiled(function, counted=True, kept=False)
 
 
 def _compiled(
@@ -169,73 +183,48 @@ def _compiled(
     *,
     forceinline: bool = False,
     counted: bool = False,
-    nogil: bool = True,
+    kept: bool = True,
 ) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER
-    options = {
-        'nogil': nogil,
-        'error_model': 'numpy',
-        'forceinline': forceinline,
-        '_nrt': counted,  # else inherited from whoever asks for the function first
-    }
     try:
-        dispatcher = njit(cache=bool(CACHE_FOLDER), **options, **entry_options())(function)
+        dispatcher = njit(
+            cache=kept and bool(CACHE_FOLDER),
+            nogil=True,
+            error_model='numpy',
+            forceinline=forceinline,
+            **options(counted=counted),
+        )(function)
         return for_compiled_callers(dispatcher, constants=False)
     finally:
         config.CACHE_DIR = before
 
 
-class Entry:
-    """A compiled function that Python calls without a look at the arguments.
-
-    To find the version by their types takes Numba 70 ns and more, and far longer in the first
-    cycle after other work, when code comes from memory. There is one version, for arguments of
-    these ``kinds``: an array of other numbers or another layout would be misread.
-    """
-
-    __slots__ = ('_dispatcher', '_kinds', 'call')
-
-    def __init__(self, dispatcher: Any, *kinds: Any) -> None:
-        self._dispatcher, self._kinds = dispatcher, kinds
-        self.call: Callable[..., Any] = dispatcher if config.DISABLE_JIT else self._first_call
-
-    def _first_call(self, *arguments: Any) -> Any:
-        self._dispatcher.compile(self._kinds)
-        (version,) = self._dispatcher.overloads.values()
-        self.call = version.entry_point
-        return self.call(*arguments)
-
-
-def entry_options() -> dict[str, Any]:
-    """Return the options of a function that Python calls: see ``intermediate``."""
-    return {} if intermediate is None else {'pipeline_class': intermediate.EntryPipeline}
+def options(*, counted: bool) -> dict[str, Any]:
+    """Return further options of what is compiled: see ``intermediate``."""
+    return {} if intermediate is None else intermediate.options(counted)
 
 
 def for_compiled_callers(dispatcher: Any, *, constants: bool) -> Any:
-    """Return the dispatcher, which has compiled code call what ``intermediate`` tells of.
+    """Return the dispatcher, as compiled code is to call it: see ``intermediate``."""
+    if config.DISABLE_JIT or intermediate is None:
+        return dispatcher
+    return intermediate.for_compiled_callers(dispatcher, constants)
 
-    With ``constants`` there is one version for each constant that it is called with. Else there is
-    one for all numbers: one for each took half of the time to compile everything, and LLVM knows
-    the constants where it inlines.
+
+def address_of(function: Any, signature: Any) -> Any:
+    """Compile a function, or load it from the cache on disk, and return its address for C.
+
+    Uncompiled, the address is the function.
     """
     if config.DISABLE_JIT:
-        return dispatcher
-    template, overload = dispatcher.get_call_template, dispatcher.get_overload
+        return function
     if intermediate is not None:
-
-        @functools.cache  # made when first called for: it takes time that an import need not
-        def called() -> Any:
-            return intermediate.version_for_compiled_callers(dispatcher)
-
-        template = lambda *types: called().get_call_template(*types)  # noqa: E731
-        overload = lambda signature: called().get_overload(signature)  # noqa: E731
-
-    def get_call_template(args: Any, kws: Any) -> Any:
-        if not constants:
-            kws = {name: types.unliteral(kind) for name, kind in kws.items()}
-            args = tuple(map(types.unliteral, args))
-        return template(args, kws)
-
-    dispatcher.get_call_template, dispatcher.get_overload = get_call_template, overload
-    return dispatcher
+        return intermediate.address_of(function, signature)
+    before = config.CACHE_DIR
+    config.CACHE_DIR = CACHE_FOLDER and str(Path(CACHE_FOLDER) / 'addresses')
+    try:
+        callback = cfunc(signature, cache=bool(CACHE_FOLDER), error_model='numpy')
+        return callback(function.py_func).address
+    finally:
+        config.CACHE_DIR = before

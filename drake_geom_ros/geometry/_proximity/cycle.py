@@ -11,14 +11,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 from drake_geom_ros.geometry._proximity import kernel_table, list_arrays
 from drake_geom_ros.geometry._proximity.batches import gather_rows
 from drake_geom_ros.geometry._proximity.broadphase import Boxes, code_of
 from drake_geom_ros.geometry._proximity.clock import now
-from drake_geom_ros.geometry._proximity.compiled import Entry, compiled, inlined
-from drake_geom_ros.geometry._proximity.given import GIVEN, array_in
+from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.handing import (
     Flags,
     HandleField,
@@ -39,8 +37,7 @@ from drake_geom_ros.geometry._proximity.list_arrays import (
 from drake_geom_ros.geometry._proximity.list_making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, answer_pairs, near_pairs
 from drake_geom_ros.geometry._proximity.plain_contacts import plain_contact
-from drake_geom_ros.geometry._proximity.poses import rows_in
-from drake_geom_ros.geometry._proximity.posing import named_of, set_poses, update
+from drake_geom_ros.geometry._proximity.posing import set_poses, update
 from drake_geom_ros.geometry._proximity.records import world_of
 
 # What is asked for.
@@ -96,7 +93,6 @@ ASKED = 5
 _hands_of = taker(Hands)
 report_of = taker(ReportArrays)
 _boxes_of = taker(Boxes)
-_id_pairs_in = array_in(np.int64, 2)
 
 
 def empty_report() -> ReportArrays:
@@ -113,20 +109,19 @@ def empty_report() -> ReportArrays:
 
 @inlined
 def pose_world(world, report, stale, revision, named, given):  # type: ignore[no-untyped-def]
-    """Give a world its poses, as ``_run_cycle`` does, and report so."""
+    """Give a world its poses, as ``run_cycle`` does, and report so."""
     told, moments = report.told, report.moments
     moments[BEGUN] = now()
     told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
     if stale:
-        poses = rows_in(given)
-        if poses.shape[0] > 0:
-            set_poses(named_of(named).rows, poses, world)
+        if given.shape[0] > 0:
+            set_poses(named, given, world)
         told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
     moments[POSED], moments[KNOWING] = now(), 0.0
 
 
 @compiled
-def _run_cycle(  # type: ignore[no-untyped-def]
+def run_cycle(  # type: ignore[no-untyped-def]
     hands,
     lacking,
     stale,
@@ -138,13 +133,13 @@ def _run_cycle(  # type: ignore[no-untyped-def]
 ):
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
-    All arrays are given as they are. ``hands`` is the handle of ``Hands``. What was ``lacking``
-    (0: nothing) is there now, and the cycle goes on there. If it is ``stale``, the world gets the
-    poses ``given`` (n, POSE_WIDTH) of the frames of the handle ``named``, and is updated to this
-    ``revision``. The numbers of the pairs are written to the list's ``hits``, and their ``ids``
-    (k, 2) and ``rows`` (k, BATCH_WIDTH) if there is room for all.
+    ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
+    cycle goes on there. If it is ``stale``, the world gets the poses ``given`` (n, POSE_WIDTH) of
+    the frames in its rows ``named`` (n,), and is updated to this ``revision``. The numbers of the
+    pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and ``rows``
+    (k, BATCH_WIDTH) if there is room for all.
     """
-    hands, ids, rows = _hands_of(hands), _id_pairs_in(ids), rows_in(rows)
+    hands = _hands_of(hands)
     gap, cutoff, mode = hands.asked[GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
     moments = report.moments
@@ -192,10 +187,6 @@ def _run_cycle(  # type: ignore[no-untyped-def]
         )
     moments[ANSWERED] = now()
     return count
-
-
-_NUMBERS = types.int64, types.boolean, types.int64
-run_cycle = Entry(_run_cycle, GIVEN, *_NUMBERS, *4 * (GIVEN,))
 
 
 @inlined

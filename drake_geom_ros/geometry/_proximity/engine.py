@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from sys import getrefcount
 from typing import TypeAlias
 
 import numpy as np
@@ -19,7 +18,6 @@ from drake_geom_ros.geometry._proximity.batches import (
     gather_rows,
     gathered,
 )
-from drake_geom_ros.geometry._proximity.buffers import Buffers
 from drake_geom_ros.geometry._proximity.compiled import Tell
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
@@ -59,7 +57,7 @@ from drake_geom_ros.geometry._proximity.narrow_phase import (
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.point_cycle import PointQueries
 from drake_geom_ros.geometry._proximity.point_phase import POINTS_COMPILED, compile_point_kernels
-from drake_geom_ros.geometry._proximity.prepared import MOST_ROOM, SHOWN, Prepared, PreparedQueries
+from drake_geom_ros.geometry._proximity.prepared import Prepared, PreparedQueries
 from drake_geom_ros.geometry._proximity.records import empty_memory
 from drake_geom_ros.geometry._proximity.sharing import LONG, THREADS, share
 from drake_geom_ros.geometry._proximity.stepwise import Stepwise
@@ -77,6 +75,7 @@ _GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
 _NO_BATCH = _NO_IDS, _NO_ROWS
 _NO_KERNELS = ()
+MANY = 512  # pairs of an answer, of which it is worth while to know how long they took
 
 
 class Engine:
@@ -90,12 +89,11 @@ class Engine:
         # The last answer, and what was asked.
         self._last: Prepared | None = None
         self._batch: Arrays = _NO_BATCH
-        self._buffers = Buffers()
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
         self._queries = PreparedQueries(self._report)
         self._steps = Stepwise(self._report)
-        self._points = PointQueries(self._report, self._buffers)
+        self._points = PointQueries(self._report)
         self._unrefined = 0
         self._kernels: Sequence[str] = _NO_KERNELS
 
@@ -185,23 +183,14 @@ class Engine:
         stands = self._last is prepared and not world.is_stale
         if stands and prepared.answered_at == world.revision:
             return self._as_before(prepared.near)
-        self._last, self._batch = None, _NO_BATCH  # its arrays may be free
+        self._last, self._batch = None, _NO_BATCH
         if time_budget > 0.0 or self.detailed:
             limited = not prepared.is_bound
             batch: Arrays = self._answer_in_steps(prepared, world, time_budget if limited else 0.0)
-        elif prepared.room > MOST_ROOM:
-            batch = self._answer_at_length(prepared, world)
+        elif prepared.seconds > LONG and THREADS > 1:
+            batch = self._answer_shared(prepared, world)
         else:
-            # Hardly any Python from here on: of the first cycle after other work, which is what a
-            # robot has each time, most is its code that comes from memory.
-            if getrefcount(prepared.ids) > SHOWN or getrefcount(prepared.rows) > SHOWN:
-                prepared.take_others()
-            count = self._run(prepared, world, prepared.ids, prepared.rows)
-            if count <= prepared.room:
-                ids, rows = prepared.shown
-                batch = ids[:count], rows[:count]
-            else:
-                batch = self._gathered(prepared, world, count)
+            batch = self._answer_alone(prepared, world)
         # What was left at its bounds is refined when somebody asks again.
         if not self._unrefined:
             self._last, self._batch, prepared.answered_at = prepared, batch, world.revision
@@ -289,8 +278,8 @@ class Engine:
         self._kernels, self._unrefined = _NO_KERNELS, 0
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given_for.handle, world.given
-        count: int = run_cycle.call(prepared.hands, 0, *posed, ids, rows)
+        posed = stale, revision, world.given_for.rows, world.given
+        count: int = run_cycle(prepared.hands, 0, *posed, ids, rows)
         world.revision, world.given, world.is_stale = revision, NO_POSES, False
         while count < 0:
             if count == -LACKS_KERNELS:
@@ -298,7 +287,7 @@ class Engine:
             else:
                 prepared.near.make_room(-count)
                 prepared.hand_over(prepared.filters)
-            count = run_cycle.call(prepared.hands, -count, *posed, ids, rows)
+            count = run_cycle(prepared.hands, -count, *posed, ids, rows)
         return count
 
     def _compile_for(self, world: World, near: NearList) -> None:
@@ -307,22 +296,17 @@ class Engine:
         near.know_kernels()
         self._moments[COMPILED] = time.perf_counter()
 
-    def _answer_at_length(self, prepared: Prepared, world: World) -> Arrays:
-        """Return a long answer, in one compiled call where it is about as long as before.
-
-        Or by threads, where it took long before.
-        """
-        if THREADS > 1 and prepared.seconds > LONG:
-            return self._answer_shared(prepared, world)
+    def _answer_alone(self, prepared: Prepared, world: World) -> Arrays:
+        """Return the answer in one compiled call, where it is about as long as before."""
         room = prepared.room
-        ids = self._buffers.empty((room, 2), np.int64)
-        rows = self._buffers.empty((room, BATCH_WIDTH))
+        ids, rows = np.empty((room, 2), np.int64), np.empty((room, BATCH_WIDTH))
         count = self._run(prepared, world, ids, rows)
         if count > room:
             return self._gathered(prepared, world, count)
+        if count > MANY:
+            prepared.seconds = float(self._moments[ANSWERED] - self._moments[COMPILED])
         if count < room // 2:
             prepared.make_room(count)
-        prepared.seconds = float(self._moments[ANSWERED] - self._moments[COMPILED])
         return frozen(ids[:count], rows[:count])
 
     def _gathered(self, prepared: Prepared, world: World, count: int) -> PairBatch:
@@ -359,10 +343,8 @@ class Engine:
         near = prepared.near
         hits = self._steps.answer_shared(world, near, prepared.query)
         count = len(hits)
-        if count <= MOST_ROOM:
-            prepared.make_room(count)
-        ids = self._buffers.empty((count, 2), np.int64)
-        rows = self._buffers.empty((count, BATCH_WIDTH))
+        prepared.make_room(count)
+        ids, rows = np.empty((count, 2), np.int64), np.empty((count, BATCH_WIDTH))
         memory = near.pairs, near.slots, near.memory, prepared.gap, world.handle
 
         def gather(first: int, last: int) -> None:

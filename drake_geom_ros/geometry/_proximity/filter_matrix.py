@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.prefetch import prefetch
 
 Slots = NDArray[np.int64]
 Bits = NDArray[np.uint8]
@@ -113,14 +112,6 @@ def may_report(bits: Bits, bodies: Slots, bit_rows: BitRows, slot_a: int, slot_b
         excluded = bits[CURRENT, row, j >> np.uint64(3)] >> np.uint8(j & np.uint64(7))
     body_a, body_b = bodies[i], bodies[j]
     return bool((excluded & np.uint8(1) == 0) & (body_a != body_b) & ((body_a | body_b) >= 0))
-
-
-@inlined
-def prefetch_pair(bits: Bits, bit_rows: BitRows, slot_a: int, slot_b: int) -> None:
-    """Ask for what ``may_report`` reads of the matrix, which may be large."""
-    row = bit_rows[np.uint64(slot_a)]
-    if row != NO_ROW:
-        prefetch(bits, (CURRENT, row, slot_b >> 3))
 
 
 @allocating

@@ -3,8 +3,9 @@
 Numba takes 65 to 95 ns to recognise each array that it is given, and a query is about eighty:
 longer than its work, in a small scene. So what stays from cycle to cycle is a *handle*: the
 address and the length of each array, of which compiled code makes the record again. That costs
-nothing there, and no reference is counted: whoever has a handle keeps the arrays, and makes it
-anew when one of them is another. Handles mean nothing to another process or to a copy.
+nothing there, and no reference is counted: who makes a handle owns the arrays of its record, keeps
+them as long as the handle, and makes it anew when one of them is another. Handles mean nothing to
+another process or to a copy.
 
 Under ``NUMBA_DISABLE_JIT=1`` a handle is the record itself.
 """
@@ -12,17 +13,15 @@ Under ``NUMBA_DISABLE_JIT=1`` a handle is the record itself.
 from __future__ import annotations
 
 from functools import cache
+from itertools import count
 from typing import Annotated, Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
-from numba import config, from_dtype, types
-from numba.core import cgutils
+from numba import carray, config, types
 from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.given import GIVEN, data_of
-from drake_geom_ros.geometry._proximity.kernels.calling.views import array_at
+from drake_geom_ros.geometry._proximity.compiled import made
 
 # The fields of records that are handed over: the type of their numbers, and the extents that
 # follow the first one, None for those that differ from array to array.
@@ -71,59 +70,30 @@ def handle_of(record: tuple[Any, ...]) -> Handle:
     return np.array(numbers, dtype=np.int64)
 
 
+@intrinsic
+def _pointer(typingctx, address, number):  # type: ignore[no-untyped-def]
+    """Return an address as a pointer to numbers of a type."""
+
+    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(values[0], context.get_value_type(signature.return_type))
+
+    return types.CPointer(number.dtype)(types.intp, number), codegen
+
+
 def taker(record: type[tuple[Any, ...]]) -> Any:
-    """Return the compiled function that makes a record of its handle, or of a handle ``GIVEN``."""
+    """Return the compiled function that makes a record of its handle."""
     if config.DISABLE_JIT:
         return lambda handle: handle
-    kinds = [
-        types.Array(from_dtype(np.dtype(dtype)), 1 + len(extents), 'C')
-        for _, dtype, extents in _fields(record)
-    ]
-    shapes = [extents for _, _, extents in _fields(record)]
-    result = types.NamedTuple(kinds, record)
-
-    @intrinsic
-    def take(typingctx, handle):  # type: ignore[no-untyped-def]
-        def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
-            (given,) = values
-            if handle is GIVEN:
-                data = data_of(builder, given)
-            else:
-                data = make_array(handle)(context, builder, given).data
-            numbers = _Numbers(builder, data)
-            arrays = [
-                _array(context, builder, kind, numbers.next(), [numbers.next(), *extents], numbers)
-                for kind, extents in zip(kinds, shapes, strict=True)
-            ]
-            return context.make_tuple(builder, result, arrays)
-
-        return result(handle), codegen
-
-    return take
-
-
-class _Numbers:
-    """Reads the numbers of a handle, one after the other, in generated code."""
-
-    def __init__(self, builder: Any, data: Any) -> None:
-        self._builder, self._data, self._next = builder, data, 0
-
-    def next(self) -> Any:
-        place = cgutils.gep_inbounds(self._builder, self._data, self._next)
-        self._next += 1
-        return self._builder.load(place)
-
-
-def _array(
-    context: Any, builder: Any, kind: Any, address: Any, extents: list[Any], numbers: _Numbers
-) -> Any:
-    """Return the array of some kind at an address; extents that are None come from the handle."""
-    element = context.get_data_type(kind.dtype)
-    shape = []
-    for extent in extents:
-        if extent is None:
-            extent = numbers.next()
-        shape.append(
-            context.get_constant(types.intp, extent) if isinstance(extent, int) else extent
-        )
-    return array_at(context, builder, kind, builder.inttoptr(address, element.as_pointer()), shape)
+    numbers, arrays = count(), []
+    names = {'__name__': __name__, 'record': record, 'carray': carray, 'pointer': _pointer}
+    for name, dtype, extents in _fields(record):
+        names[name] = dtype
+        at = f'pointer(handle[{next(numbers)}], {name})'
+        shape = [
+            f'handle[{next(numbers)}]' if extent is None else f'{extent}'
+            for extent in (None, *extents)
+        ]
+        arrays.append(f'carray({at}, ({", ".join(shape)},))')
+    # Written as text, for Numba takes no record apart that it does not see made.
+    exec(f'def take(handle):\n    return record({", ".join(arrays)})', names)
+    return made(names['take'])

@@ -33,12 +33,11 @@ HAS_KERNELS = 4  # 1 once those of its pairs are known to be compiled
 VERSION, PLACINGS = 5, 6  # of the filters, and of who waits for a first pose
 MADE_AT = 7  # revision of the world in which the list was made
 CHECKED_AT = 8  # in which everybody was last seen in the boxes
-CHANGED_AT = 9  # in which the list was made or amended
-SETTLED_AT = 10  # in which those that rest were put into their cells
-ACTIVE_THEN = 11  # how many did not rest
-RESTING = 12  # pairs of bodies that rest
-FOUND = 13  # codes of pairs, before the filters
-NUMBERS = 14
+SETTLED_AT = 9  # in which those that rest were put into their cells
+ACTIVE_THEN = 10  # how many did not rest
+RESTING = 11  # pairs of bodies that rest
+FOUND = 12  # codes of pairs, before the filters
+NUMBERS = 13
 # Places of ``ListArrays.lengths``.
 REACH = 0  # [m] the list holds every pair this near; below 0: not made yet
 WANTED = 1  # [m] the largest distance asked for since the list was made
@@ -61,7 +60,6 @@ class ListArrays(NamedTuple):
     paddings: Reals  # [m]
     rows: Integers
     rest_paddings: Reals  # [m]
-    has_left: Flags  # all False but while the list is amended
     tally: Integers  # (n + 1,)
     sides: SingleRows  # (6, n + LANES) [m]
     planes: Integers  # (p,) rows

@@ -13,15 +13,12 @@ PATIENCE = 64  # updates without a move after which a body counts as resting
 
 
 @inlined
-def who_left(near, world, revision, most):  # type: ignore[no-untyped-def]
-    """Put those into ``rows`` that are no longer in their boxes; return how many.
-
-    Where there are more than the ``most``, the others are not looked for.
-    """
-    count, since = 0, near.numbers[CHECKED_AT]
+def somebody_left(near, world, revision):  # type: ignore[no-untyped-def]
+    """Tell whether a body is no longer in its box."""
+    since = near.numbers[CHECKED_AT]
     near.numbers[CHECKED_AT] = revision
     if since == revision:
-        return 0
+        return False
     for k in range(world.movable.size):
         g = world.movable[k]
         if world.stamps[g] <= since:
@@ -29,12 +26,8 @@ def who_left(near, world, revision, most):  # type: ignore[no-untyped-def]
         for c in range(3):
             p, half = world.p_WGs[g, c], world.half_extents[g, c]
             if not (p - half >= near.lowers[g, c] and p + half <= near.uppers[g, c]):
-                near.rows[count] = g
-                count += 1
-                break
-        if count > most:
-            break
-    return count
+                return True
+    return False
 
 
 @inlined
@@ -44,7 +37,7 @@ def _lasts(world, g):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def set_box(near, world, g, with_margin, distance):  # type: ignore[no-untyped-def]
+def _set_box(near, world, g, with_margin, distance):  # type: ignore[no-untyped-def]
     """Set the margin and the padding of a body, and the box that it is to stay in."""
     margin = 0.0
     if with_margin and near.active[g] and _lasts(world, g):
@@ -56,10 +49,10 @@ def set_box(near, world, g, with_margin, distance):  # type: ignore[no-untyped-d
 
 
 @inlined
-def set_boxes(near, world, revision, distance, every, most):  # type: ignore[no-untyped-def]
+def set_boxes(near, world, revision, distance, every):  # type: ignore[no-untyped-def]
     """Wake up who has moved since the list was made, and set margins.
 
-    Where more than the ``most`` are too fast for a margin to last, nobody gets one.
+    Where one is too fast for a margin to last, nobody gets one.
 
     Return how many are active, and how many of them have rested for some time. ``lowers`` and
     ``uppers`` get the boxes for which the next list stands, ``paddings`` margins and half the
@@ -79,9 +72,9 @@ def set_boxes(near, world, revision, distance, every, most):  # type: ignore[no-
             fast += not _lasts(world, g)
     if every or 2 * movable.size > near.active.size:
         for g in range(near.active.size):  # in order, which takes half as long
-            set_box(near, world, g, fast <= most, distance)
+            _set_box(near, world, g, fast == 0, distance)
     else:
         for k in range(movable.size):
-            set_box(near, world, movable[k], fast <= most, distance)
+            _set_box(near, world, movable[k], fast == 0, distance)
     near.numbers[MADE_AT] = near.numbers[CHECKED_AT] = revision
     return count, idle

@@ -8,10 +8,9 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.broadphase import rows_of
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.filter_matrix import may_report, prefetch_pair
+from drake_geom_ros.geometry._proximity.filter_matrix import may_report
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN, SLACK, SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
-from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, MANY, prefetch, until
 from drake_geom_ros.geometry._proximity.list_arrays import FREE, PAIRS
 
 
@@ -52,12 +51,8 @@ def keep(world, filters, codes, kept):  # type: ignore[no-untyped-def]
 
     Those that stand there twice, or wait for a pose, are not counted.
     """
-    considered, count, last, ask_until = 0, 0, -1, until(codes.size)
+    considered, count, last = 0, 0, -1
     for k in range(codes.size):
-        if k < ask_until:
-            i, j = rows_of(codes[k + AHEAD])
-            a, b = filters.slots[i], filters.slots[j]
-            prefetch_pair(filters.bits, filters.bit_rows, a, b)
         if codes[k] == last:
             continue
         last = codes[k]
@@ -89,13 +84,8 @@ def carry(near, codes):  # type: ignore[no-untyped-def]
     for rest in range(old, before):
         near.free[free] = near.slots[rest]
         free += 1
-    many = codes.size > MANY
     for k in range(codes.size):
         if slots[k] < 0:
-            if many and free > AHEAD:
-                ahead = near.free[free - AHEAD]
-                prefetch(near.memory, (ahead,))
-                prefetch(near.memory, (ahead, 8))
             free -= 1
             slot = near.free[free]
             slots[k] = slot

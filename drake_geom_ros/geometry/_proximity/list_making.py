@@ -1,9 +1,8 @@
 """The making of a near list, compiled: who may be near whom, less the filtered, with the slots.
 
-Of few bodies every pair of boxes is looked at (``all_pairs``), and where a few of them have left
-their boxes only theirs (``list_amending``); else boxes go into hashed grids (``broadphase``), and
-those that rest are put there, and paired among themselves, once. The pairs come in the order of
-their codes whichever way they were found.
+Of few bodies every pair of boxes is looked at (``all_pairs``); else boxes go into hashed grids
+(``broadphase``), and those that rest are put there, and paired among themselves, once. The pairs
+come in the order of their codes whichever way they were found.
 """
 
 from __future__ import annotations
@@ -16,10 +15,8 @@ from drake_geom_ros.geometry._proximity.clock import now
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.grid_pairs import pairs_between, pairs_within
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part
-from drake_geom_ros.geometry._proximity.list_amending import amend
 from drake_geom_ros.geometry._proximity.list_arrays import (
     ACTIVE_THEN,
-    CHANGED_AT,
     CONSIDERED,
     FILTERING,
     FOUND,
@@ -39,50 +36,43 @@ from drake_geom_ros.geometry._proximity.list_arrays import (
     WANTED,
 )
 from drake_geom_ros.geometry._proximity.list_boxes import (
-    LEAST_AHEAD,
     PATIENCE,
     set_boxes,
-    who_left,
+    somebody_left,
 )
 from drake_geom_ros.geometry._proximity.list_keeping import carry, keep, sort
 
 FEW = 256  # bodies; of these every pair of boxes is looked at
-FAST_SHARE = 4  # one of so many of few bodies may be too fast for a margin, and is looked at alone
 
 
 @compiled
 def bring_up_to_date(  # type: ignore[no-untyped-def]
     near, world, boxes, resting, filters, revision, version, placings, distance
 ):
-    """Make or amend the list unless it stands; return which, or what it lacks room for.
+    """Make the list unless it stands; return which, or what it lacks room for.
 
     The first five are records; with what is asked for by a ``distance`` [m] that is infinite, all
     pairs are listed. Who gives it the room that it lacks calls it again.
     """
-    numbers, lengths, n = near.numbers, near.lengths, near.is_plane.size
+    numbers, lengths = near.numbers, near.lengths
     distance = max(distance, 0.0)
     lengths[WANTED] = max(lengths[WANTED], distance)
     reach, holds = lengths[WANTED], distance <= lengths[REACH]
-    most, leavers = (n // FAST_SHARE if n <= FEW else 0), 0
     if holds:
-        if not math.isinf(lengths[REACH]):
-            leavers = who_left(near, world, revision, most)
-        if leavers == 0 and version == numbers[VERSION] and placings == numbers[PLACINGS]:
+        holds = math.isinf(lengths[REACH]) or not somebody_left(near, world, revision)
+        if holds and version == numbers[VERSION] and placings == numbers[PLACINGS]:
             return STANDS
-        # Who creeps leaves now and then: for them the list is made anew, and stands for a while.
-        lately = leavers == 0 or revision - numbers[CHANGED_AT] < LEAST_AHEAD
-        holds = leavers <= most and lately and reach == lengths[REACH]
-    lengths[REACH] = -1.0  # until it is made
-    if holds:
-        count = amend(near, world, leavers, reach)
+    lengths[REACH], before = -1.0, lengths[REACH]  # until it is made
+    if holds and reach == before:
+        count = numbers[FOUND]  # of which others may be reported now
     else:
-        count = _find_all(near, world, boxes, resting, revision, reach, most)
+        count = _find_all(near, world, boxes, resting, revision, reach)
         if count < 0:
             return LACKS_RESTING
     if count >= near.found.size:
         numbers[NEEDED] = count
         return LACKS_CODES
-    numbers[FOUND], numbers[CHANGED_AT] = count, revision
+    numbers[FOUND] = count
     start = now()
     considered, kept = keep(world, filters, part(near.found, 0, count), near.sorting)
     lengths[FILTERING] = now() - start
@@ -97,14 +87,14 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _find_all(near, world, boxes, resting, revision, reach, most):  # type: ignore[no-untyped-def]
+def _find_all(near, world, boxes, resting, revision, reach):  # type: ignore[no-untyped-def]
     """Find the codes of all near pairs; return how many, or -1 without room for who rests.
 
     They are in order, unless there are more than there is room for.
     """
     n = near.is_plane.size
     at_once = math.isinf(reach) or n <= FEW
-    active, idle = set_boxes(near, world, revision, reach, at_once, most)
+    active, idle = set_boxes(near, world, revision, reach, at_once)
     if at_once:
         return look_at_all(near, world, reach)
     changed = _many_have_changed(near.numbers, n, revision, active, idle)

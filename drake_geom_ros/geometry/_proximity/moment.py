@@ -31,7 +31,7 @@ class Moment:
     world has a copy made before anything moves, if a result still refers to this.
     """
 
-    __slots__ = ('_kept', '_now')
+    __slots__ = ('__weakref__', '_kept', '_now')
 
     def __init__(self, now: Posed) -> None:
         """Refer to where everything is; the tables of shapes never change."""

@@ -36,7 +36,6 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     call_kernel,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
-from drake_geom_ros.geometry._proximity.kernels.prefetch import AHEAD, prefetch, until
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
     CONVEX,
@@ -247,20 +246,6 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
     return rounding
 
 
-@inlined
-def _fetch(k, pairs, slots, memory, p_WGs, travels, stamps, types, outer, roundings):  # type: ignore[no-untyped-def]
-    """Ask for what is read of a pair AHEAD of pair k, and of its body b: bodies a come in turn."""
-    b, s = pairs[k + AHEAD, 1], slots[k + AHEAD]
-    prefetch(memory, (s,))
-    prefetch(memory, (s, SLACK))
-    prefetch(p_WGs, (b,))
-    prefetch(travels, (b,))
-    prefetch(stamps, (b,))
-    prefetch(types, (b,))
-    prefetch(outer, (b,))
-    prefetch(roundings, (b,))
-
-
 @allocating
 def answer_pairs(  # type: ignore[no-untyped-def]
     kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
@@ -286,13 +271,11 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
     # Not how deep they are: boxes that overlap have a gap of 0, and a solid may leap (see above).
-    reach, found, ask_until = max(cutoff, 0.0), 0, until(slots.size) if first < 0 else 0
+    reach, found = max(cutoff, 0.0), 0
     enough = math.inf if math.isinf(gap) else reach
     counts[:] = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
-        if k < ask_until:
-            _fetch(k, pairs, slots, memory, p_WGs, travels, stamps, types, outer, roundings)
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, travelled = row(memory, s), travels[a] + travels[b]
         if out[SLACK] - travelled > enough:

@@ -3,10 +3,9 @@
 A list is made for a little more than the distance that is asked for: the box of each body gets a
 margin of as far as the body is expected to come in some updates, and the list stands until a body
 leaves its box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with margins of each
-body's own). Only then the broad phase runs again, and only for the bodies that move. A body so
-fast that no margin lasts gets none. Of few bodies, a few fast ones are looked at alone in each
-update; where there are more, nobody gets a margin: the list is made for each update, and has no
-pair too many.
+body's own). Only then the broad phase runs again, and only for the bodies that move. Where a body
+is so fast that no margin lasts, nobody gets one: the list is made for each update, and has no pair
+too many.
 
 What was answered for a pair stays in its *slot* for as long as the pair is near: the row of its
 last answer, in which revision of the world that was, how sharp, and its *slack*: the certified
@@ -77,7 +76,6 @@ class NearList:
             uppers=np.zeros((n, 3)),
             paddings=np.zeros(n),
             rest_paddings=np.zeros(n),
-            has_left=np.zeros(n, dtype=np.bool_),
             rows=rows,
             tally=np.zeros(n + 1, dtype=np.int64),
             sides=empty_sides(n),

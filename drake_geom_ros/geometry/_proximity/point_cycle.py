@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import PointBatch
-from drake_geom_ros.geometry._proximity.buffers import Buffers
 from drake_geom_ros.geometry._proximity.clock import now
-from drake_geom_ros.geometry._proximity.compiled import Entry, compiled
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.cycle import (
     ANSWERED,
     COMPILED,
@@ -25,7 +23,6 @@ from drake_geom_ros.geometry._proximity.cycle import (
     pose_world,
     report_of,
 )
-from drake_geom_ros.geometry._proximity.given import GIVEN, array_in
 from drake_geom_ros.geometry._proximity.handing import HandleField, Integers, handle_of, taker
 from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
@@ -36,7 +33,6 @@ from drake_geom_ros.geometry._proximity.point_phase import (
     POINT_ROWS,
     point_phase,
 )
-from drake_geom_ros.geometry._proximity.poses import rows_in
 from drake_geom_ros.geometry._proximity.world import NO_POSES, World
 from drake_geom_ros.math.tolerances import FARTHEST
 
@@ -54,21 +50,16 @@ class PointHands(NamedTuple):
 
 
 _hands_of = taker(PointHands)
-_flags_in, _numbers_in, _ids_in = (array_in(kind, 1) for kind in (np.bool_, np.uint32, np.int64))
 
 
 @compiled
-def _are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
-    p_WQs = rows_in(p_WQs)
     allowed = True
     for k in range(p_WQs.shape[0]):
         for c in range(3):
             allowed &= abs(p_WQs[k, c]) <= FARTHEST  # no NaN is
     return allowed
-
-
-are_allowed = Entry(_are_allowed, GIVEN)
 
 
 @compiled
@@ -77,11 +68,11 @@ def _run_points(  # type: ignore[no-untyped-def]
 ):
     """Do what a point query does; return how many answers there are.
 
-    All arrays are given as they are, ``hands`` as the handle of ``PointHands``. The world gets its
-    poses as in ``cycle``. The answers for points (m, 3) and n geometries are those of
-    ``point_phase``; what ``found`` (m n,) comes in as does not matter.
+    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``cycle``. Answers
+    for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,) comes
+    in as does not matter.
     """
-    hands, found = _hands_of(hands), _flags_in(found)
+    hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
     pose_world(hands.world, report, stale, revision, named, given)
     told, moments, counts = report.told, report.moments, report.counts
@@ -93,12 +84,12 @@ def _run_points(  # type: ignore[no-untyped-def]
         hands.pair_kernels,
         hands.pair_rows,
         hands.world,
-        rows_in(p_WQs),
+        p_WQs,
         threshold,
-        rows_in(rows),
+        rows,
         found,
-        _numbers_in(points),
-        _ids_in(ids),
+        points,
+        ids,
         part(counts, BY_METHOD, counts.size),
     )
     told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, capacity, capacity
@@ -107,15 +98,11 @@ def _run_points(  # type: ignore[no-untyped-def]
     return count
 
 
-_NUMBERS = types.boolean, types.int64
-_run = Entry(_run_points, GIVEN, *_NUMBERS, *3 * (GIVEN,), types.float64, *4 * (GIVEN,))
-
-
 class PointQueries:
     """Answers the point queries of one engine."""
 
-    def __init__(self, report: ReportArrays, buffers: Buffers) -> None:
-        self._report, self._buffers = report, buffers
+    def __init__(self, report: ReportArrays) -> None:
+        self._report = report
         self._world: World | None = None
 
     def __getstate__(self) -> dict[str, object]:
@@ -129,14 +116,13 @@ class PointQueries:
         if self._world is not world:
             self._hand_over(world)
         capacity = len(p_WQs) * world.geometry_count
-        rows = self._buffers.empty((capacity, POINT_WIDTH))
-        points = self._buffers.empty((capacity,), np.uint32)
-        ids = self._buffers.empty((capacity,), np.int64)
+        rows = np.empty((capacity, POINT_WIDTH))
+        points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given_for.handle, world.given
+        posed = stale, revision, world.given_for.rows, world.given
         room = rows, np.empty(capacity, dtype=np.bool_), points, ids
-        count: int = _run.call(self._hands, *posed, p_WQs, threshold, *room)
+        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
         world.revision, world.given, world.is_stale = revision, NO_POSES, False
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])

@@ -13,8 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import brief, compiled
-from drake_geom_ros.geometry._proximity.given import array_in, is_alike
+from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 Floats = NDArray[np.float64]
@@ -26,9 +25,6 @@ POSE_WIDTH = 12
 REFUSED = 0
 READ = 1  # the ids are in any order
 RISING = 2
-UNKNOWN = 3  # nothing was read: see ``read_known_poses``
-
-rows_in, integers_in = array_in(np.float64, 2), array_in(np.int64, 1)
 
 
 def packed_poses(Rs: Floats, ps: Floats) -> Floats:
@@ -88,23 +84,3 @@ def read_frame_poses(ids, poses, Xs):  # type: ignore[no-untyped-def]
     for k in range(1, ids.size):
         rising &= ids[k] > ids[k - 1]
     return RISING if rising else READ
-
-
-@brief
-def read_known_poses(ids, known, poses, Xs):  # type: ignore[no-untyped-def]
-    """Do what ``read_frame_poses`` does if the ids are those that are ``known`` to rise.
-
-    All four are given as they are. Return UNKNOWN where the ids or the poses are no arrays in one
-    piece, of the numbers and the shape that they are to be, or the ids others.
-    """
-    if not (is_alike(ids, known) and is_alike(poses, Xs)):
-        return UNKNOWN
-    ids, known = integers_in(ids), integers_in(known)
-    poses, Xs = rows_in(poses), rows_in(Xs)
-    count = known.size
-    if ids.size != count or Xs.shape[0] != count or poses.shape != (count, 7):
-        return UNKNOWN
-    for k in range(count):
-        if ids[k] != known[k]:
-            return UNKNOWN
-    return RISING if read_poses(poses, Xs) == count else REFUSED

@@ -1,12 +1,10 @@
 """Posing, compiled: the frames that moved, what hangs on them, and the geometry on either."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.handing import Integers, taker
 from drake_geom_ros.geometry._proximity.kernels.bounds import box_half_extents
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
@@ -35,15 +33,6 @@ AT_ORIGIN = 3  # 1 where X_FG is the identity
 PACE = 4  # [m] how far a point came lately in one update, fading
 
 FADING = 15 / 16  # of the pace in an update: a body that stops is still taken for slow a while
-
-
-class NamedFrames(NamedTuple):
-    """Frames that poses are given for."""
-
-    rows: Integers  # (n,) of a world
-
-
-named_of = taker(NamedFrames)
 
 
 @compiled

@@ -8,14 +8,10 @@ time, brings all code from memory, and that of Python costs most.
 from __future__ import annotations
 
 import math
-import sys
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, PairBatch, frozen
-from drake_geom_ros.geometry._proximity.buffers import SMALL, UNHELD
 from drake_geom_ros.geometry._proximity.cycle import (
     ASKED,
     CONTACT_A,
@@ -34,12 +30,7 @@ from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.world import World
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-
-SHOWN = UNHELD + 1  # references to an array of which there is one view
 LEAST_ROOM = 16  # rows made ready for an answer
-MOST_ROOM = SMALL // (8 * BATCH_WIDTH)  # likewise; more go where ``Buffers`` has room for them
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
 
@@ -58,7 +49,6 @@ class Prepared:
 
     __slots__ = (
         '_asked',
-        '_others',
         '_report',
         '_world',
         'answered_at',
@@ -67,22 +57,16 @@ class Prepared:
         'gap',
         'handles',
         'hands',
-        'ids',
         'is_bound',
         'is_long',
         'near',
         'query',
         'room',
-        'rows',
-        'scene',
         'seconds',
-        'shown',
         'version',
     )
     filters: FilterState
     version: int  # of the filters
-    shown: PairBatch  # views of ``ids`` and ``rows`` that cannot be written to
-    scene: int  # the version of the scene in which this stands; see ``SceneGraphContext``
     seconds: float  # that the narrow phase of a long answer took last, of one thread
     answered_at: int  # the revision of the world for which there is an answer, under these filters
 
@@ -96,42 +80,11 @@ class Prepared:
             *(asked.penetrating, asked.mode),
         )
         self._world, self._report, self.near = world, report, near
-        self.room, self.scene, self.seconds = LEAST_ROOM, -1, 0.0
-        self.make_arrays()
-        self._others = self.ids, self.rows, self.shown
-
-    def make_arrays(self) -> None:
-        """Make room for ids and rows of an answer; ``shown`` to others it cannot be changed."""
-        self.ids, self.rows = (
-            np.empty((self.room, 2), np.int64),
-            np.empty((self.room, BATCH_WIDTH)),
-        )
-        self.shown = frozen(self.ids.view(), self.rows.view())
+        self.room, self.seconds = LEAST_ROOM, 0.0
 
     def make_room(self, count: int) -> None:
         """Have room for so many answers, and some more, from now on."""
         self.room = max(LEAST_ROOM, count + count // 4)
-        if self.room <= MOST_ROOM:
-            self.make_arrays()
-
-    def take_others(self) -> None:
-        """Have room for an answer elsewhere: where the one before the last was, if not held.
-
-        Who asks in a loop holds the last answer until the next is there.
-        """
-        (self.ids, self.rows, self.shown), self._others = (
-            self._others,
-            (self.ids, self.rows, self.shown),
-        )
-        if self.is_held() or len(self.ids) != self.room:
-            self.make_arrays()
-
-    def is_held(self) -> bool:
-        """Tell whether somebody has an answer in ``ids`` or ``rows``, or a part of it.
-
-        Who holds a part of an array holds the array, as what is ``shown`` does.
-        """
-        return sys.getrefcount(self.ids) > SHOWN or sys.getrefcount(self.rows) > SHOWN
 
     def hand_over(self, filters: FilterState) -> None:
         """Take the arrays that are there now."""

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry._proximity.kernel_table import compile_rows
 from drake_geom_ros.geometry._proximity.narrow_phase import COUNTS, bound_pairs
 from drake_geom_ros.geometry._proximity.near_list import NearList
 from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, POINT_KERNELS
+from drake_geom_ros.geometry._proximity.point_cycle import are_allowed
 from drake_geom_ros.geometry._proximity.point_phase import compile_point_kernels
 from drake_geom_ros.geometry._proximity.pose_rounding import shift_of
 from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, read_frame_poses
@@ -32,7 +33,9 @@ def compile_everything(tell: Tell | None = None) -> list[str]:
     rehearse(tell)
     with compilation(tell, 'points and derivatives of distances', 1, 1):
         world, engine = _rehearse()
-        engine.point_distances(world, np.zeros((1, 3)), 0.0)
+        points = np.zeros((1, 3))
+        are_allowed(points)
+        engine.point_distances(world, points, 0.0)
         compile_derivatives()
     return compile_rows(np.arange(len(ALL_ROWS)), tell) + compile_point_kernels(
         POINT_KERNELS.keys(), tell

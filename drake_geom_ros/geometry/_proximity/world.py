@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from sys import getrefcount
 from typing import NamedTuple
+from weakref import ReferenceType, ref
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.buffers import UNHELD
 from drake_geom_ros.geometry._proximity.handing import handle_of
 from drake_geom_ros.geometry._proximity.kernels.bounds import shape_radii
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
@@ -17,7 +16,6 @@ from drake_geom_ros.geometry._proximity.plain_contacts import balls_inside
 from drake_geom_ros.geometry._proximity.poses import POSE_WIDTH, packed_poses
 from drake_geom_ros.geometry._proximity.posing import (
     PACE,
-    NamedFrames,
     set_poses,
     update,
     update_frames,
@@ -50,30 +48,15 @@ class GeometryTable(NamedTuple):
     pool: Floats
 
 
-class Named:
-    """Frames of a world that poses are given for, looked up once: ids and rows (n,)."""
+class Named(NamedTuple):
+    """Frames of a world that poses are given for, looked up once."""
 
-    __slots__ = ('handle', 'ids', 'rows')
-
-    def __init__(self, ids: Indices, rows: Indices) -> None:
-        self.ids, self.rows = ids, rows
-        self.handle = handle_of(NamedFrames(rows))
-
-    def names(self, ids: Indices) -> bool:
-        """Tell whether ids (n,), which nobody changes, are those named, in their order."""
-        if ids is not self.ids:
-            if not np.array_equal(ids, self.ids):
-                return False
-            self.ids = ids  # who comes again brings the same array
-        return True
-
-    def __reduce__(self) -> tuple[type[Named], tuple[Indices, Indices]]:
-        return Named, (self.ids, self.rows)  # the arrays of a copy are elsewhere
+    ids: Indices  # (n,) FrameId values
+    rows: Indices  # (n,) of the FrameTable
 
 
 _NOBODY = Named(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
 NO_POSES = np.zeros((0, POSE_WIDTH))
-_HELD = UNHELD + 1  # references to what a world and a name refer to
 
 
 class World:
@@ -140,10 +123,14 @@ class World:
         self.__dict__.update(state)
         self._hand_over()  # the arrays of a copy are elsewhere
 
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_moment': None}  # results refer to this world, not to a copy
+
     def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        self.now: Moment | None = None  # that of now, if a result asked for it
+        # That of now, if there is a result that asked for it.
+        self._moment: ReferenceType[Moment] | None = None
         self._posed_now = Posed(
             ids=table.ids,
             types=table.types,
@@ -287,12 +274,11 @@ class World:
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
         self.given, self.is_stale = X_PFs, True
-        # Results that are still held have to remember where things were. A moment that nobody
-        # refers to, nor ever asked, serves the next results as well.
-        moment = self.now
-        if moment is not None and (getrefcount(moment) > _HELD or moment.is_kept()):
-            moment.keep()
-            self.now = None
+        # Results that are still there have to remember where things were.
+        if self._moment is not None:
+            moment, self._moment = self._moment(), None
+            if moment is not None:
+                moment.keep()
 
     def _take_given(self) -> None:
         """Have the poses that were given in ``_R_PFs`` and ``_p_PFs``, and their frames marked."""
@@ -323,9 +309,11 @@ class World:
 
     def moment(self) -> Moment:
         """Return the moment of the last update, which no later one reaches."""
-        if self.now is None:
-            self.now = Moment(self._posed_now)
-        return self.now
+        moment = None if self._moment is None else self._moment()
+        if moment is None:
+            moment = Moment(self._posed_now)
+            self._moment = ref(moment)
+        return moment
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""

@@ -6,7 +6,6 @@ the kernels of distances as they are.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,21 +14,22 @@ from numba import config, njit
 
 from drake_geom_ros.geometry._proximity.compiled import (
     CACHE_FOLDER,
-    entry_options,
+    digest_of,
     for_compiled_callers,
+    options,
 )
 
+SOURCES = (Path(__file__).parent,)  # and those of the folder above: see ``cache_folder``
 
-def _cache_folder() -> str:
+
+def cache_folder() -> str:
     """Return the folder of this version's cache, or an empty text where none can be written."""
     if not CACHE_FOLDER:
         return ''
-    folder = Path(__file__).parent
-    sources = b''.join(path.read_bytes() for path in sorted(folder.rglob('*.py')))
-    return str(Path(CACHE_FOLDER) / f'rendering-{hashlib.sha256(sources).hexdigest()[:16]}')
+    return str(Path(CACHE_FOLDER) / f'rendering-{digest_of(SOURCES)}')
 
 
-_FOLDER = _cache_folder()
+_FOLDER = cache_folder()
 
 
 def compiled(function: Callable[..., Any]) -> Any:
@@ -51,8 +51,7 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:
             nogil=True,
             error_model='numpy',
             forceinline=forceinline,
-            _nrt=False,
-            **entry_options(),
+            **options(counted=False),
         )(function)
         return for_compiled_callers(dispatcher, constants=True)
     finally:

@@ -23,17 +23,13 @@ def measurement(scene='spheres-200', query='penetration', **microseconds):
     ('scene', 'query', 'bar'),
     [
         ('spheres-50', 'penetration', 2),
-        ('spheres-200', 'penetration', 4),
-        ('mixed-1000', 'penetration', 4),
-        ('mixed-200', 'penetration', 4),
-        ('anchored-1000', 'penetration', 2),
-        ('mixed-1000/tenth', 'penetration', 5),
-        ('arms', 'candidates', 3),
-        ('arms', 'near', 4),
+        ('mixed-1000', 'penetration', 2),
+        ('arms', 'candidates', 2),
+        ('arms', 'near', 3),
         ('arms', 'all', 3),
-        ('hulls-20', 'points', 20),
+        ('hulls-20', 'points', 15),
         ('arms', 'has_collisions', 1),
-        ('arms/apart', 'has_collisions', 2),
+        ('arms/apart', 'has_collisions', 1),
     ],
 )
 def test_a_bar_is_met_from_its_ratio_on(scene, query, bar):
@@ -47,7 +43,10 @@ def test_cycles_after_a_pause_have_no_target():
     m = Measurement('arms', report.ONE_BY_ONE, 'penetration', slow)
     assert m.verdicts() == []
     assert report.summary([m])[0] == '0 of 0 targets met'
-    assert not any('p99' in line for line in report.summary([m]))
+
+
+def test_a_tenth_of_the_bodies_has_no_target():
+    assert measurement('mixed-1000/tenth', ours=10, pydrake=1).verdicts() == []
 
 
 def test_mujoco_is_compared_in_penetration_alone():
@@ -86,7 +85,7 @@ def test_the_summary_tells_what_was_missed_and_where_results_differ():
     other = Measurement('arms', 'slow', 'all', {'ours': taken(1, 4), 'pydrake': taken(9, 5)})
     assert report.summary([slow, other]) == [
         '1 of 2 targets met',
-        'missed: arms robot near: 2x pydrake, to be 4x',
+        'missed: arms robot near: 2x pydrake, to be 3x',
         'arms slow all: another number of results than pydrake in 5 of 5 cycles',
     ]
 
@@ -98,10 +97,7 @@ def test_the_mean_counts_and_the_worst_cycle_is_told():
     m = Measurement('arms', 'robot', 'near', {'ours': ours, 'pydrake': pydrake})
     assert m.times('ours') == '1 / 3 / 101'
     assert m.ratio('pydrake') == pytest.approx(3.0)
-    assert report.summary([m])[1:3] == [
-        'missed: arms robot near: 3x pydrake, to be 4x',
-        'missed: arms robot near: p99 is 33.7 means, to be 2',
-    ]
+    assert report.summary([m]) == ['1 of 1 targets met']
 
 
 def test_the_chart_is_a_picture(tmp_path):

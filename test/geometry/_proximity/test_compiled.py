@@ -1,17 +1,20 @@
 """The cache of compiled code: used again, never stale, and not needed."""
 
+import ast
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-from numba import config, types
+from numba import config
 from numba.core import event
 
 import drake_geom_ros
 from drake_geom_ros.geometry._proximity import compiled
+from drake_geom_ros.geometry._rendering import compiled as rendering
 
 ROOT = Path(drake_geom_ros.__file__).parents[1]
 SCRIPT = """
@@ -61,20 +64,83 @@ def test_nobody_else_can_reach_into_the_folder_of_a_cache(tmp_path):
     assert compiled._own_folder(tmp_path / 'ours')
 
 
-def test_another_source_is_another_cache(tmp_path):
-    copy = tmp_path / 'package'
-    subprocess.run(['cp', '-r', str(ROOT / 'drake_geom_ros'), str(copy)], check=True)
-    script = 'import runpy, sys; print(runpy.run_path(sys.argv[1])["_digest"]())'
-    path = str(copy / 'geometry/_proximity/compiled.py')
+READING = """
+import numpy as np
+from drake_geom_ros.geometry._proximity.compiled import CACHE_FOLDER
+from drake_geom_ros.geometry._proximity.poses import read_poses
+from drake_geom_ros.geometry._rendering.compiled import cache_folder
+count = read_poses(np.array([[0, 0, 0, 0, 0, 0, 1.01]]), np.empty((1, 12)))
+print(count, CACHE_FOLDER, cache_folder())
+"""
 
-    def digest():
-        return subprocess.check_output([sys.executable, '-c', script, path], text=True)
 
-    before = digest()
-    assert digest() == before
-    source = copy / 'geometry/_proximity/kernels/vectors.py'
+@pytest.fixture
+def copied(tmp_path):
+    """Return a copy of the package, and what reads a quaternion of length 1.01 in it."""
+    package = tmp_path / 'drake_geom_ros'
+    shutil.copytree(ROOT / 'drake_geom_ros', package, ignore=shutil.ignore_patterns('__pycache__'))
+    env = {**os.environ, 'PYTHONPATH': str(tmp_path), 'NUMBA_CACHE_DIR': str(tmp_path / 'cache')}
+
+    def read():
+        told = subprocess.check_output(
+            [sys.executable, '-c', READING], env=env, cwd=tmp_path, text=True
+        )
+        count, folder, images = told.split()
+        return int(count), folder, images
+
+    return package, read
+
+
+def test_what_was_compiled_with_another_tolerance_is_not_used(copied):
+    """A tolerance outside the folder of the kernels is compiled in like those beside them."""
+    package, read = copied
+    before = read()
+    assert read() == before
+    tolerances = package / 'math/tolerances.py'
+    text = tolerances.read_text()
+    tolerances.write_text(re.sub('QUATERNION_NORM = .*', 'QUATERNION_NORM = 5e-2', text))
+    after = read()
+    assert (before[0], after[0]) == (0, 1)
+    if not config.DISABLE_JIT:
+        assert before[1] != after[1]
+        assert not after[2].startswith(before[1])
+
+
+@pytest.mark.parametrize('of_images', [False, True])
+def test_another_source_is_another_cache(copied, of_images):
+    package, read = copied
+    before = read()
+    room = '_rendering/kernels/windows.py' if of_images else '_proximity/kernels/vectors.py'
+    source = package / 'geometry' / room
     source.write_text(source.read_text() + '\n')
-    assert digest() != before
+    after = read()
+    assert before[2] != after[2]
+    assert (before[1] == after[1]) is of_images
+
+
+@pytest.mark.parametrize(
+    ('folder', 'sources'),
+    [
+        ('_proximity', compiled.SOURCES),
+        ('_rendering', (*compiled.SOURCES, *rendering.SOURCES)),
+    ],
+)
+def test_all_that_compiled_code_imports_is_looked_at(folder, sources):
+    """Whatever of ours a file of kernels imports may be compiled in."""
+    room = ROOT / 'drake_geom_ros/geometry' / folder
+    unseen = set()
+    for path in room.rglob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith('drake_geom_ros.'):
+                place = ROOT / node.module.replace('.', '/')
+                names = [place / f'{alias.name}.py' for alias in node.names]
+                files = [place.with_suffix('.py')] if not place.is_dir() else names
+                unseen |= {
+                    str(file.relative_to(ROOT))
+                    for file in files
+                    if not any(file.is_relative_to(source) for source in sources)
+                }
+    assert not unseen
 
 
 def version(base, k):
@@ -152,7 +218,7 @@ def test_another_numba_compiles_in_its_own_way(monkeypatch):
         return inner(x, 2) + inner(x, k=3)
 
     assert outer(2.0) == 10.0
-    assert len(inner.signatures) == 1
+    assert inner.signatures  # one for each constant
 
 
 @pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
@@ -172,30 +238,3 @@ def test_what_has_to_be_compiled_is_told_once_and_what_is_there_is_not():
     assert told == [('quadruple', 3, 4)]
     with compiled.compilation(None, 'nobody is told', 1, 1):
         assert quadruple(1) == 4
-
-
-@compiled.compiled
-def total(numbers, factor):
-    result = 0.0
-    for k in range(numbers.size):
-        result += numbers[k]
-    return factor * result
-
-
-def test_an_entry_is_compiled_for_its_kinds_when_it_is_first_called():
-    entry = compiled.Entry(total, types.float64[::1], types.int64)
-    assert config.DISABLE_JIT or not total.overloads
-    for count, factor, expected in ((4, 2, 12.0), (5, 3, 30.0)):
-        assert entry.call(np.arange(float(count)), factor) == expected
-        assert config.DISABLE_JIT or len(total.overloads) == 1
-
-
-@compiled.brief
-def halved(x):
-    return 0.5 * x
-
-
-def test_what_is_brief_is_compiled_as_all_is():
-    assert halved(3.0) == 1.5
-    if not config.DISABLE_JIT:
-        assert halved.targetoptions == {**total.targetoptions, 'nogil': False}

@@ -11,7 +11,6 @@ from oracles.worlds import filters_of, random_rotations, random_world, shuffle
 from drake_geom_ros.geometry._proximity import engine as engines
 from drake_geom_ros.geometry._proximity import sharing
 from drake_geom_ros.geometry._proximity.engine import Engine
-from drake_geom_ros.geometry._proximity.prepared import MOST_ROOM
 
 
 @pytest.fixture
@@ -67,7 +66,7 @@ def test_answers_are_those_of_one_thread(threads, number, accuracy):
         found = shared.signed_distances(world, filters, accuracy, 0.1 + 0.01 * (step % 2))
         threads(1)
         alone = Engine().signed_distances(world, filters, accuracy, 0.1 + 0.01 * (step % 2))
-        assert len(found.ids) > MOST_ROOM
+        assert len(found.ids) > engines.MANY
         np.testing.assert_array_equal(found.ids, alone.ids)
         np.testing.assert_array_equal(found.rows, alone.rows)
     told = shared.effects

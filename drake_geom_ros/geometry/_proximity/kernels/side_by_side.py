@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numba import config, types
 from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -76,24 +75,26 @@ else:
     _UNDEFINED = ir.Constant(_SINGLES, ir.Undefined)
     _PLACES = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
 
-    @intrinsic
-    def overlapping(typingctx, sides, first, box):
+    @inlined
+    def overlapping(sides, first, box):
         """Return bits: which of the LANES boxes from the first on overlap a box of six sides."""
+        return _overlapping(sides.ctypes.data + first * sides.itemsize, sides.strides[0], box)
+
+    @intrinsic
+    def _overlapping(typingctx, address, step, box):
+        """Do what ``overlapping`` does; the lower sides are at an address, the next a step on."""
 
         def codegen(context, builder, signature, values):
-            array = make_array(sides)(context, builder, values[0])
-            step = builder.extract_value(array.strides, 0)
-            begin = builder.gep(array.data, [values[1]])
+            begin, step, given = values
 
             def load(side):
-                offset = builder.mul(step, context.get_constant(types.intp, side))
-                address = builder.add(builder.ptrtoint(begin, step.type), offset)
+                address = builder.add(begin, builder.mul(step, ir.Constant(step.type, side)))
                 loaded = builder.load(builder.inttoptr(address, _SINGLES.as_pointer()))
                 loaded.align = 4
                 return loaded
 
             def spread(side):
-                number = builder.extract_value(values[2], side)
+                number = builder.extract_value(given, side)
                 one = builder.insert_element(_UNDEFINED, number, ir.Constant(ir.IntType(32), 0))
                 return builder.shuffle_vector(one, one, _PLACES)
 
@@ -108,8 +109,7 @@ else:
             bits = builder.bitcast(meets, ir.IntType(LANES))
             return builder.zext(bits, ir.IntType(64))
 
-        given = types.UniTuple(types.float32, 6)
-        return types.int64(sides, types.intp, given), codegen
+        return types.int64(types.intp, types.intp, types.UniTuple(types.float32, 6)), codegen
 
     @intrinsic
     def lowest(typingctx, bits):

@@ -14,6 +14,8 @@ from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from drake_geom_ros.geometry._proximity.compiled import inlined
+
 LANES = 8
 _INTEGER, _NUMBER = ir.IntType(64), ir.DoubleType()
 _INTEGERS, _NUMBERS = ir.VectorType(_INTEGER, LANES), ir.VectorType(_NUMBER, LANES)
@@ -82,12 +84,12 @@ def _first_of_lanes(builder: Any, value: Any, place: Any) -> Any:
 
 
 @intrinsic
-def _compiled_summit(typing: Any, numbers: Any, n: Any, x: Any, y: Any, z: Any) -> Any:
-    """Return the signature of ``summit`` in compiled code, and what writes it."""
+def _at(typing: Any, address: Any, n: Any, x: Any, y: Any, z: Any) -> Any:
+    """Return the signature of ``summit`` in compiled code, of an address, and what writes it."""
 
     def write(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        array, count, *direction = arguments
-        data = context.make_array(numbers)(context, builder, array).data
+        start, count, *direction = arguments
+        data = builder.inttoptr(start, _NUMBER.as_pointer())
         direction = [_same(builder, value, _NUMBERS) for value in direction]
         one, last = _INTEGER(1), builder.sub(count, _INTEGER(LANES - 1))
         value = cgutils.alloca_once_value(builder, _along(builder, data, one, count, direction))
@@ -107,7 +109,13 @@ def _compiled_summit(typing: Any, numbers: Any, n: Any, x: Any, y: Any, z: Any) 
         places = builder.add(builder.load(place), lanes)
         return _first_of_lanes(builder, builder.load(value), places)
 
-    return types.int64(numbers, types.int64, types.float64, types.float64, types.float64), write
+    return types.int64(types.intp, types.int64, *3 * (types.float64,)), write
+
+
+@inlined
+def _compiled_summit(numbers: Any, n: int, x: float, y: float, z: float) -> int:
+    """Do what ``_summit`` does."""
+    return _at(numbers.ctypes.data, n, x, y, z)  # type: ignore[no-any-return]
 
 
 summit = _summit if config.DISABLE_JIT else _compiled_summit

@@ -15,7 +15,7 @@ from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic
 
-from drake_geom_ros.geometry._proximity.compiled import inlined
+from drake_geom_ros.geometry._proximity.compiled import address_of, inlined
 
 # Columns of a result row.
 DISTANCE = 0
@@ -73,11 +73,7 @@ def address_table(rows: int) -> Any:
 
 def compiled_address(function: Any, signature: Any = PAIR_SIGNATURE) -> Any:
     """Compile a function, or load it from the cache on disk, and return its address."""
-    if config.DISABLE_JIT:
-        return function
-    function.compile(signature.args)
-    compiled = function.overloads[signature.args]
-    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+    return address_of(function, signature)
 
 
 def caller(signature: Any) -> Any:
