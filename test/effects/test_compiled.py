@@ -58,6 +58,7 @@ def test_a_scene_of_spheres_compiles_only_kernels_of_spheres(compiled):
         *(
             'bounds',
             'side_by_side',
+            'summit',
             'vectors',
             'calling.extremes',
             'calling.pairs',
