@@ -4,9 +4,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.pose_file import SUFFIXES as POSE_SUFFIXES
 from drake_geom_ros.command_line.pose_file import read_poses, write_poses
 from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import SceneGraph
 from drake_geom_ros.scene_files import SceneFileError, save_scene
 
@@ -29,15 +31,17 @@ def add_to(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Convert and return the exit code; raises SceneFileError or OSError for bad input."""
     source, target = Path(options.input), Path(options.output)
+    check_outputs({'OUT': target}, [source, options.srdf])
     if source.suffix in ('.urdf', *_SCENE_SUFFIXES) and target.suffix in _SCENE_SUFFIXES:
         scene_graph = SceneGraph()
         loaded = load_and_tell(str(source), scene_graph, options.srdf)
-        target.write_text(
-            save_scene(scene_graph, loaded.X_PFs, loaded.robots.values()), encoding='utf-8'
-        )
+        check_outputs({'OUT': target}, files_of(scene_graph, loaded.robots.values()))
+        text = save_scene(scene_graph, loaded.X_PFs, loaded.robots.values())
+        with whole_file(target) as file:
+            file.write(text)
     elif source.suffix in POSE_SUFFIXES and target.suffix in POSE_SUFFIXES:
         sets = read_poses(source)
-        with target.open('w', encoding='utf-8') as file:
+        with whole_file(target) as file:
             write_poses(sets, file, target.suffix)
     else:
         raise SceneFileError(

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import importlib.util
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import GeometryError, RenderedImages, RenderLabel
 
 _LIBRARIES = {'PIL': 'pillow', 'matplotlib': 'matplotlib'}
@@ -32,25 +34,35 @@ def check_libraries() -> None:
         )
 
 
-def write_all(images: RenderedImages, legend: Legend, folder: Path, name: str) -> list[Path]:
-    """Write the images that are there as ``NAME_color.png`` and so on; return the files."""
-    written = []
+def write_all(
+    images: RenderedImages, legend: Legend, path: Path, inputs: Sequence[Path] = ()
+) -> list[Path]:
+    """Write the images that are there as ``PATH_color.png`` and so on; return the files.
+
+    Raises FileExistsError, before any is written, where one is a file of ``inputs``.
+    """
+    names: list[str] = []
     if images.color is not None:
-        written.append(folder / f'{name}_color.png')
-        _write_png(images.color.data, written[-1])
+        names.append('color.png')
+    if images.depth is not None:
+        names += ['depth.png', 'depth_map.png']
+    if images.label is not None:
+        names += ['label.png', 'label_map.png', 'label_legend.csv']
+    files = {name: path.with_name(f'{path.name}_{name}') for name in names}
+    for file in files.values():
+        check_outputs({'the image': file}, inputs)
+    if images.color is not None:
+        _write_png(images.color.data, files['color.png'])
     if images.depth is not None:
         depths = images.depth.data[..., 0]
-        written += [folder / f'{name}_depth.png', folder / f'{name}_depth_map.png']
-        _write_png(millimetres(depths), written[-2])
-        _write_depth_map(depths, written[-1])
+        _write_png(millimetres(depths), files['depth.png'])
+        _write_depth_map(depths, files['depth_map.png'])
     if images.label is not None:
         labels = images.label.data[..., 0]
-        files = ('label.png', 'label_map.png', 'label_legend.csv')
-        written += [folder / f'{name}_{file}' for file in files]
-        _write_png(labels.astype(np.uint16), written[-3])
-        _write_label_map(labels, legend, written[-2])
-        _write_legend(labels, legend, written[-1])
-    return written
+        _write_png(labels.astype(np.uint16), files['label.png'])
+        _write_label_map(labels, legend, files['label_map.png'])
+        _write_legend(labels, legend, files['label_legend.csv'])
+    return list(files.values())
 
 
 def millimetres(depths: NDArray[np.float32]) -> NDArray[np.uint16]:
@@ -62,7 +74,8 @@ def millimetres(depths: NDArray[np.float32]) -> NDArray[np.uint16]:
 def _write_png(pixels: NDArray[Any], path: Path) -> None:
     from PIL import Image
 
-    Image.fromarray(pixels).save(path)
+    with whole_file(path, 'wb') as file:
+        Image.fromarray(pixels).save(file, 'PNG')
 
 
 def _figure(shape: tuple[int, ...]) -> tuple[Any, Any]:
@@ -78,6 +91,11 @@ def _figure(shape: tuple[int, ...]) -> tuple[Any, Any]:
     return figure, axes
 
 
+def _save(figure: Any, path: Path) -> None:
+    with whole_file(path, 'wb') as file:
+        figure.savefig(file, format='png', bbox_inches='tight')
+
+
 def _write_depth_map(depths: NDArray[np.float32], path: Path) -> None:
     """Write depths as colours with a scale; what is told no depth of stays grey."""
     from matplotlib.colors import LogNorm
@@ -90,7 +108,7 @@ def _write_depth_map(depths: NDArray[np.float32], path: Path) -> None:
         # By orders: what is near differs by less than what the floor does towards the horizon.
         image = axes.imshow(shown, norm=LogNorm(), cmap='viridis_r', interpolation='nearest')
         figure.colorbar(image, ax=axes, label='depth [m]', fraction=0.046)
-    figure.savefig(path, bbox_inches='tight')
+    _save(figure, path)
 
 
 def _present(labels: NDArray[np.int16]) -> list[int]:
@@ -119,14 +137,14 @@ def _write_label_map(labels: NDArray[np.int16], legend: Legend, path: Path) -> N
         axes.legend(
             handles=shown, loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=7, frameon=False
         )
-    figure.savefig(path, bbox_inches='tight')
+    _save(figure, path)
 
 
 def _write_legend(labels: NDArray[np.int16], legend: Legend, path: Path) -> None:
     """Write label, geometry and pixels, a line for each geometry that could be seen."""
     values, counts = np.unique(labels, return_counts=True)
     pixels = dict(zip(values.tolist(), counts.tolist(), strict=True))
-    with path.open('w', encoding='utf-8', newline='') as file:
+    with whole_file(path, newline='') as file:
         writer = csv.writer(file, lineterminator='\n')
         writer.writerow(['label', 'geometry', 'pixels_of_label'])
         for label, names in sorted(legend.items()):

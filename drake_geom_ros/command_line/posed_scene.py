@@ -1,7 +1,9 @@
 """A scene file made ready for questions: registered, named, every frame at its first pose."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 
+from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.pose_file import FramePose
 from drake_geom_ros.command_line.scene_input import read_and_tell
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryObject, SceneGraph
@@ -47,6 +49,10 @@ class PosedScene:
     def compile_kernels(self, tell: Callable[[str, int, int], None]) -> list[str]:
         """Compile what queries of the scene run: see ``SceneGraphContext.compile_kernels``."""
         return self.context.compile_kernels(tell)
+
+    def files(self) -> Iterator[Path]:
+        """Yield the files that the scene is made of, beside its own."""
+        return files_of(self.scene_graph, self.description.robots)
 
     def check_whole(self) -> None:
         """Raise SceneFileError, naming the frames, while some have no pose."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.command_line.answers import KINDS, Table, write_csv, write_json
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.scene_files import SceneFileError
 
@@ -60,6 +61,8 @@ def run(options: argparse.Namespace) -> int:
     points = points_of_file(options.points) if options.points else None
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf)
+    inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
+    check_outputs({'--output': options.output}, inputs)
 
     def answers() -> Iterator[tuple[float | None, Table]]:
         ask = KINDS[options.what]
@@ -81,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _target(path: str | None) -> AbstractContextManager[TextIO]:
     """Return the file to write to, standard output where none is named."""
-    return open(path, 'w', encoding='utf-8') if path else nullcontext(sys.stdout)
+    return whole_file(path) if path else nullcontext(sys.stdout)
 
 
 def limit(text: str) -> float:

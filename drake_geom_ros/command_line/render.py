@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -80,12 +80,14 @@ def run(options: argparse.Namespace) -> int:
     add_renderers(scene.scene_graph)
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
+    inputs = [Path(each) for each in (options.scene, options.srdf, options.poses) if each]
+    inputs += scene.files()
     total = len(cameras) * (1 if options.time is not None else len(moments))
     done = 0
     for number in _posed(scene, moments, options.time):
         suffix = '' if number is None else f'_{number:04d}'
         for frame, camera in cameras:
-            _write(scene, frame, camera, folder, f'{camera.name}{suffix}')
+            _write(scene, frame, camera, folder / f'{camera.name}{suffix}', inputs)
             done += 1
             _show_progress(done, total)
     print(f'{done} x {len(cameras[0][1].images)} images in {folder}')
@@ -112,7 +114,11 @@ def _posed(scene: PosedScene, moments: list[PoseSet], time: float | None) -> Ite
 
 
 def _write(
-    scene: PosedScene, frame: FrameId, description: CameraDescription, folder: Path, name: str
+    scene: PosedScene,
+    frame: FrameId,
+    description: CameraDescription,
+    path: Path,
+    inputs: Sequence[Path],
 ) -> None:
     camera = camera_of(description)
     query = scene.query
@@ -120,7 +126,7 @@ def _write(
     legend: pictures.Legend = {}
     for geometry, label in query.render_legend(camera.core().renderer_name()).items():
         legend.setdefault(label, []).append(scene.names[geometry])
-    pictures.write_all(images, legend, folder, name)
+    pictures.write_all(images, legend, path, inputs)
 
 
 def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:

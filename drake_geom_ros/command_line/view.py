@@ -47,7 +47,7 @@ def add_to(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Serve a page until it is interrupted; raises GeometryError or OSError for bad input."""
     page = open_page(options)
-    print(f'http://{page.host}:{page.port}', flush=True)
+    print(page.url, flush=True)
     if told := warning(options.host):
         print(f'warning: {told}', file=sys.stderr)
     try:

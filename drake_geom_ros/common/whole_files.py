@@ -8,14 +8,14 @@ import secrets
 import stat
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 _ONLY_FOLDERS = os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
 
 
 @contextlib.contextmanager
-def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) -> Iterator[IO[Any]]:
+def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) -> Iterator[Any]:
     """Give a file to write; it stands at ``path`` when the block is left without an error.
 
     ``mode`` is ``'w'`` (UTF-8) or ``'wb'``. Until then, and after an error for ever, what is there
@@ -37,9 +37,7 @@ def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) ->
 
 
 @contextlib.contextmanager
-def replaced(
-    folder: int, name: str, mode: str = 'w', newline: str | None = None
-) -> Iterator[IO[Any]]:
+def replaced(folder: int, name: str, mode: str = 'w', newline: str | None = None) -> Iterator[Any]:
     """Do as ``whole_file`` for a name in a folder that is open, whatever that name stands for.
 
     What is half written is a new file, whose name nobody can have prepared.
@@ -103,6 +101,19 @@ def check_outputs(
             if _same(Path(path), there):
                 raise FileExistsError(f'{option} and {other} are the same file, {path}')
         written.append((option, Path(path)))
+
+
+def check_first_line(path: Path, first: str) -> None:
+    """Raise FileExistsError where a file is there that begins otherwise: it is somebody else's."""
+    if not os.path.lexists(path):
+        return
+    with contextlib.suppress(OSError, UnicodeDecodeError), path.open(encoding='utf-8') as file:
+        if file.readline().rstrip('\r\n') == first:
+            return
+    raise FileExistsError(
+        f'{path} is there, and not written by this command, which would replace it: give another '
+        'folder, or move it away'
+    )
 
 
 def _same(a: Path, b: Path) -> bool:

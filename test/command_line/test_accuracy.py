@@ -65,6 +65,16 @@ def test_an_unknown_case_is_refused_before_anything_is_written(tmp_path, capsys)
     assert not folder.exists()
 
 
+def test_a_file_of_somebody_else_is_refused_before_anything_is_measured(tmp_path, capsys):
+    for name in 'README.md', 'measurements.csv':
+        (tmp_path / name).write_text('# Mine\n')
+        arguments = ['accuracy', '--quick', '--peers', 'none', '--output', str(tmp_path)]
+        assert program.main(arguments) == program.BAD_INPUT
+        assert f'{name} is there, and not written by this command' in capsys.readouterr().err
+        assert (tmp_path / name).read_text() == '# Mine\n'
+        (tmp_path / name).unlink()
+
+
 def test_bad_counts_are_refused(capsys):
     with pytest.raises(SystemExit):
         options('--samples', '0')

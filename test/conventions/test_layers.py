@@ -81,7 +81,7 @@ LAYERS = {
         ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
     ),
     'evidence': (
-        ('math', 'geometry', 'evidence', 'evidence/peers'),
+        ('math', 'common', 'geometry', 'evidence', 'evidence/peers'),
         ('numpy', 'scipy', 'mpmath', 'matplotlib'),
     ),
     'evidence/hunt': (
@@ -95,7 +95,7 @@ LAYERS = {
     ),
     'viewing/page': (
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
-        ('numpy', 'viser', 'imageio'),
+        ('numpy', 'viser', 'websockets', 'imageio'),
     ),
     'command_line': (
         (

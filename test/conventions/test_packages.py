@@ -70,7 +70,7 @@ LIBRARIES = {
 # Used where it is there.
 OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
-    *('viser', 'imageio', 'lcm', 'vtkmodules'),
+    *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules'),
 }
 
 

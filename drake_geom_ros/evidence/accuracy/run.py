@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drake_geom_ros.common.whole_files import check_first_line
 from drake_geom_ros.evidence.accuracy import diagrams
 from drake_geom_ros.evidence.accuracy.cases import (
     QUICK_RESOLUTIONS,
@@ -21,9 +22,9 @@ from drake_geom_ros.evidence.accuracy.cases import (
 from drake_geom_ros.evidence.accuracy.diagrams import draw_levels
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
-from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting, write_csv
+from drake_geom_ros.evidence.accuracy.results import COLUMNS, OURS, Measured, Setting, write_csv
 from drake_geom_ros.evidence.accuracy.scenes import SCENES
-from drake_geom_ros.evidence.accuracy.tables import Circumstances, microseconds, readme
+from drake_geom_ros.evidence.accuracy.tables import TITLE, Circumstances, microseconds, readme
 from drake_geom_ros.evidence.asking import BodyScene
 from drake_geom_ros.evidence.pages import description, versions
 
@@ -48,6 +49,8 @@ class Request:
 
 def run(request: Request, say: Callable[[str], None]) -> int:
     """Measure, write the files, and return the exit code: 1 where a certificate was wrong."""
+    check_first_line(request.output / 'README.md', TITLE)
+    check_first_line(request.output / 'measurements.csv', ','.join(COLUMNS))
     plan = Plan(seed=request.seed)
     if request.quick:
         plan = Plan(least_batches=1, turns=5, seed=request.seed, tolerances=False)

@@ -56,10 +56,13 @@ def by_family(records: Sequence[Measured]) -> dict[tuple[str, str], list[Measure
     return {key: [merged(rs) for rs in groups[key].values()] for key in keys}
 
 
+TITLE = '# Accuracy, and what it costs'  # by which a file of before is known
+
+
 def readme(records: Sequence[Measured], told: Circumstances, pictures: Sequence[str]) -> str:
     """Return the text of README.md."""
     families = by_family(records)
-    parts = [f'# Accuracy, and what it costs\n\n{choice(families)}\n']
+    parts = [f'{TITLE}\n\n{choice(families)}\n']
     if LEVELS_PICTURE in pictures:
         parts.append(f'![Time and error of each accuracy level]({LEVELS_PICTURE})\n')
     parts += [_certificates(records), _beginning(told)]

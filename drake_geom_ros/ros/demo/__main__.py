@@ -9,7 +9,9 @@ import signal
 import sys
 from pathlib import Path
 
+from drake_geom_ros.common.whole_files import check_first_line
 from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from drake_geom_ros.ros.demo.recording import COLUMNS
 from drake_geom_ros.scene_files import ResourceResolver, SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
 
@@ -67,6 +69,7 @@ def _parameters(**values: object) -> list[str]:
 def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
     # Errors in the files are told here, before anything is started.
     load_motion(motion, read_scene(scene))
+    check_first_line(options.out / 'results.csv', ','.join(COLUMNS))
     options.out.mkdir(parents=True, exist_ok=True)
     environment = ros_environment()
     print(f'scene {scene}, motion {motion}, ROS domain {environment["ROS_DOMAIN_ID"]}', flush=True)
@@ -109,7 +112,7 @@ def main() -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         _run(options, *_files(options))
-    except (ProcessFailedError, SceneFileError, ValueError) as error:
+    except (ProcessFailedError, SceneFileError, ValueError, FileExistsError) as error:
         print(f'demo: {error}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:

@@ -12,6 +12,11 @@ Floats = NDArray[np.float64]
 CLOSEST_KEPT = 5
 RESULTS_KEPT = 30_000  # five minutes at 100 Hz: a demo that runs forever must not grow
 
+# of results.csv
+COLUMNS = (
+    'time', 'geometry_a', 'geometry_b', 'distance', 'depth', 'error_bound', 'method', 'age'
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Pairs:

@@ -6,12 +6,8 @@ from pathlib import Path
 from drake_geom_ros.ros.demo.camera import draw_camera
 from drake_geom_ros.ros.demo.picture import draw_closest
 from drake_geom_ros.ros.demo.plots import draw_distances
-from drake_geom_ros.ros.demo.recording import Recording, percentiles
+from drake_geom_ros.ros.demo.recording import COLUMNS, Recording, percentiles
 from drake_geom_ros.scene_files import SceneDescription
-
-COLUMNS = (
-    'time', 'geometry_a', 'geometry_b', 'distance', 'depth', 'error_bound', 'method', 'age'
-)  # fmt: skip
 
 
 def write_report(

@@ -45,6 +45,8 @@ class SceneViewer(Node):
         self.get_logger().info(f'http://{self.page.host}:{self.page.port} shows {server}')
         if told := warning(host):
             self.get_logger().warning(told)
+            # Not to the log, which goes to files and to every ROS process that listens.
+            print(self.page.url, flush=True)
 
     def destroy_node(self) -> None:
         """Close the page, too, if it was opened."""

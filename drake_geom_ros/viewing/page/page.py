@@ -7,7 +7,6 @@ import time
 import traceback
 from collections.abc import Callable
 from html import escape
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from drake_geom_ros.viewing.page.copy_panel import CopyPanel
 from drake_geom_ros.viewing.page.filter_panel import FilterPanel
 from drake_geom_ros.viewing.page.motion_panel import MotionPanel
 from drake_geom_ros.viewing.page.picture import MOST_NAMES, Picture
+from drake_geom_ros.viewing.page.serving import Served
 from drake_geom_ros.viewing.scene import Moment, ShownScene
 from drake_geom_ros.viewing.timeline import Timeline
 
@@ -37,7 +37,7 @@ class Page:
 
     def __init__(
         self,
-        server: Any,
+        served: Served,
         scene: ShownScene,
         *,
         joints: Joints | None = None,
@@ -47,7 +47,9 @@ class Page:
         tell: Callable[[str], None] = lambda text: None,
     ) -> None:
         """``joints`` and ``timeline`` move a scene of this process; ``tell`` takes progress."""
+        server = served.server
         self._server, self._scene, self._tell = server, scene, tell
+        self.url = served.url  # to open; with its token, where one is needed
         local = scene if isinstance(scene, LocalScene) else None
         self._due, self._closed = threading.Event(), threading.Event()
         self._version: object = None

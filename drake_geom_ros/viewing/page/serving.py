@@ -2,43 +2,122 @@
 
 from __future__ import annotations
 
-import ipaddress
+import contextlib
+import http.client
+import socket
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 from drake_geom_ros.geometry import GeometryError
+from drake_geom_ros.viewing.page.gate import Gate, is_local
 
 LOCALHOST = '127.0.0.1'
 PORT = 8080
 
+_SELF = {'': LOCALHOST, '0.0.0.0': LOCALHOST, '::': '::1'}  # how to reach oneself there
+_STRANGER = 'stranger.invalid'  # a name that nobody can have
+_PATIENCE = 10.0  # [s] for an answer of our own server
+_patching = threading.Lock()
 
-def open_server(host: str = LOCALHOST, port: int = PORT) -> Any:
+
+@dataclass(frozen=True)
+class Served:
+    """A viser server, and the address to open: beyond this machine with its token."""
+
+    server: Any
+    url: str
+
+
+def open_server(host: str = LOCALHOST, port: int = PORT) -> Served:
     """Return a viser server; the next free port where that one is taken.
 
-    Raises GeometryError where viser is not installed, or nothing can be opened there.
+    It answers its own page only, and beyond this machine who knows the token. Raises
+    GeometryError where viser is not installed, or nothing can be opened there.
     """
     try:
         import viser
+        import websockets.asyncio.server as sockets
     except ImportError as error:
         raise GeometryError(
             f'the page takes viser, which cannot be imported ({error}): pip install viser, or '
             "this package with its extra 'view'"
         ) from None
+    gate = Gate(host)
     try:
-        return viser.ViserServer(host=host, port=port, label='drake_geom_ros', verbose=False)
+        _check_address(host)
+        with _every_server_behind(gate, sockets):
+            server = viser.ViserServer(host=host, port=port, label='drake_geom_ros', verbose=False)
     except (OSError, RuntimeError) as error:
         raise GeometryError(f'no page can be opened at {host}:{port}: {error}') from None
+    # Whoever opens the page could ask for it: it sends the scene through a relay of strangers.
+    server.request_share_url = lambda verbose=True: None
+    try:
+        refused = _refuses_strangers(host, server.get_port())
+    except OSError:
+        refused = False
+    if not refused:
+        server.stop()
+        raise GeometryError(
+            f'the page at {host}:{port} would answer any web page in a browser of this machine: '
+            'this version of viser makes its server otherwise than 1.1 does; pip install '
+            'viser==1.1.1'
+        )
+    return Served(server, gate.url(server.get_port()))
 
 
 def warning(host: str) -> str:
     """Return what it means to open a page at an address; empty where only this machine sees it."""
-    try:
-        local = ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        local = host == 'localhost'
-    if local:
+    if is_local(host):
         return ''
     return (
-        f'whoever reaches {host} sees this page and may move and filter what it shows: there is '
-        'no password and no encryption. From elsewhere, an SSH tunnel is safer: '
+        f'whoever reaches {host} and has the address with its token sees this page and may move '
+        'and filter what it shows, and there is no encryption: who listens to the network '
+        'reads both. From elsewhere, an SSH tunnel is safer: '
         f'ssh -L {PORT}:{LOCALHOST}:{PORT} THIS_MACHINE'
     )
+
+
+@contextlib.contextmanager
+def _every_server_behind(gate: Gate, sockets: Any) -> Iterator[None]:
+    """Have web socket servers that are made meanwhile ask a gate first.
+
+    ``process_request`` of websockets is meant for this, and viser, which makes the server, hands
+    none on. A proxy in front would leave viser's own port open to the same pages. So the maker is
+    replaced while viser makes one; whether that one asks the gate is tried before it is used.
+    """
+    with _patching:
+        serve = sockets.serve
+
+        def guarded(*arguments: Any, process_request: Any = None, **options: Any) -> Any:
+            return serve(*arguments, process_request=gate.guarded(process_request), **options)
+
+        sockets.serve = guarded
+        try:
+            yield
+        finally:
+            sockets.serve = serve
+
+
+def _check_address(host: str) -> None:
+    """Raise OSError for an address that is none of this machine: viser would wait for ever."""
+    (family, kind, protocol, _, address), *_ = socket.getaddrinfo(
+        host or None, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )
+    with socket.socket(family, kind, protocol) as trial:
+        trial.bind(address)
+
+
+def _refuses_strangers(host: str, port: int) -> bool:
+    """Return whether a request for another machine is refused; raises OSError."""
+    connection = http.client.HTTPConnection(_SELF.get(host, host), port, timeout=_PATIENCE)
+    try:
+        connection.putrequest('GET', '/', skip_host=True)
+        connection.putheader('Host', f'{_STRANGER}:{port}')
+        connection.endheaders()
+        return connection.getresponse().status == http.HTTPStatus.FORBIDDEN
+    except http.client.HTTPException:
+        return False
+    finally:
+        connection.close()

@@ -92,3 +92,12 @@ def test_a_wrong_file_is_told_before_anything_starts(tmp_path):
     assert run.returncode == 1
     assert 'absent.yaml' in run.stderr
     assert not (tmp_path / 'out').exists()
+
+
+def test_results_of_somebody_else_are_left_alone(tmp_path):
+    (tmp_path / 'results.csv').write_text('mine\n')
+    run = run_python('-m', DEMO, '--out', tmp_path)
+    assert run.returncode == 1
+    assert 'not written by this command' in run.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ['results.csv']
+    assert (tmp_path / 'results.csv').read_text() == 'mine\n'

@@ -23,14 +23,14 @@ geometries:
 
 
 @contextlib.contextmanager
-def page_of(scene, **options):
+def page_of(scene, host='127.0.0.1', **options):
     """Open a page of a scene at a free port, and close it."""
     pytest.importorskip('viser', reason='draws the page')
     from drake_geom_ros.viewing.page.page import Page
     from drake_geom_ros.viewing.page.serving import open_server
 
     scene = local_scene(scene) if isinstance(scene, str) else scene
-    page = Page(open_server(port=18080), scene, **{'max_distance': 1.0, **options})
+    page = Page(open_server(host, 18080), scene, **{'max_distance': 1.0, **options})
     try:
         wait_for(lambda: page.moment is not None, 'the first picture')
         yield page, scene

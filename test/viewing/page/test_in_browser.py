@@ -1,12 +1,14 @@
 """The page of the demo's scene in a real browser: what people see and touch."""
 
 import argparse
+import importlib.metadata
 import importlib.util
 import time
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from viewing.page.pages import page_of, wait_for
+from viewing.page.pages import TEXT, page_of, wait_for
 from viewing.page.test_page import Crowd
 
 from bench.browser import PROGRAM, Browser
@@ -204,6 +206,38 @@ def test_a_browser_that_waits_for_a_scene_looks_at_it_once_it_is_there():
             early.wait_for(looks_at_it, 'a camera that looks at it')
         finally:
             early.close()
+
+
+def test_beyond_this_machine_a_browser_comes_in_by_the_address_with_the_token(page, browser):
+    with page_of(TEXT, host='0.0.0.0') as (opened, _):
+        path = urlsplit(opened.url).path
+        guest = Browser(f'http://127.0.0.1:{opened.port}{path}')
+        try:
+            guest.wait_for(lambda: len(rows(guest)) == 3, 'the table')
+            guest.send('Page.navigate', url=f'http://127.0.0.1:{opened.port}/')
+            guest.wait_for(lambda: 'lacks its token' in guest.text(), 'the refusal')
+        finally:
+            guest.close()
+
+
+def test_a_page_of_somebody_else_reads_nothing(page, browser):
+    """A socket that another page opens, from another origin: the browser says which."""
+    other = Browser('data:text/html,<p>another page')
+    try:
+        other.wait_for(lambda: 'another page' in other.text(), 'the other page')
+        address, protocol = f'ws://127.0.0.1:{page.port}', f'viser-v{viser_version()}'
+        other.ask(
+            f'void (window.got = "", w = new WebSocket({address!r}, {protocol!r}),'
+            ' w.onopen = () => got += "open", w.onerror = () => got += "refused")'
+        )
+        other.wait_for(lambda: other.ask('window.got'), 'an outcome')
+        assert other.ask('window.got') == 'refused'
+    finally:
+        other.close()
+
+
+def viser_version():
+    return importlib.metadata.version('viser')
 
 
 def test_wrong_files_are_said_in_one_line(capsys):

@@ -251,7 +251,7 @@ def test_it_opens_on_this_machine_only_unless_told(opened):
     for host in ('127.0.0.1', '::1', 'localhost', '127.1.2.3'):
         assert serving.warning(host) == ''
     for host in ('0.0.0.0', '::', '192.168.1.2', 'robot.example'):
-        assert 'no password' in serving.warning(host)
+        assert 'no encryption' in serving.warning(host)
 
 
 def test_without_viser_the_extra_is_named(monkeypatch):
