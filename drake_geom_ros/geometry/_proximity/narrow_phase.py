@@ -44,12 +44,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
 )
 from drake_geom_ros.geometry._proximity.pair_bounds import bound_pair, raise_lower_end
-from drake_geom_ros.geometry._proximity.pair_gaps import (
-    apart,
-    gap_of_bounds,
-    gap_of_boxes,
-    least_possible,
-)
+from drake_geom_ros.geometry._proximity.pair_gaps import apart, gap_of_bounds, gap_of_boxes
 from drake_geom_ros.geometry._proximity.pair_table import TYPE_COUNT
 from drake_geom_ros.geometry._proximity.promise import (
     hides_contact,
@@ -309,19 +304,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     aim = Aim(size, tolerance_of_pair(gap, a, b, outer), cutoff)
-                    _call_in_order(
-                        a, b, kernels, Shapes(types, starts, pool), R_WGs, p_WGs, p_AB_W, aim, out
-                    )
+                    shapes = Shapes(types, starts, pool)
+                    _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
                 rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
                 if math.isinf(gap):
-                    least = least_possible(a, b, types, R_WGs, p_WGs, roundings, halves, outer)
-                    raise_lower_end(out, least)
+                    raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
                 out[SEEN], out[GAP] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, gap, size, rounding)
             else:
-                counts[FAR] += 1
-                out[SEEN] = -1.0  # from now on the slack is not the answer's
+                counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
             out[SLACK] = _slack(least, travelled, types[a], types[b])
             if not near:
                 continue

@@ -12,6 +12,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.views import part, row
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.pair_gaps import least_possible
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 
@@ -27,18 +29,20 @@ def bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # 
 
 
 @compiled
-def raise_lower_end(out, least):  # type: ignore[no-untyped-def]
-    """Raise the lower end of a pair's interval to a certified least distance [m] above it.
+def raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer, out):  # type: ignore[no-untyped-def]
+    """Raise the lower end of a pair's interval to what boxes and balls around the bodies certify.
 
-    So no box or ball knows more of the pair than its answer. The witness point on B moves with it.
+    So none of these knows more of a pair than its answer. The witness point on B moves with it.
     """
+    if types[a] == SPHERE and types[b] == SPHERE:
+        return  # whose interval is as wide as rounding
+    least = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
     lower, upper = out[DISTANCE] - out[ERROR_BOUND], out[DISTANCE] + out[ERROR_BOUND]
     if not least > lower:
         return
     upper = max(least, upper)
     out[DISTANCE] = least + 0.5 * (upper - least)
     # Each of these sums, and of those that make the ends again, is rounded by EPS of it at most.
-    rounding = 4.0 * EPS * (abs(least) + abs(upper))
-    out[ERROR_BOUND] = 0.5 * (upper - least) + rounding
+    out[ERROR_BOUND] = 0.5 * (upper - least) + 4.0 * EPS * (abs(least) + abs(upper))
     for c in range(3):
         out[WITNESS_B + c] = out[WITNESS_A + c] - out[DISTANCE] * out[NORMAL + c]
