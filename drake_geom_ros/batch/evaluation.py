@@ -57,22 +57,29 @@ def evaluate(
 
     ``want`` is one of
 
-    - ``'collision'``: whether any pair overlaps, as HasCollisions tells: a bool array (N,);
-    - ``'least'``: the pair of the least signed distance: ``LeastDistances``;
-    - ``'nearest'``: the ``count`` nearest pairs: ``PairsOfStates``;
+    - ``'collision'``: whether any pair overlaps, as HasCollisions tells: a bool array (N,). A
+      finite ``max_distance`` >= 0 [m] is a margin: False only where every pair is certified to be
+      farther apart;
+    - ``'least'``: the pair of the least lower bound, which is distance minus error bound. Its
+      interval holds the least distance of all pairs: ``LeastDistances``;
+    - ``'nearest'``: the ``count`` pairs of the least lower bounds, in their order. What is left
+      out is certified to be no nearer than the last one's: ``PairsOfStates``;
     - ``'within'``: all pairs up to ``max_distance`` [m]: ``PairsOfStates``;
-    - ``'points'``: the distances of all geometries to ``points`` (m, 3) [m] in World:
-      ``PointsOfStates``.
+    - ``'points'``: the distances of all geometries to ``points`` (m, 3) [m] in World, which are
+      closed forms at every level: ``PointsOfStates``.
 
-    ``max_distance`` [m] leaves out what is farther away; ``accuracy`` is a level, empty for the
-    default of the scene. Computed by ``threads`` of this process (0: one for each core), or by an
-    ``executor`` of the ``concurrent.futures`` interface, in blocks of ``block_size`` states (0: a
-    good one). ``progress`` writes a line to standard error, or is called with the states done and
-    all. An interrupt ends it at once.
+    ``max_distance`` [m] leaves out what is farther away: of ``least`` and ``nearest`` only what is
+    certified to be. ``accuracy`` is a level, empty for the default of the scene. Computed by
+    ``threads`` of this process (0: one for each core), or by an ``executor`` of the
+    ``concurrent.futures`` interface, and by threads what that loses, in blocks of ``block_size``
+    states (0: a good one). ``progress`` writes a line to standard error, or is called with the
+    states done and all. An interrupt ends it at once.
 
     Raises ArgumentError for what cannot be asked, PoseError for a state that is none and for
     frames that have no pose, BatchError for workers of another version.
     """
+    if threads < 0 or block_size < 0:
+        raise ArgumentError(f'threads={threads} and block_size={block_size} must be >= 0')
     context = context_of(scene_graph)
     question = Question(
         want,
@@ -113,7 +120,7 @@ def computed(
     if executor is None:
         answers = by_threads(job, states, blocks, threads)
     else:
-        answers = by_executor(job, states, blocks, executor)
+        answers = by_executor(job, states, blocks, executor, threads)
     for block, columns in answers:
         done += block[1] - block[0]
         if show and (done == total or time.monotonic() - shown >= _SECONDS):

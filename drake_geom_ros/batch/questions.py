@@ -41,10 +41,11 @@ _OF_POINTS = ('point_index', 'distance', 'error_bound', 'grad_W', 'is_grad_W_uni
 class Question:
     """What is wanted of each state: one of ``WANTS``.
 
-    ``collision`` whether a pair overlaps; ``least`` the pair of the least signed distance;
-    ``nearest`` the ``count`` nearest pairs; ``within`` all pairs; ``points`` the distances to
-    points (m, 3) [m] in World. All but the first leave out what is farther than ``max_distance``
-    [m]. Raises ArgumentError for what cannot be asked.
+    ``collision`` whether a pair overlaps or, of a finite ``max_distance`` [m], is not certified to
+    be farther apart; ``least`` the pair of the least lower bound; ``nearest`` the ``count`` pairs
+    of the least ones; ``within`` all pairs; ``points`` the distances to points (m, 3) [m] in
+    World. These leave out what is farther than ``max_distance``. Raises ArgumentError for what
+    cannot be asked.
     """
 
     want: str
@@ -61,6 +62,12 @@ class Question:
             raise ArgumentError(f'accuracy={self.accuracy!r} must be one of {allowed}')
         if math.isnan(self.max_distance):
             raise ArgumentError('max_distance must be a distance in metres or infinity, not NaN')
+        if self.want == 'collision' and self.max_distance < 0.0:
+            raise ArgumentError(
+                f"max_distance={self.max_distance} with want='collision' must be a margin >= 0 "
+                'in metres, or infinity to ask for overlap alone; what is as deep as that tells '
+                "want='least'"
+            )
         if self.count < 1 or (self.count != 1 and self.want != 'nearest'):
             raise ArgumentError(f'count={self.count} must be >= 1, and goes with nearest')
         if (self.want == 'points') != (self.points is not None):
@@ -120,7 +127,8 @@ class Job:
     def _answer(self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64]) -> Columns:
         asked = self.question
         if asked.want == 'collision':
-            return {'collision': queries.has_collisions(poses, asked.accuracy, stop)}
+            margin = asked.max_distance if math.isfinite(asked.max_distance) else None
+            return {'collision': queries.has_collisions(poses, asked.accuracy, stop, margin)}
         if asked.want == 'points':
             assert asked.points is not None
             points = np.ascontiguousarray(asked.points, dtype=np.float64)

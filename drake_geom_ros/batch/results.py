@@ -13,9 +13,10 @@ Flags = NDArray[np.bool_]
 
 
 class LeastDistances(NamedTuple):
-    """The pair of the least signed distance in each of N states, as QueryObject tells of it.
+    """The pair of the least lower bound in each of N states, as QueryObject tells of it.
 
-    Where a state has no pair within reach ``distance`` is infinity, ids and all else are 0.
+    ``distance`` is within ``error_bound`` of the least distance of all pairs. Where every pair of
+    a state is certified to be out of reach it is infinity, ids and all else are 0.
     """
 
     distance: Floats  # (N,) [m]
@@ -33,7 +34,7 @@ class LeastDistances(NamedTuple):
 class PairsOfStates(NamedTuple):
     """Pairs of N states: those of state s are rows ``offsets[s]`` to ``offsets[s + 1]``.
 
-    Of ``within`` by (id_A, id_B), of ``nearest`` the nearest first.
+    Of ``within`` by (id_A, id_B), of ``nearest`` by their lower bounds, the least first.
     """
 
     offsets: Indices  # (N + 1,)

@@ -97,14 +97,15 @@ def by_threads(job: Job, states: Any, blocks: Iterable[Block], threads: int = 0)
 
 
 def by_executor(
-    job: Job, states: Any, blocks: Iterable[Block], executor: Executor
+    job: Job, states: Any, blocks: Iterable[Block], executor: Executor, threads: int = 0
 ) -> Iterator[Done]:
     """Yield the answers of blocks as they are done, by an executor's workers.
 
     Blocks name the job by its digest; it goes with one only where a worker does not know it yet.
-    Blocks that are lost with a worker, or with the executor, are computed here: a RuntimeWarning
-    says why. Nothing more is given to an executor that is gone: it may never answer. Raises
-    BatchError for a worker of other sources, PoseError for a state that is none.
+    Blocks that are lost with a worker, or with the executor, are computed here, by ``threads`` (0:
+    one for each core): a RuntimeWarning says why. Nothing more is given to an executor that is
+    gone: it may never answer. Raises BatchError for a worker of other sources, PoseError for a
+    state that is none.
     """
     mine, digest, waiting, gone = worker.version(), job.digest, iter(blocks), threading.Event()
     unknown: list[Block] = []  # blocks of which a worker did not know the job
@@ -150,7 +151,7 @@ def by_executor(
             RuntimeWarning,
             stacklevel=2,
         )
-        yield from by_threads(job, states, sorted(lost))
+        yield from by_threads(job, states, sorted(lost), threads)
 
 
 def is_loss(error: BaseException) -> bool:

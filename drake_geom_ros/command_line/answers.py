@@ -82,6 +82,9 @@ KINDS: dict[str, Callable[[PosedScene, float, Any, str], Table]] = {
 }
 
 
+LIMITED = ('distance', 'points')  # the kinds that heed a limit
+
+
 def _names(scene: PosedScene, ids: NDArray[Any]) -> list[str]:
     return [scene.names[GeometryId(value)] for value in ids.tolist()]
 

@@ -54,9 +54,15 @@ def add_to(commands: Any) -> None:
         type=float,
         default=math.inf,
         metavar='D',
-        help='leave out what is farther apart [m] (default: inf)',
+        help='leave out what is farther apart [m] (default: inf); with --what collision it is a '
+        'margin: a state collides unless every pair is certified to be farther apart',
     )
-    parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
+    parser.add_argument(
+        '--accuracy',
+        choices=ACCURACY_LEVELS,
+        default='exact',
+        help='(default: exact); distances to points are exact at each level',
+    )
     parser.add_argument('--output', required=True, metavar='FILE', help='.npz or .parquet')
     parser.add_argument('--picture', metavar='FILE', help='a histogram of the distances')
     parser.add_argument(
@@ -77,6 +83,8 @@ def run(options: argparse.Namespace) -> int:
     scene_graph = SceneGraph()
     loaded = load_and_tell(options.scene, scene_graph, options.srdf)
     check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
+    if options.picture and options.what == 'collision':
+        raise SceneFileError('--picture shows distances, of which collision has none', '--what')
     states = read_states(options.states, options.names)
     points = points_of_file(options.points) if options.points else None
     question = Question(

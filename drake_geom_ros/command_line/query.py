@@ -13,7 +13,7 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.command_line.answers import KINDS, Table, write_csv, write_json
+from drake_geom_ros.command_line.answers import KINDS, LIMITED, Table, write_csv, write_json
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
@@ -46,7 +46,7 @@ def add_to(commands: Any) -> None:
         type=limit,
         default=math.inf,
         metavar='D',
-        help='leave out pairs that are farther apart [m] (default: inf)',
+        help='with --what distance or points: leave out what is farther apart [m] (default: inf)',
     )
     parser.add_argument('--accuracy', choices=ACCURACY_LEVELS, default='exact')
     parser.add_argument('--format', choices=('csv', 'json'), default='csv')
@@ -58,6 +58,12 @@ def run(options: argparse.Namespace) -> int:
     """Answer and return the exit code; raises GeometryError or OSError for bad input."""
     if (options.what == 'points') != bool(options.points):
         raise SceneFileError('--what points and --points FILE go together', options.scene)
+    if options.what not in LIMITED and options.max_distance < math.inf:
+        raise SceneFileError(
+            f'--max-distance goes with --what {" or ".join(LIMITED)}; {options.what} is of what '
+            'overlaps. For a margin ask for distances, or: batch --what collision --max-distance',
+            options.scene,
+        )
     points = points_of_file(options.points) if options.points else None
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf)

@@ -143,16 +143,28 @@ class StateQueries:
     def __init__(self, scene: PackedScene) -> None:
         self._loops = StateLoops(scene._world(), scene.pairs.copy(), scene.moved.copy())
 
-    def has_collisions(self, poses: Floats, accuracy: str, stop: Indices) -> NDArray[np.bool_]:
-        """Return HasCollisions of each state (N, n, 7)."""
-        done, found = self._loops.overlaps(poses, _gap(accuracy), stop)
+    def has_collisions(
+        self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
+    ) -> NDArray[np.bool_]:
+        """Return HasCollisions of each state (N, n, 7); with a margin [m] whether a pair is in it.
+
+        That is so unless every pair is certified to be farther apart than the margin.
+        """
+        if margin is None:
+            done, found = self._loops.overlaps(poses, _gap(accuracy), stop)
+        else:
+            done, found = self._loops.near(poses, _gap(accuracy), margin, stop)
         _check_done(done, poses, stop)
         return found
 
     def nearest(
         self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
     ) -> Found:
-        """Return the nearest pairs of each state (N, n, 7), the nearest first, at most so many."""
+        """Return the pairs of the least lower bounds of each state (N, n, 7), at most so many.
+
+        In their order, a lower bound being distance minus error bound. Left out is what has a
+        higher one than the last of so many, or one above ``max_distance`` [m].
+        """
         done, counts, batch = self._loops.nearest(poses, _gap(accuracy), max_distance, most, stop)
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)

@@ -46,8 +46,8 @@ class Pairs:
         return cls(np.zeros((0, 2), np.int64), numbers, numbers, points, points, points)
 
     def sorted(self) -> Pairs:
-        """Return the same pairs by their distance."""
-        return self.rows(np.argsort(self.distance, kind='stable'))
+        """Return the same pairs by the certified lower bounds of their distances."""
+        return self.rows(np.argsort(self.distance - self.error_bound, kind='stable'))
 
     def rows(self, rows: NDArray[np.int64] | slice) -> Pairs:
         """Return some of the pairs."""

@@ -60,7 +60,7 @@ class Timeline:
 
 
 def least_distances(timeline: Timeline, context: SceneGraphContext) -> Iterator[float]:
-    """Yield the least signed distance [m] at each time; infinite where no pair is left.
+    """Yield the least certified lower bound [m] at each time; infinite where no pair is left.
 
     Poses ``context``, which nobody else may use meanwhile.
     """
@@ -75,14 +75,14 @@ def least_distances(timeline: Timeline, context: SceneGraphContext) -> Iterator[
 
 
 def least_distance(query: QueryObject, reach: float) -> float:
-    """Return the least signed distance [m] of all reported pairs, sought from ``reach`` [m] on.
+    """Return the least certified lower bound [m] of all pairs, sought from ``reach`` [m] on.
 
     A limit spares the query the far pairs; where it finds none, the next one is twice as far.
     """
     while reach < _FARTHEST:
-        found = query.ComputeSignedDistancePairwiseClosestPoints(reach).distance
+        found = query.ComputeSignedDistancePairwiseClosestPoints(reach)
         if len(found):
-            return float(found.min())
+            return float((found.distance - found.error_bound).min())
         reach *= 2.0
-    found = query.ComputeSignedDistancePairwiseClosestPoints().distance
-    return float(found.min(initial=np.inf))
+    found = query.ComputeSignedDistancePairwiseClosestPoints()
+    return float((found.distance - found.error_bound).min(initial=np.inf))

@@ -60,15 +60,19 @@ def test_pairs_within_are_those_of_single_queries(cell, accuracy, max_distance):
 @pytest.mark.parametrize('accuracy', ACCURACY_LEVELS)
 @pytest.mark.parametrize('max_distance', [math.inf, 0.05])
 @pytest.mark.parametrize('count', [1, 4])
-def test_the_nearest_pairs_are_the_first_of_all_by_distance(cell, accuracy, max_distance, count):
+def test_the_nearest_pairs_are_those_of_the_least_lower_bounds(
+    cell, accuracy, max_distance, count
+):
     states = cell.states(150)
     how = {'max_distance': max_distance, 'accuracy': accuracy}
     asked = {**how, 'states': states, 'joints': cell.joints}
     found = evaluate(cell.scene_graph, want='nearest', count=count, **asked)
-    every = evaluate(cell.scene_graph, want='within', **asked)
+    every = evaluate(cell.scene_graph, want='within', **{**asked, 'max_distance': math.inf})
     for k in range(len(states)):
         rows, all_rows = slice(*found.offsets[k : k + 2]), slice(*every.offsets[k : k + 2])
-        order = np.argsort(every.distance[all_rows], kind='stable')[:count]
+        ends = (every.distance - every.error_bound)[all_rows]
+        order = np.argsort(ends, kind='stable')
+        order = order[ends[order] <= max_distance][:count]
         for name in (*PAIR_COLUMNS, 'gradient'):
             np.testing.assert_array_equal(
                 getattr(found, name)[rows], getattr(every, name)[all_rows][order]

@@ -153,9 +153,36 @@ def test_a_picture_of_the_distances(ask, tmp_path):
     assert (tmp_path / 'clearances.png').read_bytes().startswith(b'\x89PNG')
 
 
+def test_a_margin_is_heeded(ask, tmp_path, loaded, states):
+    asked = {'want': 'collision', 'states': states, 'joints': Joints.of(loaded[1])}
+    shares = []
+    for options, margin in (((), np.inf), (('--max-distance', '0.002'), 0.002)):
+        assert ask('--what', 'collision', *options) == 0
+        expected = evaluate(loaded[0], max_distance=margin, **asked)
+        np.testing.assert_array_equal(np.load(tmp_path / 'out.npz')['collision'], expected)
+        shares.append(expected.mean())
+    assert 0.0 < shares[0] < shares[1]
+
+
+def test_what_is_summed_up_is_certified(ask, tmp_path, capsys):
+    assert ask('--accuracy', 'bound') == 0
+    said = capsys.readouterr().out
+    assert ask(output='exact.npz') == 0
+    loose, exact = np.load(tmp_path / 'out.npz'), np.load(tmp_path / 'exact.npz')
+    least = (loose['distance'] - loose['error_bound']).min()
+    assert f'certified lower bounds: least {least:.6g} m' in said
+    assert least <= exact['distance'].min()
+    for name, part in (('below zero', np.add), ('not certified to be above', np.subtract)):
+        share = 100.0 * (part(loose['distance'], loose['error_bound']) < 0.0).mean()
+        assert f'{name} {share:.2f} %' in said
+    overlap = 100.0 * (exact['distance'] < 0.0).mean()
+    assert 100.0 * (loose['distance'] - loose['error_bound'] < 0.0).mean() >= overlap
+
+
 def test_bad_input_is_said_in_a_line(ask, tmp_path, capsys):
     np.save(tmp_path / 'short.npy', np.zeros((2, 3)))
     np.save(tmp_path / 'posed.npy', np.zeros((2, 3, 7)))
+    np.savez(tmp_path / 'tray.npz', poses=np.zeros((2, 1, 7)), frames=['things::tray'])
     (tmp_path / 'rows.csv').write_text('arm::turn\n1\n2,3\n')
     for options, keywords, words in (
         ([], {'file': 'short.npy'}, '3 columns for 4 joints'),
@@ -165,6 +192,9 @@ def test_bad_input_is_said_in_a_line(ask, tmp_path, capsys):
         ([], {'file': 'rows.csv'}, 'row 3 has 2 values'),
         ([], {'output': 'out.txt'}, '.parquet'),
         (['--what', 'points'], {}, 'points'),
+        (['--what', 'collision', '--max-distance=-0.01'], {}, 'max_distance=-0.01'),
+        (['--what', 'collision', '--picture', 'x.png'], {}, '--picture'),
+        ([], {'file': 'tray.npz'}, 'never had a pose'),
     ):
         assert ask(*options, **keywords) == 2
         assert words in capsys.readouterr().err

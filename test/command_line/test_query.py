@@ -99,3 +99,9 @@ def test_nothing_is_answered_while_a_frame_has_no_pose(capsys, tmp_path):
     assert 'waits.yaml: these frames have no pose: scene::ball;' in capsys.readouterr().err
     poses.write_text('{"ball": [0.5, 0, 0.3, 0, 0, 0, 1]}')
     assert main(['query', str(scene), '--poses', str(poses), '--what=collisions']) == 0
+
+
+@pytest.mark.parametrize('what', ['penetration', 'candidates', 'collisions'])
+def test_a_limit_that_would_be_ignored_is_refused(capsys, what):
+    assert main(['query', SCENE, '--what', what, '--max-distance', '0.5']) == 2
+    assert '--max-distance goes with --what distance or points' in capsys.readouterr().err

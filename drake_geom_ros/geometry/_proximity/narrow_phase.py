@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernel_table import AT_ONE_METRE, ROWS
-from drake_geom_ros.geometry._proximity.kernels.bounds import PosedShape, bounding_interval
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
@@ -43,11 +42,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ITERATIVE,
     SOLID,
 )
-from drake_geom_ros.geometry._proximity.pair_gaps import (
-    apart,
-    gap_of_bounds,
-    gap_of_boxes,
-)
+from drake_geom_ros.geometry._proximity.pair_bounds import bound_pair, raise_lower_end
+from drake_geom_ros.geometry._proximity.pair_gaps import apart, gap_of_bounds, gap_of_boxes
 from drake_geom_ros.geometry._proximity.pair_table import TYPE_COUNT
 from drake_geom_ros.geometry._proximity.promise import (
     hides_contact,
@@ -151,17 +147,6 @@ def _call_in_order(  # type: ignore[no-untyped-def]
             p_b = out[WITNESS_B + c] - p_AB_W[c]
             out[WITNESS_A + c], out[WITNESS_B + c] = p_b, p_a
             out[NORMAL + c] = -out[NORMAL + c]
-
-
-@inlined
-def _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type: ignore[no-untyped-def]
-    """Write a pair's answer from bounds alone."""
-    for c in range(3):
-        p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
-    shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
-    A = PosedShape(types[a], shape_a, row(R_WGs, a), inner[a])
-    B = PosedShape(types[b], shape_b, row(R_WGs, b), inner[b])
-    bounding_interval(A, B, p_AB_W, out)
 
 
 @inlined
@@ -293,25 +278,25 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             near = least <= reach
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
-                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
+                    bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
                     least = max(bounds[DISTANCE] - bounds[ERROR_BOUND], out[SLACK] - travelled)
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
                 if math.isinf(gap):
-                    _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
+                    bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
                     aim = Aim(size, tolerance_of_pair(gap, a, b, outer), cutoff)
-                    _call_in_order(
-                        a, b, kernels, Shapes(types, starts, pool), R_WGs, p_WGs, p_AB_W, aim, out
-                    )
+                    shapes = Shapes(types, starts, pool)
+                    _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
                 rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
+                if math.isinf(gap):
+                    raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
                 out[SEEN], out[GAP] = revision, gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, gap, size, rounding)
             else:
-                counts[FAR] += 1
-                out[SEEN] = -1.0  # from now on the slack is not the answer's
+                counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
             out[SLACK] = _slack(least, travelled, types[a], types[b])
             if not near:
                 continue
@@ -346,7 +331,7 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
         if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[GAP]):
             counts[CACHED] += 1
         else:
-            _bound(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
+            bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
             moved = math.inf
             if out[SEEN] >= 0.0:
                 moved = travelled - (out[SLACK] - _least(out, out[GAP], size, 0.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
 
@@ -76,6 +76,28 @@ def gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer, eno
         return balls
     boxes = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
     return max(boxes, balls)
+
+
+@inlined
+def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
+    """Return a lower bound [m] of a signed distance, of bodies that overlap too.
+
+    The depth of convex bodies is no more than the overlap of their shadows on any line, so no
+    more than that of their boxes along an axis or of their balls along the line of the centres.
+    """
+    gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+    if types[i] == HALF_SPACE or types[j] == HALF_SPACE:
+        return gap
+    if gap == 0.0:
+        if types[i] == SOLID or types[j] == SOLID:
+            return -math.inf  # how deep a solid is, its hull does not tell
+        gap, reach = -math.inf, 0.0
+        for k in range(3):
+            p, q = p_WGs[i, k], p_WGs[j, k]
+            sizes = half_extents[i, k] + half_extents[j, k]
+            gap, reach = max(gap, abs(p - q) - sizes), max(reach, abs(p) + abs(q) + sizes)
+        gap -= 4.0 * EPS * reach
+    return max(gap, gap_of_balls(i, j, p_WGs, roundings, outer))
 
 
 @inlined

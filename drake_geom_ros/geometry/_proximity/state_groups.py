@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID
-from drake_geom_ros.geometry._proximity.pair_gaps import box_gap, gap_of_balls, gap_of_boxes
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.pair_gaps import box_gap, least_possible
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 Floats = NDArray[np.float64]
@@ -76,28 +76,6 @@ def put_boxes(groups, world):  # type: ignore[no-untyped-def]
     for m in range(groups.gaps.size):
         a, b = groups.pairs[m, 0], groups.pairs[m, 1]
         groups.gaps[m] = box_gap(groups.centres, groups.halves, a, b)
-
-
-@inlined
-def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
-    """Return a lower bound [m] of a signed distance, of bodies that overlap too.
-
-    The depth of convex bodies is no more than the overlap of their shadows on any line, so no
-    more than that of their boxes along an axis or of their balls along the line of the centres.
-    """
-    gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-    if types[i] == HALF_SPACE or types[j] == HALF_SPACE:
-        return gap
-    if gap == 0.0:
-        if types[i] == SOLID or types[j] == SOLID:
-            return -math.inf  # how deep a solid is, its hull does not tell
-        gap, reach = -math.inf, 0.0
-        for k in range(3):
-            p, q = p_WGs[i, k], p_WGs[j, k]
-            sizes = half_extents[i, k] + half_extents[j, k]
-            gap, reach = max(gap, abs(p - q) - sizes), max(reach, abs(p) + abs(q) + sizes)
-        gap -= 4.0 * EPS * reach
-    return max(gap, gap_of_balls(i, j, p_WGs, roundings, outer))
 
 
 @inlined

@@ -1,4 +1,4 @@
-"""The compiled loops of ``many_states`` with what they need: a world, its pairs, and room."""
+"""The compiled loops over states with what they need: a world, its pairs, and room."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.batches import BATCH_WIDTH, PairBatch, PointBatch
+from drake_geom_ros.geometry._proximity.certified_states import any_near, nearest_pairs
 from drake_geom_ros.geometry._proximity.kernel_table import ADDRESSES, compile_rows, table_rows
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
 from drake_geom_ros.geometry._proximity.many_states import (
     any_overlap,
-    nearest_pairs,
     pairs_in_reach,
     points_in_reach,
 )
@@ -76,12 +76,31 @@ class StateLoops:
         )
         return done, out
 
+    def near(
+        self, poses: Floats, gap: float, margin: float, stop: Indices
+    ) -> tuple[int, NDArray[np.bool_]]:
+        """Return which states (N,) have a pair that is not certified to be beyond a margin [m]."""
+        self._compile(gap)
+        out = np.zeros(len(poses), dtype=np.bool_)
+        done = any_near(
+            ADDRESSES,
+            poses,
+            self._rows,
+            self._world.handle,
+            self._pairs,
+            self._groups,
+            (gap, margin, False),
+            stop,
+            out,
+        )
+        return done, out
+
     def nearest(
         self, poses: Floats, gap: float, cutoff: float, most: int, stop: Indices
     ) -> tuple[int, Indices, PairBatch]:
-        """Return how many pairs (N,) are within the cutoff [m], at most some, and the nearest.
+        """Return how many pairs (N,) may be within the cutoff [m], at most some, and the nearest.
 
-        Those of each state in order of their distance, one state after the other.
+        Those of each state in the order of their lower bounds, one state after the other.
         """
         self._compile(gap)
         found = np.zeros(len(poses), dtype=np.int64)

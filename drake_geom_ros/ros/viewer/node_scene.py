@@ -157,7 +157,8 @@ class NodeScene:
             return Pairs.none()
         ids = np.stack([results.id_a, results.id_b], axis=1).astype(np.int64)
         distance, error_bound = np.asarray(results.distance), np.asarray(results.error_bound)
-        there = np.isin(ids, self._cast.ids).all(axis=1) & (distance <= max_distance)
+        near = distance - error_bound <= max_distance  # what may be: see level bound
+        there = np.isin(ids, self._cast.ids).all(axis=1) & near
         rows = np.searchsorted(self._cast.ids, ids[there])
         R_WGs, p_WGs = self._poses
         p_WCs = []
