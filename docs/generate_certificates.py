@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from drake_geom_ros.evidence.pages import table
-from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, PAIR_TABLE, SHAPE_NAMES
 
 TARGET = Path(__file__).resolve().parent / 'certificates.md'
 _INTRODUCTION = """# Why each answer is certified
@@ -22,8 +22,8 @@ page gives the reason for each. The proofs are in the kernels that are named.
 ## Worst errors
 
 The worst error [m] that tests allow at accuracy level `exact`, for bodies of about 0.2 m, from
-0.2 m apart to 8 cm deep (`test/geometry/_proximity/test_pair_table.py`). A mesh counts as Convex
-unless it is a solid.
+0.2 m apart to 8 cm deep (`test/geometry/_proximity/kernels/test_pair_table.py`). A mesh counts as
+Convex unless it is a solid.
 
 {table}
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE
+from drake_geom_ros.geometry._proximity.kernels.pair_table import PAIR_TABLE
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / 'README.md').read_text()

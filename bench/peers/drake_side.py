@@ -14,7 +14,7 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
 from bench.peers.scenes import NEAR, Floats, Scene
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies.bodies import Body
 from drake_geom_ros.evidence.peers.pydrake_peer import drake_shape
 
 NAME = 'pydrake'

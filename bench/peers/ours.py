@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.peers.scenes import NEAR, Floats, Scene
 from drake_geom_ros import geometry
-from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.judging.asking import BodyScene
 
 NAME = 'ours'
 

@@ -9,9 +9,9 @@ from functools import partial
 import numpy as np
 
 from bench.peers.motion import Motion, Walk, swinging
-from drake_geom_ros.evidence import arms
-from drake_geom_ros.evidence.bodies import BOUNDED, Body, Floats
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
+from drake_geom_ros.evidence.bodies import arms
+from drake_geom_ros.evidence.bodies.bodies import BOUNDED, Body, Floats
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotations
 
 # Space for each body [m^3] at which bodies of these sizes have about one contact each.
 ROOM = {'spheres': 0.032, 'mixed': 0.030, 'hulls': 0.020, 'anchored': 0.02}

@@ -26,7 +26,7 @@ from drake_geom_ros.batch.running import (
     size_for_all,
 )
 from drake_geom_ros.geometry import ArgumentError, FrameId, SceneGraph, SceneGraphContext
-from drake_geom_ros.geometry.state_queries import PackedScene, default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
 
 Progress = Callable[[int, int], None]  # states done, and all
 _SECONDS = 1.0  # between two lines of progress

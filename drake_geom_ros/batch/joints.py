@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError, FrameId
-from drake_geom_ros.geometry.joint_trees import JointTree
+from drake_geom_ros.geometry.queries.joint_trees import JointTree
 from drake_geom_ros.scene_files import LoadedScene
 from drake_geom_ros.trajectories.kinematics import Kinematics
 

@@ -18,7 +18,7 @@ from drake_geom_ros.geometry import (
     PointDistanceResults,
     PoseError,
 )
-from drake_geom_ros.geometry.state_queries import (
+from drake_geom_ros.geometry.queries.state_queries import (
     Found,
     PackedScene,
     StateError,

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import worker
 from drake_geom_ros.batch.questions import Columns, Job
 from drake_geom_ros.geometry import GeometryError
-from drake_geom_ros.geometry.state_queries import StateQueries
+from drake_geom_ros.geometry.queries.state_queries import StateQueries
 
 Floats = NDArray[np.float64]
 Block = tuple[int, int]  # the first state, and the one behind the last

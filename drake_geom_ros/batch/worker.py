@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.batch.questions import Columns, Job
-from drake_geom_ros.geometry.state_queries import StateQueries
+from drake_geom_ros.geometry.queries.state_queries import StateQueries
 
 # Columns of the answers; None where the worker has no such job; a text where it refuses.
 Answer = Columns | str | None

@@ -24,7 +24,7 @@ from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
-from drake_geom_ros.geometry.state_queries import PackedScene
+from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT

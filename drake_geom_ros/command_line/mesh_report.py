@@ -5,7 +5,7 @@ from pathlib import Path
 
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
-from drake_geom_ros.geometry.mesh_facts import MeshFacts, mesh_facts
+from drake_geom_ros.geometry.shapes.mesh_facts import MeshFacts, mesh_facts
 from drake_geom_ros.math.tolerances import LARGEST_PART, SMALLEST_PART
 
 

@@ -25,10 +25,10 @@ from drake_geom_ros.cross_check.question import (
     Question,
     Verdict,
 )
-from drake_geom_ros.evidence import laws
-from drake_geom_ros.evidence.bodies import Floats, Pair
+from drake_geom_ros.evidence.bodies.bodies import Floats, Pair
+from drake_geom_ros.evidence.judging import laws
+from drake_geom_ros.evidence.judging.surfaces import height, width
 from drake_geom_ros.evidence.peers import PairAnswer
-from drake_geom_ros.evidence.surfaces import height, width
 from drake_geom_ros.evidence.tolerances import NO_DIRECTION
 from drake_geom_ros.replay import Opinion
 

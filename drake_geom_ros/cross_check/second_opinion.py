@@ -21,9 +21,9 @@ from drake_geom_ros.cross_check.question import (
     Verdict,
 )
 from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.bodies import Body, Pair
-from drake_geom_ros.evidence.lost_process import ANSWER, LostProcess
+from drake_geom_ros.evidence.bodies.bodies import Body, Pair
 from drake_geom_ros.evidence.peers.answers import kind_of, measures
+from drake_geom_ros.evidence.peers.lost_process import ANSWER, LostProcess
 from drake_geom_ros.geometry import MeshFileError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 

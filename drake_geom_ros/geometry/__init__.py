@@ -3,27 +3,21 @@
 from typing import TYPE_CHECKING
 
 from drake_geom_ros.geometry._proximity.effects import Effects
-from drake_geom_ros.geometry._proximity.engine import ACCURACY_LEVELS, METHODS
+from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, METHODS
 from drake_geom_ros.geometry._proximity.kinds import ShapeKind
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS as ACCURACY_GAPS
-from drake_geom_ros.geometry.bounding_boxes import Aabb, Obb
-from drake_geom_ros.geometry.closing import ClosingSpeeds, closing_speeds
-from drake_geom_ros.geometry.collision_filter_declaration import (
-    CollisionFilterDeclaration,
-    CollisionFilterScope,
-)
-from drake_geom_ros.geometry.collision_filter_manager import (
-    CollisionFilterManager,
-    FilterGroup,
-    FilterStatement,
-)
-from drake_geom_ros.geometry.compilation import compile_all_kernels, kernel_cache
-from drake_geom_ros.geometry.contact_material import AddContactMaterial
-from drake_geom_ros.geometry.context import SceneGraphContext
-from drake_geom_ros.geometry.drake_visualizer import (
-    ConnectDrakeVisualizer,
-    DispatchLoadMessage,
-    DrakeVisualizerPublisher,
+from drake_geom_ros.geometry.autodiff.scalar_templates import (
+    FramePoseVector_,
+    PenetrationAsPointPair_,
+    Plane_,
+    PolygonSurfaceMesh_,
+    QueryObject_,
+    SceneGraphInspector_,
+    SignedDistancePair_,
+    SignedDistanceToPoint_,
+    SurfaceMesh_,
+    SurfaceVertex_,
+    TriangleSurfaceMesh_,
 )
 from drake_geom_ros.geometry.errors import (
     ArgumentError,
@@ -37,17 +31,34 @@ from drake_geom_ros.geometry.errors import (
     RoleError,
     UnknownIdError,
 )
-from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
-from drake_geom_ros.geometry.geometry_set import GeometrySet
-from drake_geom_ros.geometry.geometry_version import GeometryVersion
 from drake_geom_ros.geometry.ids import FilterId, FrameId, GeometryId, SourceId
-from drake_geom_ros.geometry.in_memory_mesh import InMemoryMesh, MeshSource
-from drake_geom_ros.geometry.instances import GeometryFrame, GeometryInstance
-from drake_geom_ros.geometry.mesh_shapes import Convex, Mesh
-from drake_geom_ros.geometry.mesh_source import MeshData
-from drake_geom_ros.geometry.plane import Plane
-from drake_geom_ros.geometry.polygon_mesh import PolygonSurfaceMesh, SurfacePolygon
-from drake_geom_ros.geometry.properties import (
+from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh, MeshSource
+from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh, SurfacePolygon
+from drake_geom_ros.geometry.meshes.source import MeshData
+from drake_geom_ros.geometry.meshes.surface_mesh import (
+    ReadObjToSurfaceMesh,
+    ReadObjToTriangleSurfaceMesh,
+    SurfaceFace,
+    SurfaceMesh,
+    SurfaceTriangle,
+    SurfaceVertex,
+    TriangleSurfaceMesh,
+)
+from drake_geom_ros.geometry.model.collision_filter_declaration import (
+    CollisionFilterDeclaration,
+    CollisionFilterScope,
+)
+from drake_geom_ros.geometry.model.collision_filter_manager import (
+    CollisionFilterManager,
+    FilterGroup,
+    FilterStatement,
+)
+from drake_geom_ros.geometry.model.contact_material import AddContactMaterial
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+from drake_geom_ros.geometry.model.geometry_version import GeometryVersion
+from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.model.properties import (
     GeometryProperties,
     IllustrationProperties,
     MakePhongIllustrationProperties,
@@ -56,13 +67,17 @@ from drake_geom_ros.geometry.properties import (
     Role,
     RoleAssign,
 )
-from drake_geom_ros.geometry.query_object import QueryObject
-from drake_geom_ros.geometry.query_records import (
+from drake_geom_ros.geometry.model.rgba import Rgba
+from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.closing import ClosingSpeeds, closing_speeds
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.query_object import QueryObject
+from drake_geom_ros.geometry.queries.query_records import (
     PenetrationAsPointPair,
     SignedDistancePair,
     SignedDistanceToPoint,
 )
-from drake_geom_ros.geometry.query_results import (
+from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
     PointDistanceResults,
     SignedDistanceResults,
@@ -74,41 +89,27 @@ from drake_geom_ros.geometry.render.cameras import (
     DepthRenderCamera,
     RenderCameraCore,
 )
-from drake_geom_ros.geometry.render.exact import (
-    MakeRenderEngineExact,
-    RenderEngineExact,
-    RenderEngineExactParams,
-)
+from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact, RenderEngineExact
+from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
 from drake_geom_ros.geometry.render.render_engine import RenderedImages, RenderEngine
 from drake_geom_ros.geometry.render.render_label import RenderLabel
-from drake_geom_ros.geometry.render.vtk_engine import (
+from drake_geom_ros.geometry.render.vtk.engine import (
     MakeRenderEngineVtk,
     RenderEngineVtk,
     RenderEngineVtkParams,
 )
-from drake_geom_ros.geometry.rgba import Rgba
-from drake_geom_ros.geometry.scalar_templates import (
-    FramePoseVector_,
-    PenetrationAsPointPair_,
-    Plane_,
-    PolygonSurfaceMesh_,
-    QueryObject_,
-    SceneGraphInspector_,
-    SignedDistancePair_,
-    SignedDistanceToPoint_,
-    SurfaceMesh_,
-    SurfaceVertex_,
-    TriangleSurfaceMesh_,
-)
-from drake_geom_ros.geometry.scene_graph import SceneGraph, SceneGraph_
-from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
-from drake_geom_ros.geometry.shape_measures import (
+from drake_geom_ros.geometry.scene.compilation import compile_all_kernels, kernel_cache
+from drake_geom_ros.geometry.scene.scene_graph import SceneGraph, SceneGraph_
+from drake_geom_ros.geometry.shapes.bounding_boxes import Aabb, Obb
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.measures import (
     CalcObb,
     CalcVolume,
     ComputeAabbForTriangleMesh,
     ComputeObbForTriangleMesh,
 )
-from drake_geom_ros.geometry.shapes import (
+from drake_geom_ros.geometry.shapes.plane import Plane
+from drake_geom_ros.geometry.shapes.primitives import (
     Box,
     Capsule,
     Cylinder,
@@ -118,14 +119,10 @@ from drake_geom_ros.geometry.shapes import (
     Shape,
     Sphere,
 )
-from drake_geom_ros.geometry.surface_mesh import (
-    ReadObjToSurfaceMesh,
-    ReadObjToTriangleSurfaceMesh,
-    SurfaceFace,
-    SurfaceMesh,
-    SurfaceTriangle,
-    SurfaceVertex,
-    TriangleSurfaceMesh,
+from drake_geom_ros.geometry.visualizer.drake_visualizer import (
+    ConnectDrakeVisualizer,
+    DispatchLoadMessage,
+    DrakeVisualizerPublisher,
 )
 from drake_geom_ros.math.missing import refuse_missing
 

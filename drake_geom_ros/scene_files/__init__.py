@@ -34,7 +34,7 @@ from drake_geom_ros.scene_files.description import (
     hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
-from drake_geom_ros.scene_files.registration import LoadedScene, register, rehearse
+from drake_geom_ros.scene_files.registration import LoadedScene, register, warm_up
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
@@ -47,7 +47,7 @@ __all__ = [
     'read_scene',
     'save_scene',
     'register',
-    'rehearse',
+    'warm_up',
     'describe',
     'describe_moment',
     'poses_in_parents',

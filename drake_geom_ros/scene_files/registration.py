@@ -67,13 +67,13 @@ def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedSc
     refuses: a source or a geometry name that is taken, an unknown parent, persistent filters
     while transient ones are active, and so on.
     """
-    rehearse(scene_graph, description, scene_graph.CreateDefaultContext())
+    warm_up(scene_graph, description, scene_graph.CreateDefaultContext())
     loaded = _Registration(scene_graph, description).run()
     scene_graph.SetFirstPoses(FramePoseVector(loaded.X_PFs))
     return loaded
 
 
-def rehearse(
+def warm_up(
     scene_graph: SceneGraph, description: SceneDescription, context: SceneGraphContext
 ) -> None:
     """Register all of a description in a context alone; raises what ``register`` would raise.

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from drake_geom_ros.geometry.joint_trees import JointKind, JointTree
+from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
 from drake_geom_ros.scene_files.urdf_tree import LinkTree, UrdfJoint, read_link_tree, root_links
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 

@@ -4,7 +4,7 @@ import pytest
 from oracles.mesh_files import BOX, SIDES, dae, gltf
 
 from drake_geom_ros.command_line.program import main
-from drake_geom_ros.geometry._obj_file import obj_text
+from drake_geom_ros.geometry.meshes._obj_file import obj_text
 
 
 def check(capsys, path, shapes):

@@ -7,10 +7,10 @@ import pytest
 
 from drake_geom_ros.cross_check.judging import judged
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, Question
-from drake_geom_ros.evidence.bodies import Body, Pair
-from drake_geom_ros.evidence.laws import allowed_to_others
+from drake_geom_ros.evidence.bodies.bodies import Body, Pair
+from drake_geom_ros.evidence.bodies.random_bodies import box_corners
+from drake_geom_ros.evidence.judging.laws import allowed_to_others
 from drake_geom_ros.evidence.peers import PairAnswer
-from drake_geom_ros.evidence.random_bodies import box_corners
 
 EYE = np.eye(3)
 X = np.array([1.0, 0.0, 0.0])

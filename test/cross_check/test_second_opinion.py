@@ -19,9 +19,9 @@ from drake_geom_ros.cross_check.question import (
     shapes_of,
 )
 from drake_geom_ros.cross_check.second_opinion import MOST_LOST, SecondOpinion, body_of
-from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies.bodies import Body
 from drake_geom_ros.evidence.hard_cases import cases
+from drake_geom_ros.evidence.judging.asking import BodyScene
 from drake_geom_ros.evidence.peers import PairAnswer
 from drake_geom_ros.geometry import Mesh
 

@@ -6,7 +6,7 @@ import runpy
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, SHAPE_NAMES
 
 GENERATOR = runpy.run_path(str(ROOT / 'docs/generate_certificates.py'))
 

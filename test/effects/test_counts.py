@@ -18,7 +18,7 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     Sphere,
 )
-from drake_geom_ros.geometry._proximity import kernel_table
+from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
 
 BODIES = 12
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_geom_ros.geometry._visualizer_messages import DRAW, GEOMETRY_DATA, LINK_DATA, LOAD_ROBOT
+from drake_geom_ros.geometry.visualizer._messages import DRAW, GEOMETRY_DATA, LINK_DATA, LOAD_ROBOT
 
 TYPES = (GEOMETRY_DATA, LINK_DATA, LOAD_ROBOT, DRAW)
 PACKAGE = 'drake_geom_viewer'

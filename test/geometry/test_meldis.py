@@ -15,12 +15,8 @@ import urllib.request
 import pytest
 from geometry.test_drake_visualizer import SHAPES, scene_of
 
-from drake_geom_ros.geometry import (
-    ConnectDrakeVisualizer,
-    FramePoseVector,
-    GeometryError,
-    drake_visualizer,
-)
+from drake_geom_ros.geometry import ConnectDrakeVisualizer, FramePoseVector, GeometryError
+from drake_geom_ros.geometry.visualizer import drake_visualizer
 from drake_geom_ros.math import RigidTransform
 
 PATIENCE = 60.0  # [s]

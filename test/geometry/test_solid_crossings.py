@@ -8,10 +8,10 @@ from numba import config
 from oracles.crossings import crossings
 from oracles.voxels import KINDS, filled_cells, placed, voxel_mesh
 
-from drake_geom_ros.evidence.grids import surface
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.bodies.grids import surface
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData, MeshFileError
-from drake_geom_ros.geometry._solid_mesh import solid_of
+from drake_geom_ros.geometry.meshes._solids import solid_of
 
 ONES = (1.0, 1.0, 1.0)
 SEEDS, LARGEST = (2, 3) if config.DISABLE_JIT else (25, 6)

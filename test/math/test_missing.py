@@ -28,7 +28,7 @@ def test_asking_for_a_missing_name_is_an_attribute_error(module):
 
 def test_modules_are_imported_as_ever():
     from drake_geom_ros.common import nearest
-    from drake_geom_ros.geometry import rgba
+    from drake_geom_ros.geometry.model import rgba
 
     assert rgba.Rgba is not None
     assert nearest.nearest is not None

@@ -8,7 +8,7 @@ import numpy as np
 from mpmath import mp, mpf
 from oracles import closed_forms
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.tolerances import EPS, SEARCH
 from drake_geom_ros.evidence.truth import convex
 from drake_geom_ros.evidence.truth.meshes import ball_distance

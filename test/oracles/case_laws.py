@@ -6,10 +6,17 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.evidence.asking import PairScene
-from drake_geom_ros.evidence.bodies import Body, Pair
+from drake_geom_ros.evidence.bodies.bodies import Body, Pair
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.laws import WIDE, lacking, off_span, off_surfaces, off_unit, turned
+from drake_geom_ros.evidence.judging.asking import PairScene
+from drake_geom_ros.evidence.judging.laws import (
+    WIDE,
+    lacking,
+    off_span,
+    off_surfaces,
+    off_unit,
+    turned,
+)
 from drake_geom_ros.evidence.tolerances import COARSE_NORMALS, EPS, POSITIONS, UNIT
 from drake_geom_ros.geometry import METHODS, SignedDistanceResults
 

@@ -5,12 +5,16 @@ The numbers are half sizes; of a hull, and of a solid, they are what it is packe
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
+from drake_geom_ros.evidence.bodies.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
 from drake_geom_ros.evidence.truth import convex
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
-from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, ROW_OF_TYPES, TYPE_COUNT
-from drake_geom_ros.geometry._solid_mesh import solid_of
+from drake_geom_ros.geometry._proximity.kernels.pair_table import (
+    ALL_ROWS,
+    ROW_OF_TYPES,
+    TYPE_COUNT,
+)
+from drake_geom_ros.geometry.meshes._solids import solid_of
 
 KINDS = {NUMBERS[kind]: kind for kind in (*PRIMITIVES, 'Convex')}
 PARAMETERS = {NUMBERS[kind]: count for kind, count in COUNTS.items()}

@@ -8,10 +8,10 @@ from oracles import body_truth
 from oracles.case_laws import radius_of_core
 from oracles.forms import PARAMETERS, body, row_of
 
-from drake_geom_ros.evidence import laws
-from drake_geom_ros.evidence.bodies import Pair
-from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.evidence.surfaces import width
+from drake_geom_ros.evidence.bodies.bodies import Pair
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.evidence.judging import laws
+from drake_geom_ros.evidence.judging.surfaces import width
 from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CLOSED_FORM, HALF_SPACE
 

@@ -5,8 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import (
+    box_corners,
+    random_directions,
+    random_rotation,
+)
+from drake_geom_ros.evidence.judging.asking import BodyScene
 from drake_geom_ros.geometry import (
     Box,
     Capsule,

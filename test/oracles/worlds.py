@@ -3,11 +3,11 @@
 import numpy as np
 from oracles.forms import KINDS
 
-from drake_geom_ros.evidence.random_bodies import random_body, random_rotations
-from drake_geom_ros.geometry._proximity.filter_state import FilterState
+from drake_geom_ros.evidence.bodies.random_bodies import random_body, random_rotations
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
-from drake_geom_ros.geometry._proximity.pose_rounding import taken_roundings
-from drake_geom_ros.geometry._proximity.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._proximity.world.pose_rounding import taken_roundings
+from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
 
 
 def random_parameters(rng, kind):

@@ -18,16 +18,16 @@ import numpy as np
 
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS, convex_sample, stream
 from drake_geom_ros.evidence.accuracy.timed import TimedScene, side_by_side
-from drake_geom_ros.evidence.asking import (
+from drake_geom_ros.evidence.bodies.bodies import PRIMITIVES, Body
+from drake_geom_ros.evidence.bodies.random_bodies import random_body
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.judging.asking import (
     PENETRATION,
     POINTS,
     SIGNED_DISTANCE,
     Certified,
     certified,
 )
-from drake_geom_ros.evidence.bodies import PRIMITIVES, Body
-from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.random_bodies import random_body
 from drake_geom_ros.geometry import ArgumentError
 
 RESOLUTIONS = (8, 64, 500)  # vertices of a hull

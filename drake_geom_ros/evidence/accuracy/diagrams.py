@@ -12,7 +12,7 @@ from matplotlib import pyplot
 
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured
 from drake_geom_ros.evidence.accuracy.tables import LEVELS_PICTURE, QUERY_TITLES, by_family
-from drake_geom_ros.evidence.asking import LEVELS, QUERIES
+from drake_geom_ros.evidence.judging.asking import LEVELS, QUERIES
 from drake_geom_ros.evidence.pages import legend_below
 
 matplotlib.use('Agg')

@@ -14,9 +14,9 @@ from drake_geom_ros.evidence import peers
 from drake_geom_ros.evidence.accuracy.cases import ShapePair, Subject
 from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, Answer, PeerProcess
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.asking import LEVELS, PENETRATION, POINTS, SIGNED_DISTANCE
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.random_bodies import random_rotations
+from drake_geom_ros.evidence.judging.asking import LEVELS, PENETRATION, POINTS, SIGNED_DISTANCE
 from drake_geom_ros.evidence.tolerances import EASY, PEER_TOLERANCES, TOUCHING
 
 TIMED_CALLS = 30  # of a peer in its turn

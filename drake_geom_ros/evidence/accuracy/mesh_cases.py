@@ -21,12 +21,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.evidence import grids
 from drake_geom_ros.evidence.accuracy.cases import PairSubject
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS, farthest_point, known
-from drake_geom_ros.evidence.bodies import Body, Floats
+from drake_geom_ros.evidence.bodies import grids
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats
+from drake_geom_ros.evidence.bodies.random_bodies import random_body, random_rotation
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.random_bodies import random_body, random_rotation
 from drake_geom_ros.evidence.tolerances import AS_PLACED
 from drake_geom_ros.evidence.truth import meshes
 

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
-from drake_geom_ros.evidence.lost_process import ANSWER, LostProcess, Outcome
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.peers.lost_process import ANSWER, LostProcess, Outcome
 
 LIMIT = 5.0  # [s] for one pair to be made and asked: milliseconds, usually
 BLOCK_LIMIT = 60.0  # [s] for a block of timed calls

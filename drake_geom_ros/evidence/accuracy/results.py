@@ -17,7 +17,7 @@ import numpy as np
 
 from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.laws import WIDE
+from drake_geom_ros.evidence.judging.laws import WIDE
 from drake_geom_ros.evidence.tolerances import EPS, ROUNDING, TRUTH_ROUNDING
 
 OURS = 'drake_geom_ros'

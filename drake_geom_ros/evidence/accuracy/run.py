@@ -25,7 +25,7 @@ from drake_geom_ros.evidence.accuracy.mesh_cases import QUICK_CASES, mesh_cases
 from drake_geom_ros.evidence.accuracy.results import COLUMNS, OURS, Measured, Setting, write_csv
 from drake_geom_ros.evidence.accuracy.scenes import SCENES
 from drake_geom_ros.evidence.accuracy.tables import TITLE, Circumstances, microseconds, readme
-from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.judging.asking import BodyScene
 from drake_geom_ros.evidence.pages import description, versions
 
 MINUTES, QUICK_MINUTES = 9.0, 0.8  # to measure in: the rest of 10 and of 1 is to begin and to end

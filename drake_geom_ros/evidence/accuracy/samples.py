@@ -12,9 +12,9 @@ from zlib import crc32
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotations
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotations
 from drake_geom_ros.evidence.tolerances import (
     DEEP,
     NEAR,

@@ -8,10 +8,13 @@ from itertools import combinations
 
 import numpy as np
 
-from drake_geom_ros.evidence import arms
 from drake_geom_ros.evidence.accuracy.samples import known
 from drake_geom_ros.evidence.accuracy.timed import TimedScene
-from drake_geom_ros.evidence.asking import (
+from drake_geom_ros.evidence.bodies import arms
+from drake_geom_ros.evidence.bodies.bodies import BOUNDED, Body
+from drake_geom_ros.evidence.bodies.random_bodies import random_body, random_rotation
+from drake_geom_ros.evidence.hard_cases.cases import Case
+from drake_geom_ros.evidence.judging.asking import (
     LEVELS,
     PENETRATION,
     SIGNED_DISTANCE,
@@ -20,9 +23,6 @@ from drake_geom_ros.evidence.asking import (
     asked_for,
     rows,
 )
-from drake_geom_ros.evidence.bodies import BOUNDED, Body
-from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.random_bodies import random_body, random_rotation
 from drake_geom_ros.evidence.truth import convex
 
 NEAR = 0.1  # [m] up to which distances are asked for

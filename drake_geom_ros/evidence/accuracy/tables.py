@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
-from drake_geom_ros.evidence.asking import LEVELS, QUERIES
+from drake_geom_ros.evidence.judging.asking import LEVELS, QUERIES
 from drake_geom_ros.evidence.pages import table, three
 
 LEVELS_PICTURE = 'levels.png'

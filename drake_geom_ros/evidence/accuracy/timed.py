@@ -14,8 +14,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros import geometry
-from drake_geom_ros.evidence.asking import POINTS, SIGNED_DISTANCE, BodyScene, asked_for
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.judging.asking import POINTS, SIGNED_DISTANCE, BodyScene, asked_for
 
 SPACING = 4.0  # [m] between the pairs of a scene of samples: none of them meets its neighbours
 FARTHEST = 0.5  # [m] up to which distances are asked for there: all pairs, but no neighbours

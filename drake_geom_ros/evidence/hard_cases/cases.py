@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
 from drake_geom_ros.evidence.tolerances import EPS
 
 CATALOGUE = Path(__file__).resolve().parent / 'catalogue'

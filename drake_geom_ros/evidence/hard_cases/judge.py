@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.evidence import laws
-from drake_geom_ros.evidence.bodies import Floats
+from drake_geom_ros.evidence.bodies.bodies import Floats
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.lost_process import ANSWER, EXCEPTION, Outcome
+from drake_geom_ros.evidence.judging import laws
 from drake_geom_ros.evidence.peers import PENETRATION, PairAnswer, Unsupported
+from drake_geom_ros.evidence.peers.lost_process import ANSWER, EXCEPTION, Outcome
 from drake_geom_ros.evidence.tolerances import JUDGED_TURN, JUDGED_UNIT
 
 VERDICTS = ('pass', 'wrong', 'NaN', 'exception', 'crash', 'hang', 'unsupported')

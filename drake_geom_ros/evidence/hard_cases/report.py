@@ -7,9 +7,9 @@ import platform
 from collections import Counter
 from collections.abc import Iterable
 
-from drake_geom_ros.evidence.asking import OURS
 from drake_geom_ros.evidence.hard_cases.cases import Case
 from drake_geom_ros.evidence.hard_cases.judge import VERDICTS, Verdict
+from drake_geom_ros.evidence.judging.asking import OURS
 from drake_geom_ros.evidence.pages import table
 from drake_geom_ros.evidence.peers import QUERIES, version
 

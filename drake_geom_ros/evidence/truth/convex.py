@@ -25,8 +25,8 @@ import numpy as np
 from mpmath import mp
 from scipy.spatial import ConvexHull, QhullError
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pair
-from drake_geom_ros.evidence.random_bodies import even_directions
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
+from drake_geom_ros.evidence.bodies.random_bodies import even_directions
 from drake_geom_ros.evidence.tolerances import CLIMBED, GAP, KNOWN, NEARBY, NO_DIRECTION, TIED
 from drake_geom_ros.evidence.truth.digits import dot, vector
 from drake_geom_ros.evidence.truth.polish import polished

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from drake_geom_ros.evidence.bodies import Body, Floats, Pose
+from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pose
 from drake_geom_ros.evidence.tolerances import FREE, NEAREST, SIDE
 from drake_geom_ros.evidence.truth import convex
 from drake_geom_ros.evidence.truth.digits import columns, dot, vector

@@ -17,7 +17,7 @@ import numpy as np
 from mpmath import mpf
 from numpy.typing import NDArray
 
-from drake_geom_ros.evidence.bodies import Floats
+from drake_geom_ros.evidence.bodies.bodies import Floats
 from drake_geom_ros.evidence.tolerances import EQUAL, GAIN, LAST_STEP, LEAST_CURVATURE, PARALLEL
 from drake_geom_ros.evidence.truth.digits import combine, cross, dot, vector
 from drake_geom_ros.evidence.truth.supports import MinkowskiDifference, MinkowskiSum

@@ -18,8 +18,8 @@ from mpmath import mpf
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.evidence.bodies import Floats, Form
-from drake_geom_ros.evidence.random_bodies import box_corners
+from drake_geom_ros.evidence.bodies.bodies import Floats, Form
+from drake_geom_ros.evidence.bodies.random_bodies import box_corners
 from drake_geom_ros.evidence.tolerances import TIE
 from drake_geom_ros.evidence.truth.digits import columns, combine, dot, norm, vector
 from drake_geom_ros.geometry import ShapeKind

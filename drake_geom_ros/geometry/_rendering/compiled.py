@@ -12,7 +12,7 @@ from typing import Any
 
 from numba import config, njit
 
-from drake_geom_ros.geometry._proximity.compiled import (
+from drake_geom_ros.geometry._proximity.runtime.compiled import (
     CACHE_FOLDER,
     digest_of,
     for_compiled_callers,

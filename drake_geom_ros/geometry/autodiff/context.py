@@ -1,4 +1,4 @@
-"""A scene whose poses carry derivatives, its contexts and ports."""
+"""A context whose poses carry derivatives."""
 
 from __future__ import annotations
 
@@ -8,16 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils import AutoDiffXd
-from drake_geom_ros.geometry._proximity.world import World
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.autodiff.poses import FramePoseVectorAutoDiffXd
-from drake_geom_ros.geometry.autodiff.query_object import QueryObjectAutoDiffXd
-from drake_geom_ros.geometry.context import SceneGraphContext
 from drake_geom_ros.geometry.errors import PoseError
-from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.ids import SourceId
-from drake_geom_ros.geometry.instances import checked_type
-from drake_geom_ros.geometry.scene_graph import SceneGraph
-from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
 
 Floats = NDArray[np.float64]
 Poses = FramePoseVector | FramePoseVectorAutoDiffXd
@@ -90,53 +87,3 @@ def _taken_apart(poses: Poses) -> tuple[FramePoseVector, dict[int, Floats]]:
 
 class SceneGraphInspectorAutoDiffXd(SceneGraphInspector):
     """The inspector of a ``SceneGraph_[AutoDiffXd]``: what it tells has no derivatives."""
-
-
-class SourcePosePortAutoDiffXd:
-    """Takes the poses of one source's frames."""
-
-    def __init__(self, source_id: SourceId) -> None:
-        self._source_id = source_id
-
-    def FixValue(
-        self, context: SceneGraphContextAutoDiffXd, value: FramePoseVectorAutoDiffXd
-    ) -> None:
-        """Pose all frames of the source in a context, or none."""
-        checked_type(context, SceneGraphContextAutoDiffXd, 'FixValue: context')
-        checked_type(value, FramePoseVectorAutoDiffXd, 'FixValue: value')
-        context.SetFramePoses(self._source_id, value)
-
-
-class QueryPortAutoDiffXd:
-    """Gives the query object of a context."""
-
-    def Eval(self, context: SceneGraphContextAutoDiffXd) -> QueryObjectAutoDiffXd:
-        """Return a live query object: one that sees later poses of the context."""
-        return QueryObjectAutoDiffXd(
-            checked_type(context, SceneGraphContextAutoDiffXd, 'Eval: context')
-        )
-
-
-class SceneGraphAutoDiffXd(SceneGraph):
-    """A ``SceneGraph`` whose frames have poses of AutoDiffXd; see ``docs/derivatives.md``.
-
-    Everything is registered as in any scene. Values are answered by the same engine, and all
-    pairs of shapes have derivatives.
-    """
-
-    _context_type = SceneGraphContextAutoDiffXd
-
-    def model_inspector(self) -> SceneGraphInspectorAutoDiffXd:
-        """Return the inspector of this scene's model."""
-        return SceneGraphInspectorAutoDiffXd(self._model, self._filters)
-
-    def get_source_pose_port(  # type: ignore[override]
-        self, source_id: SourceId
-    ) -> SourcePosePortAutoDiffXd:
-        """Return the port that takes the poses of a source's frames, with derivatives."""
-        self._model.source_name(source_id)
-        return SourcePosePortAutoDiffXd(source_id)
-
-    def get_query_output_port(self) -> QueryPortAutoDiffXd:  # type: ignore[override]
-        """Return the port that gives the query object of a context."""
-        return QueryPortAutoDiffXd()

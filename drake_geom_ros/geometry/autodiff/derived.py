@@ -13,14 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.autodiffutils.arrays import autodiff_array
-from drake_geom_ros.geometry._proximity.batches import (
-    BATCH_WIDTH,
-    P_ACA,
-    P_BCB,
-    P_FACA,
-    P_FBCB,
+from drake_geom_ros.geometry._proximity.derivatives.gradients import (
+    Features,
+    features_of_pairs,
+    places_of,
 )
-from drake_geom_ros.geometry._proximity.derivatives import Features, features_of_pairs, places_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
@@ -29,10 +26,17 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
+    BATCH_WIDTH,
+    P_ACA,
+    P_BCB,
+    P_FACA,
+    P_FBCB,
+)
 from drake_geom_ros.geometry._proximity.tolerances import SOFT
 from drake_geom_ros.geometry.autodiff.witnesses import Motion, Side, motion_of, side_of
 from drake_geom_ros.geometry.errors import GeometryError
-from drake_geom_ros.geometry.query_results import (
+from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
     PointDistanceResults,
     SignedDistanceResults,

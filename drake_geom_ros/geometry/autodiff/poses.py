@@ -15,10 +15,10 @@ from drake_geom_ros.autodiffutils.arrays import (
     values_of,
 )
 from drake_geom_ros.autodiffutils.transforms import RigidTransformAutoDiffXd
+from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentTypeError, UnknownIdError
-from drake_geom_ros.geometry.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.ids import FrameId
-from drake_geom_ros.geometry.instances import checked_type
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]

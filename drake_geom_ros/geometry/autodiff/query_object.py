@@ -25,13 +25,16 @@ from drake_geom_ros.geometry.autodiff.records import (
 )
 from drake_geom_ros.geometry.errors import ArgumentError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
-from drake_geom_ros.geometry.query_object import QueryObject
+from drake_geom_ros.geometry.queries.query_object import QueryObject
 
 if TYPE_CHECKING:
     from drake_geom_ros.autodiffutils.transforms import RigidTransformAutoDiffXd
     from drake_geom_ros.geometry.autodiff.context import SceneGraphContextAutoDiffXd
-    from drake_geom_ros.geometry.query_results import PenetrationResults, SignedDistanceResults
-    from drake_geom_ros.geometry.scene_graph_inspector import SceneGraphInspector
+    from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+    from drake_geom_ros.geometry.queries.query_results import (
+        PenetrationResults,
+        SignedDistanceResults,
+    )
 
 Floats = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.features import FACE, SEGMENT
+from drake_geom_ros.geometry._proximity.kernels.shapes.features import FACE, SEGMENT
 
 Floats = NDArray[np.float64]
 

@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._model import Model
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, HALF_SPACE, SPHERE
-from drake_geom_ros.geometry._proximity.world import World
-from drake_geom_ros.geometry._records import GeometryRecord, named
+from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry._rendering.kernels.records import Bodies
 from drake_geom_ros.geometry._rendering.tolerances import LARGEST_SIZE, SMALLEST_SIZE
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import GeometryId
-from drake_geom_ros.geometry.mesh_shapes import Convex, Mesh
-from drake_geom_ros.geometry.mesh_source import facet_colours
-from drake_geom_ros.geometry.properties import GeometryProperties, Role
+from drake_geom_ros.geometry.meshes.source import facet_colours
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import GeometryRecord, named
+from drake_geom_ros.geometry.model.properties import GeometryProperties, Role
+from drake_geom_ros.geometry.model.rgba import Rgba
 from drake_geom_ros.geometry.render.render_label import RenderLabel
-from drake_geom_ros.geometry.rgba import Rgba
-from drake_geom_ros.geometry.shapes import MeshcatCone, Shape
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape
 
 if TYPE_CHECKING:
-    from drake_geom_ros.geometry.render.exact import RenderEngineExactParams
+    from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.render._packing import Packed, PlacedBodies
     from drake_geom_ros.geometry.render.cameras import DepthRange, RenderCameraCore
-    from drake_geom_ros.geometry.render.exact import RenderEngineExactParams
+    from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
     from drake_geom_ros.math import RigidTransform
 
 

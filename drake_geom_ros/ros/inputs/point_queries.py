@@ -12,16 +12,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drake_geom_ros.geometry import ArgumentError, PointDistanceResults, QueryObject
 from drake_geom_ros.ros.conversions.point_cloud import points_from_cloud
 from drake_geom_ros.ros.conversions.results import fill_point_distances
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-
-# The query has room for each point and geometry; that many rows of 100 bytes at a time.
-_ROWS_AT_ONCE = 1_000_000
-_MOST_ROWS = 2_000_000  # of an answer, whose message then has 160 MB
+from drake_geom_ros.ros.scene.point_blocks import distances_to
 
 
 class PointQueries:
@@ -75,30 +70,3 @@ class PointQueries:
         view.waiting().tell_geometries(message)
         message.query_stamp = cloud.header.stamp
         return message
-
-
-def distances_to(
-    query: QueryObject,
-    points: NDArray[np.float64],
-    numbers: NDArray[np.int64],
-    threshold: float,
-    accuracy: str | None = None,
-) -> tuple[list[PointDistanceResults], list[NDArray[np.int64]]]:
-    """Return the distances [m] to ``points[numbers]``, in blocks, and the numbers of each block.
-
-    Raises ArgumentError when there are more than an answer can hold.
-    """
-    step = max(1, _ROWS_AT_ONCE // max(1, query.inspector().num_geometries()))
-    blocks = [numbers[k : k + step] for k in range(0, max(1, len(numbers)), step)]
-    parts: list[PointDistanceResults] = []
-    for block in blocks:
-        parts.append(
-            query.ComputeSignedDistanceToPoint(points[block], threshold, accuracy=accuracy)
-        )
-        if sum(map(len, parts)) > _MOST_ROWS:
-            raise ArgumentError(
-                f'{len(numbers)} points have more than {_MOST_ROWS} distances up to '
-                f'{threshold} m; an answer holds no more: ask for fewer points, or a smaller '
-                'threshold'
-            )
-    return parts, blocks

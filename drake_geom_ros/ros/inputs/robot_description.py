@@ -24,8 +24,8 @@ from drake_geom_ros.scene_files import (
     Statement,
     hulls_in_words,
     read_scene,
-    rehearse,
     robot_name,
+    warm_up,
 )
 from drake_geom_ros.scene_files.description import FilterDescription
 
@@ -116,7 +116,7 @@ class RobotInput:
         if whole is not None:
             prepared(whole)
         else:
-            self._live.make_ready(lambda graph, context: rehearse(graph, robot, context))
+            self._live.make_ready(lambda graph, context: warm_up(graph, robot, context))
 
     def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
         """Return the scene with another robot in the place of the one before."""

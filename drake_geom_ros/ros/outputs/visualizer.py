@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from drake_geom_ros.geometry import DrakeVisualizerPublisher, Role
-from drake_geom_ros.geometry.drake_visualizer import open_lcm
+from drake_geom_ros.geometry.visualizer.drake_visualizer import open_lcm
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 # [s] after which the scene is loaded again: LCM keeps nothing for those who come later. A

@@ -12,7 +12,7 @@ from drake_geom_ros.geometry import ArgumentError
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.saved_file import SavedFile
-from drake_geom_ros.scene_files import read_scene, rehearse, to_yaml
+from drake_geom_ros.scene_files import read_scene, to_yaml, warm_up
 
 
 def load_scene(live: LiveScene, request: Any, response: Any) -> None:
@@ -33,7 +33,7 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
         with live.editing() as scene:
             added = scene.replace(other)
     else:
-        live.make_ready(lambda graph, context: rehearse(graph, description, context))
+        live.make_ready(lambda graph, context: warm_up(graph, description, context))
         with live.editing() as scene:
             added = scene.add(description)
     response.frames, response.geometries = added

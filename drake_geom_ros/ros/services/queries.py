@@ -27,9 +27,9 @@ from drake_geom_ros.ros.conversions.results import (
     fill_point_distances,
     fill_signed_distances,
 )
-from drake_geom_ros.ros.inputs.point_queries import distances_to
 from drake_geom_ros.ros.scene.editable_scene import owned_by
 from drake_geom_ros.ros.scene.live_scene import LiveScene
+from drake_geom_ros.ros.scene.point_blocks import distances_to
 from drake_geom_ros.ros.scene.scene_view import SceneView
 
 # What an answer takes while it is made and sent: the rows of the query, the arrays of the message,

@@ -3,9 +3,9 @@
 import pytest
 
 from drake_geom_ros.evidence.accuracy.cases import all_cases, chosen, round_robin
-from drake_geom_ros.evidence.asking import POINTS
+from drake_geom_ros.evidence.judging.asking import POINTS
 from drake_geom_ros.geometry import ArgumentError
-from drake_geom_ros.geometry._proximity.pair_table import PAIR_TABLE, SHAPE_NAMES
+from drake_geom_ros.geometry._proximity.kernels.pair_table import PAIR_TABLE, SHAPE_NAMES
 
 
 def test_every_row_of_the_pair_table_is_a_case():

@@ -16,10 +16,10 @@ from drake_geom_ros.evidence.accuracy.mesh_cases import (
     surface_point,
 )
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS
-from drake_geom_ros.evidence.asking import PENETRATION, POINTS, certified
+from drake_geom_ros.evidence.judging.asking import PENETRATION, POINTS, certified
 from drake_geom_ros.evidence.truth.meshes import point_distance
 from drake_geom_ros.geometry._proximity.kinds import SOLID
-from drake_geom_ros.geometry._solid_mesh import merged, solid_of, volume
+from drake_geom_ros.geometry.meshes._solids import merged, solid_of, volume
 
 CASES = [case for case in mesh_cases() if case.resolution == 100]
 coarse = pytest.mark.parametrize('case', CASES, ids=lambda case: case.name)

@@ -13,8 +13,8 @@ from drake_geom_ros.evidence.accuracy.peer_process import (
     PeerProcess,
 )
 from drake_geom_ros.evidence.accuracy.samples import stream
-from drake_geom_ros.evidence.asking import PENETRATION, SIGNED_DISTANCE
-from drake_geom_ros.evidence.lost_process import CRASH, EXCEPTION, HANG
+from drake_geom_ros.evidence.judging.asking import PENETRATION, SIGNED_DISTANCE
+from drake_geom_ros.evidence.peers.lost_process import CRASH, EXCEPTION, HANG
 
 
 def pairs(case, *configurations):

@@ -16,7 +16,7 @@ from drake_geom_ros.evidence.accuracy.tables import (
     microseconds,
     readme,
 )
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies.bodies import Body
 
 TOLD = Circumstances(
     command='python -m drake_geom_ros accuracy',

@@ -9,7 +9,7 @@ import pytest
 from drake_geom_ros.evidence.accuracy import cases, run
 from drake_geom_ros.evidence.accuracy.measuring import Measurement, Plan
 from drake_geom_ros.evidence.accuracy.run import VIOLATED, Request
-from drake_geom_ros.evidence.asking import LEVELS
+from drake_geom_ros.evidence.judging.asking import LEVELS
 from drake_geom_ros.geometry import SignedDistanceResults
 
 

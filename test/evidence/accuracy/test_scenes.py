@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.evidence.accuracy.scenes import BATCH, NEAR, SCENES, heap
-from drake_geom_ros.evidence.asking import PENETRATION, SIGNED_DISTANCE
+from drake_geom_ros.evidence.judging.asking import PENETRATION, SIGNED_DISTANCE
 
 
 @pytest.mark.parametrize('name', SCENES)

@@ -6,7 +6,7 @@ import pytest
 from drake_geom_ros.evidence.accuracy.cases import ShapePair
 from drake_geom_ros.evidence.accuracy.samples import CONFIGURATIONS, stream
 from drake_geom_ros.evidence.accuracy.timed import FARTHEST, side_by_side
-from drake_geom_ros.evidence.asking import PENETRATION, POINTS, SIGNED_DISTANCE
+from drake_geom_ros.evidence.judging.asking import PENETRATION, POINTS, SIGNED_DISTANCE
 
 
 def samples_of(case):

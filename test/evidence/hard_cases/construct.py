@@ -10,9 +10,13 @@ import itertools
 import numpy as np
 from oracles import body_truth as truth
 
-from drake_geom_ros.evidence.bodies import BOUNDED, COUNTS, Body, as_tuples
+from drake_geom_ros.evidence.bodies.bodies import BOUNDED, COUNTS, Body, as_tuples
+from drake_geom_ros.evidence.bodies.random_bodies import (
+    box_corners,
+    random_directions,
+    random_rotation,
+)
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
 from drake_geom_ros.evidence.tolerances import EPS
 
 SOLIDS = (*BOUNDED, 'Convex')

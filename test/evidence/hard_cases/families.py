@@ -28,9 +28,9 @@ from evidence.hard_cases.construct import (
 )
 from evidence.hard_cases.solids import solids
 
-from drake_geom_ros.evidence.bodies import as_tuples
+from drake_geom_ros.evidence.bodies.bodies import as_tuples
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.evidence.hard_cases.cases import CATALOGUE, text_of
-from drake_geom_ros.evidence.random_bodies import random_rotation
 
 WITH_HALF_SPACE = tuple(('HalfSpace', kind) for kind in SOLIDS)
 QUARTER = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])

@@ -16,8 +16,8 @@ from evidence.hard_cases.construct import (
 )
 from oracles import body_truth as truth
 
-from drake_geom_ros.evidence.bodies import BOUNDED
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.bodies.bodies import BOUNDED
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 
 
 def _thin(kind, t):

@@ -9,8 +9,8 @@ import itertools
 import numpy as np
 from evidence.hard_cases.construct import body, case, placing
 
-from drake_geom_ros.evidence.bodies import Body, as_tuples
-from drake_geom_ros.evidence.grids import (
+from drake_geom_ros.evidence.bodies.bodies import Body, as_tuples
+from drake_geom_ros.evidence.bodies.grids import (
     CORNER,
     CUBE,
     FRAME,
@@ -22,7 +22,7 @@ from drake_geom_ros.evidence.grids import (
     solid,
     surface,
 )
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 
 X, Y, Z = np.eye(3)
 NOTCH = (1.5, 1.5, 0.5)  # the middle of the notch, the channel and the hole

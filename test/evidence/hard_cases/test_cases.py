@@ -8,7 +8,7 @@ from evidence.hard_cases.construct import gap_case, turned
 from oracles import body_truth as truth
 
 from drake_geom_ros.evidence.hard_cases.cases import case_of, entry_of, text_of
-from drake_geom_ros.evidence.surfaces import width
+from drake_geom_ros.evidence.judging.surfaces import width
 
 
 def some_cases():

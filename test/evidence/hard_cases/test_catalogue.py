@@ -10,9 +10,9 @@ from oracles import body_truth as truth
 from oracles import case_laws
 
 from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.asking import PairScene
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.evidence.hard_cases import cases
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.judging.asking import PairScene
 from drake_geom_ros.evidence.tolerances import AS_TOUCHING
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 

@@ -6,7 +6,7 @@ from evidence.hard_cases.families import FAMILIES, generate
 from oracles import body_truth as truth
 
 from drake_geom_ros.evidence.hard_cases import cases
-from drake_geom_ros.evidence.surfaces import width
+from drake_geom_ros.evidence.judging.surfaces import width
 
 QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested', 'solids')
 

@@ -6,9 +6,9 @@ The report: 3000 seeded pairs, a plane sought among the line of centres and 128 
 import numpy as np
 from numba import config
 
-from drake_geom_ros.evidence.asking import BodyScene
-from drake_geom_ros.evidence.bodies import Body
-from drake_geom_ros.evidence.random_bodies import even_directions, random_rotation
+from drake_geom_ros.evidence.bodies.bodies import Body
+from drake_geom_ros.evidence.bodies.random_bodies import even_directions, random_rotation
+from drake_geom_ros.evidence.judging.asking import BodyScene
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 

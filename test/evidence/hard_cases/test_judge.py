@@ -5,8 +5,8 @@ import pytest
 from evidence.hard_cases.construct import body, case
 
 from drake_geom_ros.evidence.hard_cases.judge import judged
-from drake_geom_ros.evidence.lost_process import Outcome
 from drake_geom_ros.evidence.peers import PairAnswer, Unsupported
+from drake_geom_ros.evidence.peers.lost_process import Outcome
 
 X = (1, 0, 0)
 APART = case('', body('Box', (1, 1, 1)), body('Box', (1, 1, 1), None, (0, 4, 0)))

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.asking import BodyScene
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.evidence.hard_cases.cases import body_of
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.judging.asking import BodyScene
 from drake_geom_ros.geometry import GeometryError, MeshFileError
 
 SCENES = json.loads((Path(__file__).parent / 'scenes.json').read_text())

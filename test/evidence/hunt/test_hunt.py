@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numba import config
 
-from drake_geom_ros.evidence.bodies import Body, Pair
+from bench.searches.hunting import asking, report, scene, search
+from bench.searches.hunting.judge import LAWS
+from drake_geom_ros.evidence.bodies.bodies import Body, Pair
 from drake_geom_ros.evidence.hard_cases.cases import case_of, text_of
-from drake_geom_ros.evidence.hunt import asking, report, scene, search
-from drake_geom_ros.evidence.hunt.judge import LAWS
 
 SLOTS = 2 if config.DISABLE_JIT else 32
 ROUNDS = 1 if config.DISABLE_JIT else 5

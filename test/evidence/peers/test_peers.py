@@ -8,9 +8,9 @@ import pytest
 from oracles.solids import surface_of
 
 from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.random_bodies import box_corners
+from drake_geom_ros.evidence.bodies.random_bodies import box_corners
 from drake_geom_ros.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpace, Sphere
-from drake_geom_ros.geometry.mesh_source import MeshData
+from drake_geom_ros.geometry.meshes.source import MeshData
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 CUBE = Convex.FromMeshData(MeshData(box_corners()))

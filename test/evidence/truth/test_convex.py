@@ -7,8 +7,12 @@ from oracles import body_truth, closed_forms
 from oracles.forms import body
 from oracles.pairs import random_pairs
 
-from drake_geom_ros.evidence.bodies import Body
-from drake_geom_ros.evidence.random_bodies import box_corners, random_directions, random_rotation
+from drake_geom_ros.evidence.bodies.bodies import Body
+from drake_geom_ros.evidence.bodies.random_bodies import (
+    box_corners,
+    random_directions,
+    random_rotation,
+)
 from drake_geom_ros.evidence.truth.convex import signed_distance
 from drake_geom_ros.evidence.truth.supports import (
     BOX,

@@ -6,7 +6,7 @@ from mpmath import mp, mpf
 from oracles import closed_forms
 
 from drake_geom_ros.evidence.accuracy.mesh_cases import UNIT, mesh_body
-from drake_geom_ros.evidence.bodies import Body
+from drake_geom_ros.evidence.bodies.bodies import Body
 from drake_geom_ros.evidence.truth.meshes import point_distance, signed_distance
 
 L, BALL = mesh_body('L', 1300), mesh_body('Ball', 1300)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from oracles.worlds import filters_of, random_world, shuffle
 
-from drake_geom_ros.geometry._proximity.budget import LONGEST_BLOCK, SHORTEST_BLOCK
-from drake_geom_ros.geometry._proximity.engine import Engine
+from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -17,7 +16,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
-from drake_geom_ros.geometry._proximity.stepwise import Stepwise
+from drake_geom_ros.geometry._proximity.pairs.budget import LONGEST_BLOCK, SHORTEST_BLOCK
+from drake_geom_ros.geometry._proximity.pairs.budgeted import Stepwise
 
 PLENTY, NOTHING = 1e6, 1e-12  # [s]
 

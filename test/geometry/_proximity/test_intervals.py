@@ -18,7 +18,7 @@ from oracles.worlds import (
     shuffle,
 )
 
-from drake_geom_ros.geometry._proximity.engine import Engine
+from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -29,7 +29,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, BOX, CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry._proximity.world import FrameTable, World
+from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 
 TYPES = (1, 2, 3, 4, 5, 6, CONVEX, SOLID)
 NOTHING = 1e-12  # [s]

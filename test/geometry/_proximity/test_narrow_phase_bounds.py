@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from oracles.worlds import random_world
 
-from drake_geom_ros.geometry._proximity import narrow_phase, pair_gaps
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -15,8 +14,10 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     PAIR_WIDTH,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, ITERATIVE
-from drake_geom_ros.geometry._proximity.pose_rounding import RADIUS
+from drake_geom_ros.geometry._proximity.pairs import distance_bounds as pair_gaps
+from drake_geom_ros.geometry._proximity.pairs import narrow_phase
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
+from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS
 
 
 @pytest.mark.parametrize('least', [0.1, -0.1, 1e-9, 1e9])

@@ -19,7 +19,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import _proximity
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,
@@ -28,10 +28,11 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     compiled_address,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of
+from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, SHAPE_NAMES
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_pair
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, walk
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of
+from drake_geom_ros.geometry._proximity.kernels.trees.walks import walk
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
-from drake_geom_ros.geometry._proximity.pair_table import ALL_ROWS, SHAPE_NAMES
 
 VIEWS = {'row', 'part'}  # of ``kernels.calling.views``
 NUMPY_MAKERS = {'empty', 'zeros', 'full', 'eye', 'copy', 'argsort'}

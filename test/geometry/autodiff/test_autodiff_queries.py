@@ -8,7 +8,7 @@ from oracles.shape_scenes import PAIRS, SHAPES, MovingPair, lattice_pair, random
 from scipy.spatial.transform import Rotation
 
 from drake_geom_ros.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue
-from drake_geom_ros.evidence.random_bodies import random_directions
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import (
     Box,
     Capsule,

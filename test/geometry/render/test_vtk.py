@@ -41,7 +41,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
-from drake_geom_ros.geometry._vtk import probing
+from drake_geom_ros.geometry.render.vtk import probing
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import CameraInfo
 

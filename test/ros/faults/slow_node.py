@@ -1,4 +1,4 @@
-"""The node, but it takes 2 s to rehearse what is loaded."""
+"""The node, but it takes 2 s to warm_up what is loaded."""
 
 import sys
 import time
@@ -6,7 +6,7 @@ import time
 from drake_geom_ros.ros import scene_graph_node
 from drake_geom_ros.ros.services import files
 
-files.rehearse = lambda *anything: time.sleep(2.0)
+files.warm_up = lambda *anything: time.sleep(2.0)
 
 if __name__ == '__main__':
     sys.exit(scene_graph_node.main())

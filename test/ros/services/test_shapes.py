@@ -9,8 +9,9 @@ import pytest
 from oracles.small_scene import TETRAHEDRON
 from ros.live_scenes import live_scene
 
-from drake_geom_ros.geometry import ShapeKind, mesh_source
-from drake_geom_ros.geometry._proximity import kernel_table
+from drake_geom_ros.geometry import ShapeKind
+from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
+from drake_geom_ros.geometry.meshes import source as mesh_source
 from drake_geom_ros.ros.conversions.file_access import FileAccess
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.robot_description import RobotInput

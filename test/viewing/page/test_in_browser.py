@@ -11,7 +11,7 @@ import pytest
 from viewing.page.pages import TEXT, page_of, wait_for
 from viewing.page.test_page import Crowd
 
-from bench.browser import PROGRAM, Browser
+from bench.viewer.browser import PROGRAM, Browser
 from drake_geom_ros.command_line import view
 from drake_geom_ros.command_line.program import main
 

@@ -8,7 +8,6 @@ from typing import Any
 
 from numba import types
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -16,12 +15,13 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
     call_kernel,
-    caller,
     compiled_address,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import SUMMITS
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import SUMMITS
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
 
 # That of ``at_one_metre``: a kernel's address and the size of its pair come first.

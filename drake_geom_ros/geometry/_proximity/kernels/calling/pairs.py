@@ -10,12 +10,10 @@ Under ``NUMBA_DISABLE_JIT=1`` an "address" is the Python function itself.
 
 from typing import Any
 
-import numpy as np
-from llvmlite import ir
-from numba import config, types
-from numba.extending import intrinsic
+from numba import types
 
-from drake_geom_ros.geometry._proximity.compiled import address_of, inlined
+from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.runtime.compiled import address_of, inlined
 
 # Columns of a result row.
 DISTANCE = 0
@@ -64,47 +62,9 @@ def write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, error_bound, unique, metho
         out[WITNESS_B + k] = p_ACb_W[k]
 
 
-def address_table(rows: int) -> Any:
-    """Return an empty table for the addresses of ``rows`` kernels."""
-    if config.DISABLE_JIT:
-        return [None] * rows
-    return np.zeros(rows, dtype=np.intp)
-
-
 def compiled_address(function: Any, signature: Any = PAIR_SIGNATURE) -> Any:
     """Compile a function, or load it from the cache on disk, and return its address."""
     return address_of(function, signature)
-
-
-def caller(signature: Any) -> Any:
-    """Return ``call(address, *arguments)`` for compiled functions of this signature.
-
-    The call goes through the C wrapper. It is opaque to Numba, which sees no error that it might
-    return, and so counts no references to the arrays (a third of the narrow phase of 1000 balls).
-    """
-    if config.DISABLE_JIT:
-        # Uncompiled, the address is the function.
-        return lambda address, *arguments: address(*arguments)
-
-    @intrinsic
-    def call(typingctx, address, *arguments):
-        if len(arguments) == 1 and isinstance(arguments[0], types.BaseTuple):
-            arguments = tuple(arguments[0])  # as the lowering sees them
-        if arguments != signature.args:
-            return None
-
-        def codegen(context, builder, _, values):
-            pointer, packed = values
-            unpacked = [builder.extract_value(packed, k) for k in range(len(arguments))]
-            argument_types = [context.get_value_type(t) for t in arguments]
-            function_type = ir.FunctionType(ir.IntType(8).as_pointer(), argument_types)
-            function = builder.inttoptr(pointer, function_type.as_pointer())
-            builder.call(function, unpacked)
-            return context.get_dummy_value()
-
-        return types.void(address, types.StarArgTuple.from_types(arguments)), codegen
-
-    return call
 
 
 call_kernel = caller(PAIR_SIGNATURE)

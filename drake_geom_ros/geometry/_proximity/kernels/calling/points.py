@@ -22,10 +22,10 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.compiled import inlined
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import caller
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
 Floats = NDArray[np.float64]

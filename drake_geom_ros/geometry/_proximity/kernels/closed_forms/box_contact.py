@@ -6,7 +6,6 @@ sizes g, axes ``b = (b_x, b_y, b_z)`` and centre c. ``seen_from_other`` swaps th
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import along, excess
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.segments import (
     nearest_parameter,
@@ -19,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 

@@ -15,7 +15,6 @@ face lies on face, the witness points are at the centre of the outline of the pa
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.box_contact import (
     closest_points,
@@ -42,6 +41,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
     CLEAR_GAP,

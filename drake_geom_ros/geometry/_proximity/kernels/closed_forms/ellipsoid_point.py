@@ -24,9 +24,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling.views import row
 from drake_geom_ros.geometry._proximity.kernels.vectors import Vector, norm, unit
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
     ELLIPSOID_HALVINGS,

@@ -8,9 +8,8 @@ midpoint of the lowest face or edge.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     column,
@@ -28,6 +27,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SHAPE_RADIUS,
     VERTEX_COUNT,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
 
 

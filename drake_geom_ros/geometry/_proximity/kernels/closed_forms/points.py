@@ -19,13 +19,13 @@ at unit length. (Drake's documentation of ``QueryObject`` says so for boxes.)
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import inlined
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
     Nearest,
     ellipsoid_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit, vector_at
 from drake_geom_ros.geometry._proximity.kinds import HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 

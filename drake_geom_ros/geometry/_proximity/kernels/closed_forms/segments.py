@@ -15,7 +15,6 @@ face each other, the witness points are in the middle of the stretch that they s
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     along,
@@ -36,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
     CLEAR_GAP,

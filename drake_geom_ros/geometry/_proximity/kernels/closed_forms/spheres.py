@@ -4,7 +4,6 @@ The nearest point and the choices where it is not unique are those of ``points``
 concentric spheres the normal is the x axis of B.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     box_point,
@@ -23,6 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 

@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -40,6 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, sub, unrotate, vector_at
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 

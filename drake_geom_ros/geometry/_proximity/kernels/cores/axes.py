@@ -6,9 +6,9 @@ normal bounds the depth from above (``phi = max over n`` in the conventions), so
 trying, and nothing is claimed: this set is not called complete, and the bound from below stays.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
 from drake_geom_ros.geometry._proximity.kernels.vectors import column, cross, dot, scale, sub, unit
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 

@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import ball_in_hull
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import OFFSET
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import ball_in_hull
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
@@ -26,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
 class Ball(NamedTuple):

@@ -11,7 +11,6 @@ once, where a polytope would need faces by the dozen.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import CREASE, FLAT, SMOOTH
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -27,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 WIDEST_CAP = 1.2  # [rad]; wider ones would save no faces

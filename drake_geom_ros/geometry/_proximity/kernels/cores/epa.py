@@ -28,8 +28,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling.views import outlive
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
     ball_in_difference,
     is_in_ball_cap,
@@ -74,6 +72,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import outlive
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     FOLD,

@@ -9,14 +9,13 @@ them.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
     closest_on_triangle,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import support
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     dot,
@@ -26,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     INSIDE,

@@ -11,7 +11,6 @@ through the edge of a box), which EPA would have to cover with faces.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
     ellipsoid_point,
 )
@@ -20,8 +19,8 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     clamp,
     cylinder_point,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -43,6 +42,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
     VERTEX_COUNT,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 
 SHARES = (0.5, 0.0, 1.0)  # of the way from a to b
 SEARCH_STEPS = 24  # of a search along a line: each leaves two thirds, all a 17000th

@@ -8,9 +8,7 @@ first number is 0. All of it is looked at before it is believed.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
     MOST_GROWN,
     NAME,
@@ -18,8 +16,10 @@ from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
     is_closed,
     set_corners,
 )
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import add, dot, rotate, sub, vector_at
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 MOST_VERTICES = 22
 MOST_FACES = 2 * MOST_VERTICES - 4

@@ -13,7 +13,6 @@ foot of the origin.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
@@ -38,6 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALMOST_RIGHT_ANGLE,
     LAST_STEP,

@@ -11,8 +11,6 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling.views import integers, part, table
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
@@ -27,6 +25,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import integers, part, table
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,

@@ -18,16 +18,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH
-from drake_geom_ros.geometry._proximity.kernels.calling.views import outlive
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
     ball_in_difference,
     is_cap_of_ball,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.epa import closest_in_face, moved_to_planes
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest, vertex_at
 from drake_geom_ros.geometry._proximity.kernels.cores.memory import (
     NAMES,
     is_where_it_was,
@@ -53,6 +50,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
     set_corners,
     set_planes,
 )
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest, vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
@@ -65,6 +63,8 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import outlive
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,

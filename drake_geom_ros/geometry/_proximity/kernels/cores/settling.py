@@ -5,7 +5,6 @@ ring of almost equal values it has no curvature to go by, and almost parallel se
 that rounding may miss.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     at_disk,
@@ -35,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 TURNS = 4  # two are enough for two segments

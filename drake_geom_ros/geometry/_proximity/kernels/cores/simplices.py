@@ -8,8 +8,8 @@ nearest is taken, so a sign that rounding got wrong on a sliver costs rounding a
 region.
 """
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, cross, dot, scale, sub
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
 @inlined

@@ -19,17 +19,17 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.calling.views import (
+from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
+from drake_geom_ros.geometry._proximity.kernels.shapes.summit import LANES
+from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, vector_in
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.larger import larger
+from drake_geom_ros.geometry._proximity.runtime.views import (
     integers,
     part,
     table,
     wide_integers,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
-from drake_geom_ros.geometry._proximity.kernels.larger import larger
-from drake_geom_ros.geometry._proximity.kernels.summit import LANES
-from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, vector_in
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,

@@ -7,7 +7,6 @@ since then: a hint is followed only if it is no worse than the line of centres.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import ball_in_difference
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
@@ -15,6 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import likely_normal, width
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, scale, sub, unit
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
 @compiled

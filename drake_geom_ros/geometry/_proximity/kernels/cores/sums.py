@@ -25,11 +25,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import farthest_edge
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import core_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest_edge
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -52,6 +51,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_LENGTH,
     SHAPE_RADIUS,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_LENGTH, RIGHT_ANGLE
 
 SEGMENT = 1

@@ -34,7 +34,6 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import nowhere
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -63,6 +62,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
 STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
 

@@ -25,7 +25,6 @@ the last digits of a minimum, and the cap that it proves (see ``normals``) ends 
 import math
 from typing import NamedTuple
 
-from drake_geom_ros.geometry._proximity.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING, nearby_minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -52,6 +51,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE, SAME_DIRECTION, TIE
 
 MOST_ARCS = 64

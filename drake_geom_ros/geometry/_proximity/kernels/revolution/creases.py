@@ -18,7 +18,6 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -40,6 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     least_on_circle,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, unit, vector_in
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 

@@ -24,10 +24,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     bounding_radius,
     core_radius,
 )
@@ -51,6 +50,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_LENGTH,
     SHAPE_RADIUS,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,

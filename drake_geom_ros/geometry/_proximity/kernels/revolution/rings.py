@@ -15,11 +15,10 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import hull_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import support
 from drake_geom_ros.geometry._proximity.kernels.revolution.circles import across
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import support
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     column,
@@ -33,6 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CONVEX, HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 MOST_DIRECTIONS = 160

@@ -7,22 +7,20 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import middle_of
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
-    NO_BOX,
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     NO_TREE,
     Body,
     Solid,
     first_of_leaf,
     middle_of_triangle,
-    next_leaves,
     normal_of,
-    walk,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NO_BOX
+from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -33,6 +31,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import BENEATH, EPS, ROUNDING
 
 FLUSH = 16.0  # roundings that leaves which touch may be apart

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     distance_of_cores,
@@ -20,16 +19,9 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
     weighted,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
-    CORNERS,
-    DEEPEST,
-    LOWER,
-    NODE_WIDTH,
-    UPPER,
-    first_of_leaf,
-    is_leaf,
-    tree_of,
-)
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, first_of_leaf, tree_of
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NODE_WIDTH, UPPER
+from drake_geom_ros.geometry._proximity.kernels.trees.walks import DEEPEST, is_leaf
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add_scaled,
@@ -41,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, TRIANGLE
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import CROSSING, EPS, ROUNDING
 
 # How two triangles meet.

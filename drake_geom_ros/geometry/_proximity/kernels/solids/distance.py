@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
@@ -27,14 +26,13 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     weighted,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import width_of_hulls
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     edge_of,
     first_of_leaf,
-    next_leaves,
     normal_of,
-    walk,
 )
+from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     Vector,
     add,
@@ -49,6 +47,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE, TRIANGLE
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     NEAR_TOUCH,

@@ -5,10 +5,9 @@ Bodies are given as in ``distance``.
 
 import math
 
-from drake_geom_ros.geometry._proximity.compiled import compiled
-from drake_geom_ros.geometry._proximity.kernels.cores.hulls import vertex_at
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import local_support, support
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import PLANE
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -21,6 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 
 
 @compiled

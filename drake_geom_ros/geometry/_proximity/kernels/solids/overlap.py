@@ -18,10 +18,9 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.kernels.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import OVERLAP
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import local_support, support
+from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
     FLUSH,
     depth_in_solid,
@@ -40,7 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
     way_out_of_hull,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import Solid, middle_of_triangle
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import Solid, middle_of_triangle
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -65,6 +64,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
     RIGHT_ANGLE,

@@ -11,10 +11,9 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, write
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import (
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     bounding_radius,
     core_radius,
     local_support,
@@ -26,7 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     BACK_OFF,
     bounds_of_depth,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -40,6 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 

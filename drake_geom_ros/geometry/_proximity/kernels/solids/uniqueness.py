@@ -10,25 +10,23 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
-from drake_geom_ros.geometry._proximity.kernels.features import (
+from drake_geom_ros.geometry._proximity.kernels.shapes.features import (
     POINT,
     Feature,
     feature_of,
     hold_one_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
-    NO_BOX,
     NO_TREE,
     Body,
     first_of_leaf,
-    next_leaves,
-    walk,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NO_BOX
+from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     cross,
@@ -41,6 +39,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
     EPS,

@@ -12,24 +12,20 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     AREA,
     AREA_VECTOR,
     CENTRE,
     CORNERS,
-    DEEPEST,
     MOMENT,
-    NODE_WIDTH,
     RADIUS,
-    box_of_node,
     first_of_leaf,
-    is_leaf,
-    outside,
     rounding_of_angle,
     solid_angle,
     tree_of,
 )
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NODE_WIDTH, box_of_node, outside
+from drake_geom_ros.geometry._proximity.kernels.trees.walks import DEEPEST, is_leaf
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
     dot,
@@ -38,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 # A node is a dipole when it is this many of its radii away.
 FIRST_RATIO = 6.0

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.random_bodies import random_directions
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from drake_geom_ros.geometry._proximity.kernels.calling import extremes
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
-from drake_geom_ros.geometry._proximity.kernels.cores import convex
+from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
-from drake_geom_ros.geometry.mesh_source import MeshData
+from drake_geom_ros.geometry.meshes.source import MeshData
 from drake_geom_ros.math import RotationMatrix
 
 R = np.array(RotationMatrix.MakeXRotation(0.5).matrix())

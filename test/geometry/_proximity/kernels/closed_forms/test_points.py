@@ -6,7 +6,7 @@ from numba import config
 from oracles import closed_forms
 from oracles.forms import PARAMETERS
 
-from drake_geom_ros.evidence.surfaces import height_of
+from drake_geom_ros.evidence.judging.surfaces import height_of
 from drake_geom_ros.evidence.tolerances import EPS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,

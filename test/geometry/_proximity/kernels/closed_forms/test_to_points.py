@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.geometry._proximity import pair_table
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.geometry._proximity.kernels import pair_table
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     pairs as calling,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     points as calling_points,
 )
+from drake_geom_ros.geometry._proximity.kernels.pair_table import POINT_KERNELS, load_kernel
 from drake_geom_ros.geometry._proximity.kinds import ITERATIVE, SPHERE
-from drake_geom_ros.geometry._proximity.pair_table import POINT_KERNELS, load_kernel
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
 CLOSED_FORMS = {

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -14,7 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores import convex
+from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     CLOSED,
     CLOSED_ASIDE,

@@ -8,15 +8,16 @@ from oracles.forms import hull_of
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
     NORMAL,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores import gjk, hulls, sums
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kernels.cores import gjk, sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import rings
+from drake_geom_ros.geometry._proximity.kernels.shapes import hulls
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,

@@ -5,9 +5,10 @@ import pytest
 from numba import config
 from oracles.core_pairs import core_pair, core_widths, random_core_pair, turned
 
-from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums, supports
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 

@@ -10,9 +10,8 @@ from numba import config
 from oracles.core_pairs import core_pair, turned
 from oracles.forms import signed_distance
 
-from drake_geom_ros.evidence.random_bodies import random_directions, random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Convex, MeshData
-from drake_geom_ros.geometry._proximity.hull_parameters import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -23,16 +22,17 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_A,
     WITNESS_B,
 )
+from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kernels.cores import (
     ball_caps,
-    convex,
     memory,
     remembered,
     small_polytope,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import gap_along
-from drake_geom_ros.geometry._proximity.kernels.cores.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 
 COUNT = 3 if config.DISABLE_JIT else 60

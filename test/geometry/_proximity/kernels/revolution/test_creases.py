@@ -8,9 +8,10 @@ from oracles.core_pairs import core_pair
 from oracles.pairs import random_pairs
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.random_bodies import random_rotation
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.evidence.truth.convex import signed_distance
-from drake_geom_ros.geometry._proximity.kernels.cores import depths, normals, sums
+from drake_geom_ros.geometry._proximity.kernels.convex import depths
+from drake_geom_ros.geometry._proximity.kernels.cores import normals, sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER
 

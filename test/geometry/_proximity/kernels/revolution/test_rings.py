@@ -25,7 +25,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     PAIR_WIDTH,
     UNIQUE,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores import convex, depths, sums
+from drake_geom_ros.geometry._proximity.kernels.convex import depths
+from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
+from drake_geom_ros.geometry._proximity.kernels.cores import sums
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, rings, slices
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID

@@ -7,10 +7,10 @@ import pytest
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.random_bodies import random_rotation
-from drake_geom_ros.evidence.surfaces import support_value_of
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.evidence.judging.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import distance
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
 
 L = kernel_form(solid('L'))[1]

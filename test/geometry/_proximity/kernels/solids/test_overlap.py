@@ -12,7 +12,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     MOST_PUSHES,
     push_of,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SPHERE
 
 L = kernel_form(solid('L'))[1]

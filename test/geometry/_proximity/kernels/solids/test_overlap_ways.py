@@ -7,7 +7,7 @@ from oracles.solids import solid
 
 from drake_geom_ros.geometry._proximity.kernels.solids import overlap as solid_overlap
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import nearest
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
 
 TOLERANCE, SIZE = 1e-9, 8.0

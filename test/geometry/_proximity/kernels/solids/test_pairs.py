@@ -9,8 +9,8 @@ from oracles.forms import HERE, PARAMETERS, body, row_of
 from oracles.pairs import check_row
 from oracles.solids import parts_gap, solid
 
-from drake_geom_ros.evidence.bodies import Body
-from drake_geom_ros.evidence.random_bodies import box_corners, random_rotation
+from drake_geom_ros.evidence.bodies.bodies import Body
+from drake_geom_ros.evidence.bodies.random_bodies import box_corners, random_rotation
 from drake_geom_ros.evidence.truth.meshes import parts_of
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -26,7 +26,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
 )
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry.mesh_source import hull_vertices
+from drake_geom_ros.geometry.meshes.source import hull_vertices
 
 NAMES = ('L', 'U', 'ring')
 SIZE = 8.0  # of the pairs below [m], about

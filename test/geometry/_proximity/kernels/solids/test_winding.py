@@ -9,18 +9,18 @@ from oracles.solids import solid
 
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.solids import winding as winding_module
-from drake_geom_ros.geometry._proximity.kernels.solids.tree import (
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     AREA,
     AREA_VECTOR,
-    NODE_WIDTH,
     RADIUS,
     rounding_of_angle,
     solid_angle,
     tree_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import dipole, is_inside, winding
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NODE_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import SOLID
-from drake_geom_ros.geometry._solid_mesh import solid_of
+from drake_geom_ros.geometry.meshes._solids import solid_of
 
 RING = kernel_form(solid('ring', cuts=4))[1]
 

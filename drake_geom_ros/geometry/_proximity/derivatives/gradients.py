@@ -1,0 +1,309 @@
+"""What distances do when bodies move: gradients of whole results, in one compiled call.
+
+The distance of two bodies changes, to first order, as that of the two points which are nearest
+(envelope theorem; J. Danskin, *The Theory of Max-Min*, 1967): by the velocity of A's point less
+that of B's, along the normal. It has a derivative where these points and the normal are the only
+ones. They are not where faces or edges lie parallel, so that points of a whole segment are as
+near; where other directions separate as well; and where bodies touch at corners, or are concentric
+in part, so that a turn of the normal costs nothing. The last is told by the *stiffness*: the
+second derivative of the width along n with respect to n, the distance plus both bodies' radii of
+curvature (``kernels.features``). Where the distance is 0 to rounding the normal must be held by
+the features alone, and so the points have to be inside these.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.derivatives.surfaces import is_of_surfaces
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    METHOD,
+    NORMAL,
+    UNIQUE,
+)
+from drake_geom_ros.geometry._proximity.kernels.shapes.feature_borders import is_inside
+from drake_geom_ros.geometry._proximity.kernels.shapes.features import (
+    FACE,
+    POINT,
+    Feature,
+    along,
+    feature_of,
+    hold_one_point,
+    vertex,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    column,
+    cross,
+    dot,
+    norm,
+    perpendicular,
+    scale,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CAPSULE, SPHERE
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
+    BATCH_WIDTH,
+    P_ACA,
+    P_BCB,
+    P_FACA,
+    P_FBCB,
+)
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import part, row
+from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SOFT
+from drake_geom_ros.geometry._proximity.world.moment import Posed
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Booleans = NDArray[np.bool_]
+
+FREEDOM, DU, DV, UU, UV, VV = range(6)  # columns: the numbers of a ``Feature``
+
+
+class Features(NamedTuple):
+    """What is extreme along the normals of k pairs, of A and of B; see ``kernels.features``."""
+
+    axes: Floats  # (k, 2, 3) unit vectors u, v at right angles to the normal
+    numbers: Floats  # (k, 2, 6) those of a ``Feature``
+    inside: Booleans  # (k, 2) whether the witness point is inside the edge or face
+
+
+@inlined
+def stiffness(distance, A, B):  # type: ignore[no-untyped-def]
+    """Return how the width along n curves (uu, uv, vv) [m], by the features of A and B."""
+    return distance + A.uu + B.uu, A.uv + B.uv, distance + A.vv + B.vv
+
+
+@inlined
+def _is_stiff(distance, A, B, extent):  # type: ignore[no-untyped-def]
+    """Tell whether every turn of n that the features leave free costs something."""
+    uu, uv, vv = stiffness(distance, A, B)
+    if A.freedom == POINT and B.freedom == POINT:
+        least = 0.5 * (uu + vv) - math.hypot(0.5 * (uu - vv), uv)
+    else:
+        du, dv = (B.du, B.dv) if A.freedom == POINT else (A.du, A.dv)
+        least = dv * dv * uu - 2.0 * du * dv * uv + du * du * vv
+    return least > SOFT * extent
+
+
+@inlined
+def _is_sure(numbers):  # type: ignore[no-untyped-def]
+    """Tell whether more than bounds answered, and no other normal is as good."""
+    return numbers[UNIQUE] != 0.0 and numbers[METHOD] != BOUND_ONLY
+
+
+@inlined
+def _is_unique(numbers, A, B, extent):  # type: ignore[no-untyped-def]
+    """Tell whether a row's normal, and the points nearest along it, are the only ones.
+
+    But for bodies that touch at the border of a feature.
+    """
+    if not _is_sure(numbers) or not hold_one_point(A, B):
+        return False
+    return A.freedom + B.freedom == FACE or _is_stiff(numbers[DISTANCE], A, B, extent)
+
+
+@inlined
+def _look_at(g, scene, n, u, v):  # type: ignore[no-untyped-def]
+    """Return the feature of geometry g along the outward unit n; n, u and v in World."""
+    types, starts, pool, R_WGs = scene
+    if types[g] == SPHERE:  # whichever way it is turned
+        return vertex(pool[starts[g]])
+    R = row(R_WGs, g)
+    if types[g] == CAPSULE:  # without a call, which beside so short a query counts
+        axis, radius = column(R, 2), pool[starts[g]]
+        if abs(dot(axis, n)) > DISTINCT_NORMALS:
+            return vertex(radius)
+        return along(axis, u, v, radius, 0.0, radius)
+    return feature_of(types[g], part(pool, starts[g], starts[g + 1]), R, n, u, v)
+
+
+@compiled
+def _holds(g, scene, feature, n, u, v, q, slack):  # type: ignore[no-untyped-def]
+    """Tell whether the extreme point q, in G, is inside the feature of geometry g."""
+    types, starts, pool, R_WGs = scene
+    R = row(R_WGs, g)
+    shape = part(pool, starts[g], starts[g + 1])
+    axes = unrotate(R, n), unrotate(R, u), unrotate(R, v)
+    return is_inside(types[g], shape, feature, *axes, q, slack)
+
+
+@inlined
+def _axes(n):  # type: ignore[no-untyped-def]
+    """Return two unit vectors that with n are right-handed."""
+    v = perpendicular(n)
+    return cross(v, n), v
+
+
+@inlined
+def _extent(numbers):  # type: ignore[no-untyped-def]
+    """Return the size of a pair [m], as far as its witness points tell."""
+    return norm(vector_at(numbers, P_ACA)) + norm(vector_at(numbers, P_BCB))
+
+
+@compiled
+def pair_features(rows, places, scene, axes, features, inside):  # type: ignore[no-untyped-def]
+    """Fill ``features`` (k, 2, 6) of A and B and whether the witnesses are ``inside`` (k, 2).
+
+    Those are told in two axes at right angles to nhat_BA_W, which ``axes`` (k, 2, 3) get.
+    """
+    for k in range(places.shape[0]):
+        numbers = row(rows, k)
+        n = vector_at(numbers, NORMAL)
+        u, v = _axes(n)
+        for c in range(3):
+            axes[k, 0, c], axes[k, 1, c] = u[c], v[c]
+        slack = DISTINCT_NORMALS * _extent(numbers)
+        for side in range(2):
+            g, out, w = places[k, side], n, u
+            if side == 0:
+                # With the other normal the other axis is turned, too: right-handed as before.
+                out, w = scale(-1.0, n), scale(-1.0, u)
+            found = _look_at(g, scene, out, w, v)
+            q = vector_at(numbers, P_ACA if side == 0 else P_BCB)
+            inside[k, side] = _holds(g, scene, found, out, w, v, q, slack)
+            sign = -1.0 if side == 0 else 1.0
+            features[k, side, FREEDOM] = found.freedom
+            features[k, side, DU], features[k, side, DV] = sign * found.du, found.dv
+            features[k, side, UU], features[k, side, UV] = found.uu, sign * found.uv
+            features[k, side, VV] = found.vv
+
+
+@compiled
+def _find(known, ids, places):  # type: ignore[no-untyped-def]
+    """Fill ``places`` (k,) with where ids are among the ascending ``known``, all of which are.
+
+    Ids count up, so an id is no farther from the first one than they differ, and mostly as far.
+    """
+    for k in range(ids.size):
+        low, high = 0, min(ids[k] - known[0], known.size - 1)
+        middle = high
+        while known[middle] != ids[k]:
+            if known[middle] < ids[k]:
+                low = middle + 1
+            else:
+                high = middle - 1
+            middle = (low + high) // 2
+        places[k] = middle
+
+
+@inlined
+def _put_gradient(numbers, gradients, k):  # type: ignore[no-untyped-def]
+    """Fill row k of ``gradients`` (k, 12): by the velocities of both frames, see ``gradients``."""
+    n = vector_at(numbers, NORMAL)
+    of_A, of_B = cross(vector_at(numbers, P_FACA), n), cross(vector_at(numbers, P_FBCB), n)
+    for c in range(3):
+        gradients[k, c], gradients[k, 3 + c] = of_A[c], n[c]
+        gradients[k, 6 + c], gradients[k, 9 + c] = -of_B[c], -n[c]
+
+
+@compiled
+def _put_gradients(rows, gradients):  # type: ignore[no-untyped-def]
+    for k in range(rows.shape[0]):
+        _put_gradient(row(rows, k), gradients, k)
+
+
+@compiled
+def pair_gradients(rows, places, scene, gradients, unique):  # type: ignore[no-untyped-def]
+    """Fill ``gradients`` (k, 12) and ``unique`` (k,) of the distances of the rows.
+
+    ``places`` (k, 2) are the places of A and of B among the geometries. Return whether surfaces of
+    solids are among them, for which it is left to ``find_unique_of_solids``.
+    """
+    types, starts, pool, _ = scene
+    surfaces = False
+    for k in range(places.shape[0]):
+        numbers = row(rows, k)
+        _put_gradient(numbers, gradients, k)
+        a, b = places[k, 0], places[k, 1]
+        if is_of_surfaces(types[a], types[b]):
+            surfaces = True
+            continue
+        if types[a] == SPHERE and types[b] == SPHERE:  # half of the time of all that follows
+            extent = pool[starts[a]] + pool[starts[b]]
+            unique[k] = _is_sure(numbers) and numbers[DISTANCE] + extent > SOFT * extent
+            continue
+        n = vector_at(numbers, NORMAL)
+        u, v = _axes(n)
+        m, w = scale(-1.0, n), scale(-1.0, u)  # out of A; w, v and m are right-handed, too
+        A, B = _look_at(a, scene, m, u, v), _look_at(b, scene, n, u, v)
+        extent = _extent(numbers)
+        slack = DISTINCT_NORMALS * extent
+        unique[k] = _is_unique(numbers, A, B, extent)
+        if unique[k] and abs(numbers[DISTANCE]) <= SOFT * extent:
+            turned = Feature(A.freedom, -A.du, A.dv, A.uu, -A.uv, A.vv)
+            unique[k] = _holds(
+                a, scene, turned, m, w, v, vector_at(numbers, P_ACA), slack
+            ) and _holds(b, scene, B, n, u, v, vector_at(numbers, P_BCB), slack)
+    return surfaces
+
+
+def places_of(scene: Posed, ids: Indices) -> Indices:
+    """Return the places of geometries, by the values of their ids, in an array of their shape."""
+    places = np.empty(ids.shape, dtype=np.int64)
+    _find(scene.ids, _read_only(ids.ravel()), places.ravel())
+    return places
+
+
+def _read_only(array: Any) -> Any:
+    """Return a view that is read-only: to Numba others are of another type, compiled anew."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
+
+
+def _find_unique_of_solids(*asked: Any) -> None:
+    # Scenes without solids load nothing of theirs.
+    from drake_geom_ros.geometry._proximity.derivatives.of_solids import find_unique_of_solids
+
+    find_unique_of_solids(*asked)
+
+
+def gradients_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> tuple[Floats, Booleans]:
+    """Return the gradients (k, 12) of the distances in rows, and which of them are the only ones.
+
+    Ids (k, 2) and rows (k, BATCH_WIDTH) are those of a ``PairBatch``.
+    """
+    gradients, unique = np.empty((len(ids), 12)), np.empty(len(ids), dtype=np.bool_)
+    shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
+    asked = _read_only(rows), places_of(scene, ids), shapes
+    if pair_gradients(*asked, gradients, unique):
+        _find_unique_of_solids(*asked, unique)
+    for array in (gradients, unique):
+        array.setflags(write=False)
+    return gradients, unique
+
+
+def gradients_of_rows(rows: Floats) -> Floats:
+    """Return the gradients (k, 12) of the distances in rows (k, BATCH_WIDTH) alone."""
+    gradients = np.empty((len(rows), 12))
+    _put_gradients(_read_only(rows), gradients)
+    return gradients
+
+
+def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
+    """Return what is extreme along the normals of rows (k, BATCH_WIDTH) of pairs (k, 2)."""
+    k = len(ids)
+    found = Features(np.empty((k, 2, 3)), np.empty((k, 2, 6)), np.empty((k, 2), dtype=np.bool_))
+    shapes = scene.types, scene.starts, scene.pool, scene.R_WGs
+    pair_features(_read_only(rows), places_of(scene, ids), shapes, *found)
+    return found
+
+
+def compile_derivatives() -> None:
+    """Compile all of this file, or load it from the cache."""
+    none, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
+    Rs, ps = np.zeros((0, 3, 3)), np.zeros((0, 3))
+    scene = Posed(nobody, nobody, nobody, none, nobody, Rs, nobody, ps)
+    pairs, rows = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
+    gradients_of_pairs(scene, pairs, rows)
+    gradients_of_rows(rows)
+    features_of_pairs(scene, pairs, rows)
+    shapes = scene.types, scene.starts, scene.pool, Rs
+    _find_unique_of_solids(_read_only(rows), pairs, shapes, np.zeros(0, dtype=np.bool_))

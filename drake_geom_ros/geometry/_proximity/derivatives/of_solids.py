@@ -1,0 +1,78 @@
+"""Which gradients of distances from solids are the only ones: a walk over their triangles each."""
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.derivatives.surfaces import is_of_surfaces
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    NORMAL,
+    UNIQUE,
+)
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius, core_radius
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.uniqueness import (
+    is_nearest_alone,
+    is_way_out_alone,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    norm,
+    rotate,
+    scale,
+    sub,
+    unrotate,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, SOLID
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import P_ACA, P_BCB
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
+from drake_geom_ros.geometry._proximity.runtime.views import part, row
+from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
+
+
+@allocating
+def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_BA_W):  # type: ignore[no-untyped-def]
+    """Tell whether the witness points of any body A and a solid B are the only ones.
+
+    ``nhat_BA_W`` points out of B into A.
+    """
+    R = np.empty((3, 3))
+    for j in range(3):
+        R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
+    m, distance, error = unrotate(R_WB, nhat_BA_W), numbers[DISTANCE], numbers[ERROR_BOUND]
+    q = add_scaled(p_BCb, distance, m)
+    p = sub(q, rotate(R, p_ACa))
+    size = bounding_radius(kind_A, shape_A) + bounding_radius(SOLID, shape_B) + norm(p)
+    A, B, radius = body_of(kind_A, shape_A, R), solid_of(shape_B), core_radius(kind_A, shape_A)
+    if distance < 0.0:
+        return is_way_out_alone(A, B, p, q, m, -distance, error, radius, size)
+    limit = distance + radius + error + ROUNDING * EPS * size
+    return is_nearest_alone(A, B, p, scale(-1.0, m), size, limit)[0]
+
+
+@allocating
+def find_unique_of_solids(rows, places, scene, unique):  # type: ignore[no-untyped-def]
+    """Fill ``unique`` (k,) where a pair is of surfaces, as ``pair_gradients`` does elsewhere.
+
+    Of what touches nobody knows whether it is the only one.
+    """
+    types, starts, pool, R_WGs = scene
+    for k in range(places.shape[0]):
+        a, b = places[k, 0], places[k, 1]
+        if not is_of_surfaces(types[a], types[b]):
+            continue
+        numbers = row(rows, k)
+        far, sure = abs(numbers[DISTANCE]) > numbers[ERROR_BOUND], numbers[METHOD] != BOUND_ONLY
+        # Whether the normal of an overlap is the only one is known with the way out.
+        unique[k] = far and sure and (numbers[UNIQUE] != 0.0 or numbers[DISTANCE] < 0.0)
+        if not unique[k]:
+            continue
+        n, p, q = vector_at(numbers, NORMAL), vector_at(numbers, P_ACA), vector_at(numbers, P_BCB)
+        A, B = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
+        R_WA, R_WB, m = row(R_WGs, a), row(R_WGs, b), scale(-1.0, n)
+        # Each solid can be the one that the other is near to or leaves.
+        unique[k] = types[b] == SOLID and _is_alone(numbers, types[a], A, R_WA, p, B, R_WB, q, n)
+        if not unique[k] and types[a] == SOLID:
+            unique[k] = _is_alone(numbers, types[b], B, R_WB, q, A, R_WA, p, m)

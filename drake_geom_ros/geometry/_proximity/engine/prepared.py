@@ -1,0 +1,153 @@
+"""What each query hands to the compiled cycle, prepared once: a cycle has no time to gather it.
+
+A query is asked again and again, of the same arrays. Looked up here, it takes one compiled call
+and hardly any Python around it: the first cycle after other work, which is what a robot has each
+time, brings all code from memory, and that of Python costs most.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.engine.pair_query import (
+    ASKED,
+    CUTOFF,
+    GAP,
+    MODE,
+    PENETRATING,
+    VERSION,
+    Hands,
+)
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
+from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
+from drake_geom_ros.geometry._proximity.report import CONTACT_A, CONTACT_B, ReportArrays
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
+from drake_geom_ros.geometry._proximity.world.world import World
+
+LEAST_ROOM = 16  # rows made ready for an answer
+_LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
+_MOST = 16  # queries of one scene that are kept: cutoffs may come without end
+
+
+class Asked(NamedTuple):
+    """A query: the gap of its level [m], what it is about, and a mode of ``cycle``."""
+
+    gap: float
+    cutoff: float  # [m]
+    penetrating: bool
+    mode: int
+
+
+class Prepared:
+    """A query of one world, and the handle of all that it works on."""
+
+    __slots__ = (
+        '_asked',
+        '_report',
+        '_world',
+        'answered_at',
+        'cutoff',
+        'filters',
+        'gap',
+        'handles',
+        'hands',
+        'is_bound',
+        'is_long',
+        'near',
+        'query',
+        'room',
+        'seconds',
+        'version',
+    )
+    filters: FilterState
+    version: int  # of the filters
+    seconds: float  # that the narrow phase of a long answer took last, of one thread
+    answered_at: int  # the revision of the world for which there is an answer, under these filters
+
+    def __init__(self, asked: Asked, world: World, near: NeighbourList, report: Handle) -> None:
+        self.gap, self.cutoff = asked.gap, asked.cutoff
+        self.query = asked.gap, asked.cutoff, asked.penetrating
+        self.is_bound = math.isinf(asked.gap)  # to be answered from bounds alone
+        self._asked = np.zeros(ASKED)
+        self._asked[[GAP, CUTOFF, PENETRATING, MODE]] = (
+            *(asked.gap, asked.cutoff),
+            *(asked.penetrating, asked.mode),
+        )
+        self._world, self._report, self.near = world, report, near
+        self.room, self.seconds = LEAST_ROOM, 0.0
+
+    def make_room(self, count: int) -> None:
+        """Have room for so many answers, and some more, from now on."""
+        self.room = max(LEAST_ROOM, count + count // 4)
+
+    def hand_over(self, filters: FilterState) -> None:
+        """Take the arrays that are there now."""
+        self.near.look_at(self._world, filters)
+        self.filters, self.version, self.answered_at = filters, filters.version, -1
+        self._asked[VERSION] = filters.version
+        self.handles = self.near.handles  # who has the handle of handles keeps these, too
+        hands = Hands(self._world.handle, *self.handles, self._report, ADDRESSES, self._asked)
+        self.hands = handle_of(hands)
+        self.is_long = len(self.near.arrays.slots) > _LONG
+
+
+class PreparedQueries:
+    """The queries of one world that were asked last, and the neighbour lists that they share."""
+
+    def __init__(self, report: ReportArrays) -> None:
+        self._report, self._report_handle = report, handle_of(report)
+        self._world: World | None = None
+        self._lists: dict[bool, NeighbourList] = {}
+        self._known: dict[tuple[float, float, bool, int], Prepared] = {}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._known, self._report_handle = {}, handle_of(self._report)
+
+    def prepared(
+        self,
+        world: World,
+        filters: FilterState,
+        gap: float,
+        cutoff: float,
+        penetrating: bool,
+        mode: int,
+    ) -> Prepared:
+        """Return a query of this world under these filters."""
+        if world is self._world:
+            known = self._known.get((gap, cutoff, penetrating, mode))
+            if (
+                known is not None
+                and known.handles is known.near.handles
+                and known.filters is filters
+                and known.version == filters.version
+            ):
+                return known
+        return self._prepare(world, filters, Asked(gap, cutoff, penetrating, mode))
+
+    def forget_list(self, cutoff: float) -> None:
+        """Give back the list that queries with such a cutoff work on."""
+        self._lists.pop(math.isinf(cutoff))
+        self._known.clear()
+
+    def _prepare(self, world: World, filters: FilterState, asked: Asked) -> Prepared:
+        """Prepare a query anew, or once more."""
+        if world is not self._world:
+            self._world, self._lists, self._known = world, {}, {}
+            self._report.told[[CONTACT_A, CONTACT_B]] = -1
+        # A list of all pairs would be a burden to the queries of near ones.
+        unlimited = asked.cutoff == math.inf
+        near = self._lists.get(unlimited)
+        if near is None:
+            near = self._lists[unlimited] = NeighbourList(world, unlimited)
+        known = self._known.get(asked)
+        if known is None:
+            if len(self._known) == _MOST:
+                del self._known[next(iter(self._known))]
+            known = self._known[asked] = Prepared(asked, world, near, self._report_handle)
+        known.hand_over(filters)
+        return known

@@ -1,0 +1,139 @@
+"""The excluded pairs as packed bits: written a row at a time, read a pair at a time.
+
+``bits[layer, bit_rows[i], j >> 3]`` has bit ``j & 7`` set where the pair of slots (i, j) is
+excluded, and the same for (j, i), so that everything that concerns a slot stands in its own row.
+``BASE`` is the persistent configuration, ``CURRENT`` the one that transient declarations have led
+to. A slot of which no pair was ever excluded has no row, but ``NO_ROW``: most of a scene of
+thousands have no filter, and nothing is kept or read for them. m rows for n slots take m * n / 4
+bytes: 6.3 MB where each of 5000 slots has one.
+
+The invariant pairs are not in the bits: ``reportable`` compares bodies instead. So a statement
+about a set needs no care for them, and no order of statements can lose one. ``bodies`` has a
+number of at least 0 for each slot, equal where the pair is invariant, and its complement
+``~body`` while the slot is deactivated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+
+Slots = NDArray[np.int64]
+Bits = NDArray[np.uint8]
+Flags = NDArray[np.bool_]
+BitRows = NDArray[np.int32]
+
+NO_ROW = -1
+BASE = 0
+CURRENT = 1
+
+_STEP = 64  # rows then start on whole cache lines' worth of bits
+_GROWTH_SIXTEENTHS = 17  # of the former capacity; then 5000 slots need at most 7.1 MB
+
+
+def empty_bits() -> Bits:
+    """Return the bits of no slots at all."""
+    return np.zeros((2, 0, 0), dtype=np.uint8)
+
+
+def capacity_for(wanted: int, former: int) -> int:
+    """Return for how many slots, or rows, to make room where there was room for fewer."""
+    return (max(wanted, former * _GROWTH_SIXTEENTHS // 16) // _STEP + 1) * _STEP
+
+
+def grown_bits(bits: Bits, rows: int, slots: int) -> Bits:
+    """Return a copy with room for more rows or slots, whose pairs are not excluded."""
+    grown = np.zeros((2, rows, slots // 8), dtype=np.uint8)
+    grown[:, : bits.shape[1], : bits.shape[2]] = bits
+    return grown
+
+
+def clear_slot(bits: Bits, bit_rows: BitRows, slot: int) -> None:
+    """Forget everything that was said of a slot, so that it can be given to a newcomer."""
+    if bit_rows[slot] != NO_ROW:
+        bits[:, bit_rows[slot], :] = 0
+        bits[:, :, slot >> 3] &= np.uint8(0xFF ^ (1 << (slot & 7)))
+
+
+@compiled
+def write_pairs(
+    bits: Bits, bit_rows: BitRows, first_layer: int, slots_a: Slots, slots_b: Slots, excludes: bool
+) -> bool:
+    """Exclude or allow all pairs between two sets, from a layer on; return if any bit changed."""
+    changed = False
+    for layer in range(first_layer, 2):
+        changed |= write_rows(bits, bit_rows, layer, slots_a, slots_b, excludes)
+        changed |= write_rows(bits, bit_rows, layer, slots_b, slots_a, excludes)
+    return changed
+
+
+@allocating
+def write_rows(
+    bits: Bits, bit_rows: BitRows, layer: int, slots: Slots, columns: Slots, excludes: bool
+) -> bool:
+    """Exclude or allow the pairs (slot, column), in the slots' rows; return if any bit changed.
+
+    Slots without a row are left out: of them there is nothing to allow, and who excludes gives
+    them rows first.
+    """
+    if columns.size == 0:
+        return False
+    first = columns[0] >> 3
+    last = first
+    for column in columns:
+        first = min(first, column >> 3)
+        last = max(last, column >> 3)
+    pattern = np.zeros(last - first + 1, dtype=np.uint8)
+    for column in columns:
+        pattern[(column >> 3) - first] |= np.uint8(1 << (column & 7))
+    difference = np.uint8(0)
+    for slot in slots:
+        if bit_rows[slot] == NO_ROW:
+            continue
+        line = bits[layer, bit_rows[slot], first : last + 1]
+        for k in range(pattern.size):
+            before = line[k]
+            after = before | pattern[k] if excludes else before & ~pattern[k]
+            line[k] = after
+            difference |= np.uint8(before ^ after)
+    return bool(difference != 0)
+
+
+@inlined
+def may_report(bits: Bits, bodies: Slots, bit_rows: BitRows, slot_a: int, slot_b: int) -> bool:
+    """Tell whether a pair may be reported."""
+    # Unsigned indices spare the test for negative ones, a third of the whole time.
+    i, j = np.uint64(slot_a), np.uint64(slot_b)
+    excluded = np.uint8(0)
+    if bit_rows[i] != NO_ROW:
+        row = np.uint64(bit_rows[i])
+        excluded = bits[CURRENT, row, j >> np.uint64(3)] >> np.uint8(j & np.uint64(7))
+    body_a, body_b = bodies[i], bodies[j]
+    return bool((excluded & np.uint8(1) == 0) & (body_a != body_b) & ((body_a | body_b) >= 0))
+
+
+@allocating
+def reportable(
+    bits: Bits, bodies: Slots, bit_rows: BitRows, slots_a: Slots, slots_b: Slots
+) -> Flags:
+    """Return for each pair whether it may be reported."""
+    answer = np.empty(slots_a.size, dtype=np.bool_)
+    for k in range(slots_a.size):
+        answer[k] = may_report(bits, bodies, bit_rows, slots_a[k], slots_b[k])
+    return answer
+
+
+@compiled
+def count_filtered(bits: Bits, bodies: Slots, bit_rows: BitRows, slots: Slots) -> int:
+    """Return how many pairs of ``slots`` are filtered without being invariant."""
+    count = 0
+    for a in range(slots.size):
+        i = slots[a]
+        for b in range(a):
+            j = slots[b]
+            body_a, body_b = bodies[i], bodies[j]
+            if max(body_a, ~body_a) != max(body_b, ~body_b):
+                count += not may_report(bits, bodies, bit_rows, i, j)
+    return count

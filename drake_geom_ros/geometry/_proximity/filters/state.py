@@ -1,0 +1,352 @@
+"""Which pairs may be reported, and why not.
+
+The candidates are ``C = (G x G) - (A x A) - F - I``: pairs of geometries with the proximity
+role, without those of two anchored ones, of one frame, and of a geometry with itself. Within
+these limits groups, cliques and declarations change C, and the last word about a pair counts:
+to allow a pair is to have it reported, also when a group or a clique excluded it earlier, and a
+group that is defined later excludes it again. A deactivated geometry is in no pair, whatever
+was said of it; all that was said counts again once it is activated. A geometry that is added
+starts with the invariants only, but for groups that ignore the universal group, to which it
+belongs as all do.
+
+Four files: ``filter_matrix`` holds the outcome and answers queries, ``filter_log`` holds what
+was said, ``filter_groups`` the bit masks of groups, and this one keeps the three in step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.filters import matrix as filter_matrix
+from drake_geom_ros.geometry._proximity.filters.groups import UNIVERSAL, FilterGroups
+from drake_geom_ros.geometry._proximity.filters.log import (
+    Entry,
+    FilterLog,
+    Keys,
+    Statement,
+    clique,
+    group_relation,
+)
+from drake_geom_ros.geometry._proximity.filters.matrix import (
+    BASE,
+    CURRENT,
+    NO_ROW,
+    BitRows,
+    Flags,
+    Slots,
+)
+
+_ANCHORED = 0  # the body of all anchored geometries; a frame's is its id, and ids start at 1
+
+
+class FilterState:
+    """The collision filters of one scene; geometries and frames are plain int ids (keys).
+
+    ``version`` changes whenever ``mask`` may answer otherwise than before. The slot of a
+    geometry stays the same for as long as it is in here. What is asked of an unknown key raises
+    KeyError: ids are checked by those who take them from users.
+    """
+
+    def __init__(self) -> None:
+        self.version = 0
+        self.groups = FilterGroups()
+        self._log = FilterLog()
+        self._slot_of: dict[int, int] = {}
+        self._free: list[int] = []
+        self._bits = filter_matrix.empty_bits()
+        self._bodies: Slots = np.zeros(0, dtype=np.int64)
+        self._bit_rows: BitRows = np.zeros(0, dtype=np.int32)
+        self._free_rows: list[int] = []
+        self._table: tuple[NDArray[np.int64], Slots] | None = None
+        # Frames welded to the world, with the first pose of each (POSE_WIDTH,) once it has one.
+        self.welded: dict[int, NDArray[np.float64] | None] = {}
+
+    def copy(self) -> FilterState:
+        """Return a state that shares nothing that either could change."""
+        other = FilterState()
+        other.version = self.version
+        other.groups = self.groups.copy()
+        other._log = self._log.copy()
+        other._slot_of = dict(self._slot_of)
+        other._free = list(self._free)
+        other._bits = self._bits.copy()
+        other._bodies = self._bodies.copy()
+        other._bit_rows = self._bit_rows.copy()
+        other._free_rows = list(self._free_rows)
+        other._table = self._table
+        other.welded = dict(self.welded)
+        return other
+
+    # Geometries come and go.
+
+    def add(self, key: int, frame: int, anchored: bool) -> None:
+        """Take in a geometry that gets the proximity role."""
+        if not self._free:
+            self._grow()
+        slot = self._free.pop()
+        self._slot_of[key] = slot
+        self._bodies[slot] = _ANCHORED if anchored or frame in self.welded else frame
+        self._table = None
+        self.version += 1
+        self._log.register(key)
+        for name in self.groups.ignoring(UNIVERSAL):
+            entry = group_relation(name, self.groups.members(name), UNIVERSAL, (key,))
+            self._write(entry, BASE)
+
+    def remove(self, key: int) -> None:
+        """Let go of a geometry that loses the proximity role; nothing said of it remains."""
+        slot = self._slot_of.pop(key)
+        filter_matrix.clear_slot(self._bits, self._bit_rows, slot)
+        if (bit_row := int(self._bit_rows[slot])) != NO_ROW:
+            self._bit_rows[slot] = NO_ROW
+            self._free_rows.append(bit_row)
+        self._free.append(slot)
+        self._table = None
+        self.groups.forget(key)
+        self._log.forget(key)
+        self.version += 1
+
+    def weld(self, frame: int, keys: Iterable[int]) -> None:
+        """Count the geometries of a frame, ``keys`` and those to come, among the anchored ones."""
+        self.welded.setdefault(frame, None)
+        self._join(keys, _ANCHORED)
+
+    def unweld(self, frame: int, keys: Iterable[int]) -> None:
+        """Count the geometries of a frame among those of a body that moves."""
+        del self.welded[frame]
+        self._join(keys, frame)
+
+    def _join(self, keys: Iterable[int], body: int) -> None:
+        for key in keys:
+            slot = self._slot_of[key]
+            self._bodies[slot] = body if self._bodies[slot] >= 0 else ~body
+        self.version += 1
+
+    def all_keys(self) -> list[int]:
+        """Return the geometries in here, ascending."""
+        return sorted(self._slot_of)
+
+    def knows(self, keys: Iterable[int]) -> bool:
+        """Return whether all of the geometries are in here."""
+        return all(map(self._slot_of.__contains__, keys))
+
+    # What queries ask.
+
+    def slots(self, keys: NDArray[np.int64]) -> Slots:
+        """Return the slot of each geometry."""
+        if self._table is None:
+            known = np.array(self.all_keys(), dtype=np.int64)
+            self._table = known, self._slots_of(known.tolist())
+        known, slots = self._table
+        return slots[np.searchsorted(known, keys)]
+
+    def mask(self, slots_a: Slots, slots_b: Slots) -> Flags:
+        """Return for each pair of slots whether it may be reported."""
+        flags: Flags = filter_matrix.reportable(*self.matrix, slots_a, slots_b)
+        return flags
+
+    @property
+    def matrix(self) -> tuple[filter_matrix.Bits, Slots, BitRows]:
+        """The bits, and body and row by slot, for compiled code, until the next change."""
+        return self._bits, self._bodies, self._bit_rows
+
+    def filtered(self, key_a: int, key_b: int) -> bool:
+        """Return whether a pair is kept from being reported, for whatever reason."""
+        return not self.mask(self._slots_of((key_a,)), self._slots_of((key_b,)))[0]
+
+    def explain(self, key_a: int, key_b: int) -> list[str]:
+        """Return why a pair is filtered: each of these would do alone; empty if it is not.
+
+        ``self``, ``anchored`` or ``same frame`` (which nothing can change), ``deactivated``,
+        then what excluded the pair since it was last allowed, newest first: ``transient
+        declaration ID``, ``persistent declaration N`` (counted from 0), ``group NAME`` (the one
+        that ignores the other's) and ``clique NAME``. Of declarations about exactly the same
+        sets the last one is named.
+        """
+        body_a, body_b = self._bodies[self._slots_of((key_a, key_b))].tolist()
+        reasons = []
+        if key_a == key_b:
+            reasons.append('self')
+        elif _body(body_a) == _body(body_b):
+            reasons.append('anchored' if _body(body_a) == _ANCHORED else 'same frame')
+        if body_a < 0 or body_b < 0:
+            reasons.append('deactivated')
+        return reasons + self._log.reasons(key_a, key_b)
+
+    def filtered_pairs(self) -> int:
+        """Return how many pairs are filtered although they are not invariant."""
+        slots = self._slots_of(self._slot_of)
+        return int(filter_matrix.count_filtered(*self.matrix, slots))
+
+    # Declarations, groups and cliques.
+
+    def apply(self, statements: Iterable[Statement]) -> None:
+        """Make a persistent declaration; later statements win."""
+        for entry in self._log.declare(statements):
+            self._write(entry, BASE)
+
+    def add_group(self, name: str, members: Iterable[int], ignored: Iterable[str]) -> None:
+        """Define a group, or add to it, and declare all relations that it takes part in."""
+        self.groups.define(name, members, ignored)
+        for ignoring, other in self.groups.relations(name):
+            its_members = None if other == UNIVERSAL else self.groups.members(other)
+            mine = self.groups.members(ignoring)
+            if mine and its_members != ():
+                self._relate(group_relation(ignoring, mine, other, its_members))
+
+    def add_clique(self, name: str, members: Iterable[int]) -> None:
+        """Define a clique, or add to it: no two of its members are reported."""
+        joined = tuple(sorted({*members, *self._log.clique_members(name)}))
+        if joined:
+            self._relate(clique(name, joined))
+
+    def cliques(self) -> dict[str, Keys]:
+        """Return the members of each clique by its name."""
+        return self._log.cliques()
+
+    def declarations(self) -> list[list[Statement]]:
+        """Return the persistent declarations, to be applied after defining groups and cliques."""
+        return self._log.declarations(tuple(self.all_keys()))
+
+    def activate(self, keys: Iterable[int]) -> None:
+        """Let geometries be reported again."""
+        self._switch(keys, active=True)
+
+    def deactivate(self, keys: Iterable[int]) -> None:
+        """Keep geometries from being reported in any pair."""
+        self._switch(keys, active=False)
+
+    def deactivated(self) -> list[int]:
+        """Return the geometries that are deactivated, ascending."""
+        return sorted(key for key, slot in self._slot_of.items() if self._bodies[slot] < 0)
+
+    # The transient history.
+
+    def apply_transient(self, statements: Iterable[Statement], filter_id: int) -> None:
+        """Make a transient declaration on top of what there is, under an id not yet used."""
+        for entry in self._log.push(filter_id, statements):
+            self._write(entry, CURRENT)
+
+    def remove_declaration(self, filter_id: int) -> bool:
+        """Remove a transient declaration and return whether there was one of that id."""
+        return bool(self.remove_declarations((filter_id,)))
+
+    def remove_declarations(self, filter_ids: Iterable[int]) -> list[int]:
+        """Remove transient declarations and return the ids of those that there were.
+
+        Only rows of geometries that they mention are built anew, and of the other transient
+        declarations only what they say about these; one pass over these serves all that go.
+        """
+        gone = list(filter(self.is_active, dict.fromkeys(filter_ids)))
+        if gone:
+            said = [entry for filter_id in gone for entry in self._log.pull(filter_id)]
+            self._replay(self._mentioned(said))
+        return gone
+
+    def flatten(self) -> None:
+        """Make the current configuration the persistent one; the history is gone."""
+        touched = self._rows_of(self._mentioned(self._log.history()))
+        self._bits[BASE, touched] = self._bits[CURRENT, touched]
+        self._log.flatten()
+
+    def is_active(self, filter_id: int) -> bool:
+        """Return whether a transient declaration is in the history."""
+        return self._log.is_active(filter_id)
+
+    @property
+    def has_transient_history(self) -> bool:
+        """Whether there are transient declarations."""
+        return self._log.has_history()
+
+    @property
+    def active_ids(self) -> list[int]:
+        """The ids of the transient declarations, first to last."""
+        return self._log.active_ids()
+
+    # How what is said becomes bits.
+
+    def _relate(self, entry: Entry) -> None:
+        """Add to the persistent base, below a history if there is one."""
+        self._log.relate(entry)
+        self._write(entry, BASE)
+        if self.has_transient_history:
+            self._replay(self._mentioned([entry]))
+
+    def _write(self, entry: Entry, first_layer: int) -> None:
+        slots_a, slots_b = self._sides(entry)
+        self.version += filter_matrix.write_pairs(
+            self._bits, self._bit_rows, first_layer, slots_a, slots_b, entry.excludes
+        )
+
+    def _replay(self, touched: Slots) -> None:
+        """Build rows of the current configuration anew from the base and the history."""
+        bit_rows = self._rows_of(touched)
+        self._bits[CURRENT, bit_rows] = self._bits[BASE, bit_rows]
+        mine = np.zeros(len(self._bodies), dtype=np.bool_)
+        mine[touched] = True
+        for entry in self._log.history():
+            a, b = self._sides(entry)
+            matrix = self._bits, self._bit_rows, CURRENT
+            filter_matrix.write_rows(*matrix, a[mine[a]], b, entry.excludes)
+            filter_matrix.write_rows(*matrix, b[mine[b]], a, entry.excludes)
+        self.version += 1
+
+    def _sides(self, entry: Entry) -> tuple[Slots, Slots]:
+        """Return the slots of both sets of an entry; if it excludes, they have rows thereafter."""
+        slots_a = slots_b = self._slots_of(entry.keys_a)
+        if entry.keys_b is not entry.keys_a:
+            slots_b = self._slots_of(self._slot_of if entry.keys_b is None else entry.keys_b)
+        if entry.excludes and slots_a.size and slots_b.size:
+            self._give_rows(slots_a)
+            self._give_rows(slots_b)
+        return slots_a, slots_b
+
+    def _give_rows(self, slots: Slots) -> None:
+        """Give rows of the matrix to those of some slots that have none."""
+        lacking = np.unique(slots[self._bit_rows[slots] == NO_ROW])
+        if (more := len(lacking) - len(self._free_rows)) > 0:
+            former = self._bits.shape[1]
+            capacity = filter_matrix.capacity_for(former + more, former)
+            self._bits = filter_matrix.grown_bits(self._bits, capacity, len(self._bodies))
+            self._free_rows += range(former, capacity)
+        for slot in lacking:
+            self._bit_rows[slot] = self._free_rows.pop()
+
+    def _rows_of(self, slots: Slots) -> BitRows:
+        """Return the rows of those of some slots that have one."""
+        bit_rows: BitRows = self._bit_rows[slots]
+        given: BitRows = bit_rows[bit_rows != NO_ROW]
+        return given
+
+    def _mentioned(self, said: Iterable[Entry]) -> Slots:
+        """Return the slots of all that some entries mention, each once."""
+        sides = [side for entry in said for side in self._sides(entry)]
+        return np.unique(np.concatenate(sides)) if sides else np.zeros(0, dtype=np.int64)
+
+    def _slots_of(self, keys: Collection[int]) -> Slots:
+        return np.fromiter(map(self._slot_of.__getitem__, keys), np.int64, len(keys))
+
+    def _switch(self, keys: Iterable[int], active: bool) -> None:
+        for key in keys:
+            slot = self._slot_of[key]
+            if (self._bodies[slot] >= 0) != active:
+                self._bodies[slot] = ~self._bodies[slot]
+                self.version += 1
+
+    def _grow(self) -> None:
+        """Make room; the lowest slots are given out first."""
+        former = len(self._bodies)
+        capacity = filter_matrix.capacity_for(former + 1, former)
+        self._bits = filter_matrix.grown_bits(self._bits, self._bits.shape[1], capacity)
+        more = capacity - former
+        self._bodies = np.concatenate((self._bodies, np.zeros(more, dtype=np.int64)))
+        self._bit_rows = np.concatenate((self._bit_rows, np.full(more, NO_ROW, dtype=np.int32)))
+        self._free = list(range(capacity - 1, former - 1, -1))
+
+
+def _body(number: int) -> int:
+    """Return the body of a slot, deactivated or not."""
+    return max(number, ~number)

@@ -1,0 +1,57 @@
+"""The kernels of the pair table by their addresses, compiled once a process, when first needed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.calling.extremes import address_at_one_metre
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import compiled_address
+from drake_geom_ros.geometry._proximity.kernels.pair_table import (
+    ALL_ROWS,
+    ROW_OF_TYPES,
+    TYPE_COUNT,
+)
+from drake_geom_ros.geometry._proximity.runtime.addresses import address_table
+from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation, compiled
+
+ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
+# Kernels are compiled once a process, whatever scene asked for them.
+ADDRESSES = address_table(len(ALL_ROWS) + 1)
+AT_ONE_METRE = len(ALL_ROWS)  # behind the rows: what takes a kernel to extreme pairs
+COMPILED_ROWS = np.zeros(len(ALL_ROWS), dtype=np.bool_)
+
+
+def table_rows(types_a: NDArray[np.int64], types_b: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the pair table's row of each pair of shape types, in either order; -1: none."""
+    low, high = np.minimum(types_a, types_b), np.maximum(types_a, types_b)
+    rows: NDArray[np.int64] = ROWS[low * TYPE_COUNT + high]
+    return rows
+
+
+def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]:
+    """Compile the kernels of table rows that are not compiled yet; return their names."""
+    missing = np.unique(rows[(rows >= 0) & ~COMPILED_ROWS[rows]]).tolist()
+    if missing and not ADDRESSES[AT_ONE_METRE]:
+        ADDRESSES[AT_ONE_METRE] = address_at_one_metre()
+    names = list(dict.fromkeys(ALL_ROWS[number].kernel for number in missing))
+    for number in missing:
+        row = ALL_ROWS[number]
+        with compilation(tell, row.kernel, names.index(row.kernel) + 1, len(names)):
+            ADDRESSES[number] = compiled_address(row.load_kernel())
+        COMPILED_ROWS[number] = True
+    return names
+
+
+@compiled
+def has_each(types, pairs, count, there):
+    """Tell whether the kernel of each of the first so many pairs is there, for these shape types.
+
+    ``there`` are ``COMPILED_ROWS``; two half spaces have no kernel and need none.
+    """
+    for k in range(count):
+        a, b = types[pairs[k, 0]], types[pairs[k, 1]]
+        row = ROWS[min(a, b) * TYPE_COUNT + max(a, b)]
+        if row >= 0 and not there[row]:
+            return False
+    return True

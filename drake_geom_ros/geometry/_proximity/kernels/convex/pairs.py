@@ -1,0 +1,390 @@
+"""Signed distance of convex pairs that have no closed form, by the cheapest way that is certain.
+
+One function, ``signed_distance_of_cores``, serves every pair and is compiled once. The cores are
+those of ``supports``. In this order, each only where the one before could not certify its answer:
+
+1. the slab along the hint, or along the line of centres, is wider than the cutoff: BOUND_ONLY;
+2. Newton's method on the normal (``normals``): apart, its two witness points are the certificate;
+3. overlapping: ``depths``, which starts from what Newton's method found;
+4. ``gjk`` from the best normal so far, and ``epa`` for what that leaves open.
+
+Hulls have no derivatives and start at 3; beside another body at 4, without a hint.
+
+Where the answer is not unique (UNIQUE is 0) the direction is the one that was come to first, which
+depends on the poses and the hint alone: the same call gives the same answer. UNIQUE is 1 where the
+bounds exclude every direction more than 8 degrees away, so with a loose tolerance it may be 0 for
+an answer that is unique.
+"""
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    MEMORY_WIDTH,
+    SLOT_WIDTH,
+    write,
+)
+from drake_geom_ros.geometry._proximity.kernels.convex.depths import (
+    depth_and_bounds,
+)
+from drake_geom_ros.geometry._proximity.kernels.convex.witnesses import (
+    drawn_to,
+    off_surfaces,
+    witnesses_of_depth,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
+from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
+    BEYOND_CUTOFF,
+    CLOSED,
+    CLOSED_ASIDE,
+    OVERLAP,
+    distance_of_cores,
+    support_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.memory import is_where_it_was
+from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
+    NOTHING,
+    nearby_minimum,
+    nowhere,
+    set_shares,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.records import (
+    Bounds,
+    Gap,
+    Minimum,
+    Overlap,
+    Pair,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.remembered import remembered_depth
+from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
+    along_centres,
+    gap_along,
+    hint_of,
+    narrower,
+    narrower_on_line,
+    start_of_hulls,
+    start_of_sums,
+)
+from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
+    difference_of,
+    difference_of_edges,
+    width,
+    witness_points,
+)
+from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
+    least_of_hull_in_barrel,
+)
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_defect
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
+    bounding_radius,
+    core_radius,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add_scaled,
+    dot,
+    norm,
+    scale,
+    sub,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOUND_ONLY,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    ITERATIVE,
+)
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    NEAR_TOUCH,
+    RIGHT_ANGLE,
+    ROUNDING,
+    SHARPER,
+    SHARPER_DEPTH,
+)
+
+
+@compiled
+def by_newton(difference, n, noise, tolerance, cutoff):
+    """Return the gap of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
+
+    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative. The
+    second result is the minimum that the gap is of.
+    """
+    terms, _, last, r_A, r_B = difference
+    lower = -width(terms, last, r_A + r_B, n)
+    if lower > cutoff:
+        set_shares(terms, last, n)
+        a, b = witness_points(difference, n)
+        return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b), nowhere(n)
+    found = nearby_minimum(difference, n, noise)
+    kind, n, h, _ = found
+    if kind == NOTHING:
+        p = vector_in(terms, 0)
+        return Gap(OVERLAP, np.inf, np.inf, n, p, p), found
+    a, b = witness_points(difference, n)
+    upper = norm(sub(a, b))
+    end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
+    if -h > cutoff:
+        end = BEYOND_CUTOFF
+    return Gap(end, upper, -h, n, a, b), found
+
+
+@compiled
+def is_strict(difference, n, noise):
+    """Tell whether touching cores have no normal but n.
+
+    Normals of a point of a convex body make a cone: one that is alone around itself is alone, but
+    for its opposite where the body is flat.
+    """
+    terms, _, last, r_A, r_B = difference
+    if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
+        return False
+    return widest_cap(difference, nearby_minimum(difference, n, noise), noise) > 0.0
+
+
+@compiled
+def is_polytope(kind):
+    """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
+    return kind != CYLINDER and kind != ELLIPSOID
+
+
+@inlined
+def has_its_digits(pair, difference, found, noise):
+    """Tell whether bounds ``found`` [m] apart are as close as Newton's method could bring them.
+
+    Of two polytopes, one a hull, where they are rounding apart; beside a round body the normal is
+    not as good then.
+    """
+    polytopes = is_polytope(pair.kind_A) and is_polytope(pair.kind_B)
+    return difference.last == 0 and found <= noise and polytopes
+
+
+@allocating
+def sharpened(pair, difference, n, found, noise, tolerance):
+    """Return the gap with its last digits, by Newton's method from near n; CLOSED if that did it.
+
+    Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
+    may be tells the slab along the normal.
+    """
+    hulls = difference.last == 0
+    if hulls:
+        difference = difference_of_edges(pair, n)
+    gap, _ = by_newton(difference, n, noise, tolerance, np.inf)
+    end, distance, lower, n, a, b = gap
+    if hulls:
+        lower = min(lower, gap_along(pair, n))
+        if distance - lower > max(found, noise):
+            end = OVERLAP
+    return Gap(end, distance, lower, n, a, b)
+
+
+@allocating
+def beside_an_axis(pair, difference, found, noise, tolerance):
+    """Return closer bounds of a tiny hull just beside a long axis; else those ``found``.
+
+    The simplex of GJK is a sliver there, of a normal with few digits. Across the axis the least
+    width, which is the gap where it is below 0, has a closed form: its normal is good.
+    """
+    if found.lower <= noise or found.upper - found.lower <= max(tolerance, noise):
+        return found
+    axis = pair.kind_A == CAPSULE or pair.kind_A == CYLINDER
+    if not axis or pair.kind_B != CONVEX:
+        return found
+    enough = SHARPER * tolerance
+    ring = least_of_hull_in_barrel(pair, max(enough, noise), noise)
+    end, distance, lower, n, a, b = sharpened(pair, difference, ring.n, np.inf, noise, enough)
+    if not ring.complete or end != CLOSED or lower <= noise:
+        return found
+    a, b, miss = drawn_to(distance, n, a, b)
+    return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
+
+
+@inlined
+def bounds_of_depth(pair, depth, size):
+    """Return the bounds of two cores whose depth is certain to be above 0."""
+    h, lower, n, a, b, aside, unique = depth
+    a, b, miss = witnesses_of_depth(pair, n, h, size, a, b, aside)
+    return Bounds(CLOSED, -h, -lower, -h, n, a, b, miss, unique)
+
+
+@allocating
+def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memory):
+    """Return the bounds by EPA, or by axes, and by the ``gap`` of GJK, which left something open.
+
+    ``overlap`` tells that the cores are thought to overlap, ``tolerance`` [m] is that of a depth.
+    """
+    start = nowhere(gap.n)
+    if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
+        narrow = narrower_on_line(pair, narrower(pair, gap.n, Overlap(np.inf, gap.n)))
+        start = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
+    depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
+        pair, difference, start, overlap, size, SHARPER_DEPTH * tolerance, memory
+    )
+    end, upper, lower, n, a, b = gap
+    open_, distance, unique, miss = upper - lower, upper, True, 0.0
+    upper = min(upper, -least)
+    if end == OVERLAP or upper + depth <= open_ + noise:  # else the bounds of GJK are tighter
+        distance, lower, n = -depth, max(lower, -depth), n_in
+        unique = unique_in or distance > noise
+        # EPA's where the cores are fat, GJK's where they are apart or EPA saw a flat from one end.
+        apart = norm(sub(sub(a, b), scale(depth, n)))
+        if aside <= apart:
+            a, b, apart = a_in, b_in, aside
+        a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
+        # Where h is level, the points of GJK may span the gap as they are, along another n that
+        # lacks less than these had to be moved by.
+        moved = end == CLOSED_ASIDE and distance > noise and miss > noise
+        if moved and gap.upper - gap_along(pair, gap.n) < miss:
+            distance, n, a, b, miss = gap.upper, gap.n, gap.a, gap.b, 0.0
+    elif gap_along(pair, n) < -depth:
+        # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
+        n, unique = n_in, unique_in or distance > noise
+        a, b, miss = drawn_to(distance, n, a, b)
+    return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
+
+
+@allocating
+def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
+    """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
+    noise = ROUNDING * EPS * size
+    depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
+    difference = difference_of(pair)
+    hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
+    if difference.last > 0:
+        n = start_of_sums(difference, pair.p_AB, n, hinted)
+        gap, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+        end, upper, lower, n, a, b = gap
+        if end == BEYOND_CUTOFF:
+            return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
+        if end == CLOSED:
+            distance = upper if lower > 0.0 else lower
+            unique = lower > noise or is_strict(difference, n, noise)
+            a, b, miss = drawn_to(distance, n, a, b)
+            return Bounds(end, distance, upper, lower, n, a, b, miss, unique)
+        overlap = lower < 0.0
+    else:
+        narrow, overlap = start_of_hulls(pair, n, hinted, noise)
+        n, newton = narrow.n, nowhere(narrow.n)
+        if hulls:
+            newton = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
+    if overlap:  # or so it seems: that they do is certain when a ball is in the difference
+        # (Not the literal True: for that Numba would compile all of EPA once more.)
+        found = depth_and_bounds(
+            pair, difference, newton, overlap, size, SHARPER_DEPTH * depth_tolerance, memory
+        )
+        overlap = found.lower > 0.0
+        if overlap:
+            return bounds_of_depth(pair, found, size)
+        if hulls and found.upper < -noise:  # what was found to part them
+            n = found.n
+    end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, cutoff)
+    near = upper <= NEAR_TOUCH * size or upper - lower > max(tolerance, noise)
+    if end == BEYOND_CUTOFF:
+        return Bounds(end, upper, upper, lower, n, a, b, 0.0, True)
+    if end != OVERLAP and not near:
+        if not has_its_digits(pair, difference, upper - lower, noise):
+            sharper = sharpened(pair, difference, n, upper - lower, noise, SHARPER * tolerance)
+            if sharper.end == CLOSED:
+                _, distance, lower, n, a, b = sharper
+                a, b, miss = drawn_to(distance, n, a, b)
+                return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
+        if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
+            return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True)
+    gap = Gap(end, upper, lower, n, a, b)
+    found = bounds_of_both(pair, difference, gap, overlap, size, depth_tolerance, noise, memory)
+    return beside_an_axis(pair, difference, found, noise, tolerance)
+
+
+@inlined
+def bounds_along(pair, n):
+    """Return the bounds that the support points along n give."""
+    a, b = support_points(pair, n, RIGHT_ANGLE)
+    lower, upper = dot(sub(b, a), n), norm(sub(b, a))
+    return Bounds(BEYOND_CUTOFF, lower, upper, lower, n, a, b, 0.0, True)
+
+
+@inlined
+def is_loose(found, enough):
+    """Tell whether the bounds of ``bounds_of_cores`` are far apart, or its points off."""
+    return found.end != BEYOND_CUTOFF and width_of(found) > 4.0 * enough
+
+
+@inlined
+def width_of(found):
+    """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
+    return max(found.upper - found.lower, found.miss)
+
+
+@inlined
+def bounds_of_best_start(pair, n, width, hinted, size, tolerance, cutoff, memory):
+    """Return the bounds of the signed distance of two cores, from another start if one is bad.
+
+    ``width`` [m] is that of their overlap along n.
+
+    A bad hint can lead where nothing better is found than bounds that are far apart, and so can
+    the line of centres of a needle; the normal that was found there is as a rule a good hint.
+    """
+    noise = ROUNDING * EPS * size
+    remembers = memory.size >= MEMORY_WIDTH and memory[0] > 0.0
+    if remembers and is_where_it_was(memory, pair.p_AB, size):
+        sure, depth = remembered_depth(pair, Overlap(width, n), memory, size, noise)
+        if sure:
+            return bounds_of_depth(pair, depth, size)
+    found = bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory)
+    enough = max(tolerance, noise)
+    for again in range(2):
+        if not is_loose(found, enough):
+            break
+        cold = hinted and again == 0
+        start = along_centres(pair.p_AB) if cold else found.n
+        other = bounds_of_cores(pair, start, not cold, size, tolerance, cutoff, memory)
+        if width_of(other) < width_of(found):
+            found = other
+    return found
+
+
+@compiled
+def signed_distance_of_cores(
+    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
+):
+    """Write the result row of two convex shapes, given by type number and parameters."""
+    r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
+    p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])
+    size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
+    n, hinted = hint_of(out, p)
+    noise = ROUNDING * EPS * size
+    pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
+    hulls = kind_A == CONVEX and kind_B == CONVEX
+    memory = part(out, min(SLOT_WIDTH, out.size) if hulls else out.size, out.size)
+    cutoff += r_A + r_B
+    found = bounds_along(pair, n)
+    if not found.lower > cutoff:
+        found = bounds_of_best_start(
+            pair, n, -found.lower, hinted, size, tolerance, cutoff, memory
+        )
+    end, distance, upper, lower, n, a, b, miss, unique = found
+    method = ITERATIVE
+    if end == BEYOND_CUTOFF:
+        method, distance, b = BOUND_ONLY, lower, add_scaled(a, lower, n)
+    if memory.size >= MEMORY_WIDTH and distance >= 0.0:
+        memory[0] = 0.0
+    error_bound = max(upper - distance, distance - lower) + noise
+    if miss > error_bound:
+        error_bound = max(error_bound, off_surfaces(pair, n, a, b, miss))
+    if kind_A == CONVEX:
+        error_bound += hull_defect(shape_A)
+    if kind_B == CONVEX:
+        error_bound += hull_defect(shape_B)
+    write(
+        out,
+        distance - r_A - r_B,
+        scale(-1.0, n),
+        add_scaled(a, r_A, n),
+        add_scaled(b, -r_B, n),
+        error_bound,
+        unique,
+        method,
+    )

@@ -1,0 +1,141 @@
+"""Bounds of one shape: its box in World axes, the ball around it and the ball inside it."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
+    ball_in_hull,
+    farthest_along_axes,
+    farthest_vertex,
+    hull_defect,
+)
+from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    dot,
+    norm,
+    rotate,
+    unrotate,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    BOX,
+    CAPSULE,
+    CONVEX,
+    CYLINDER,
+    ELLIPSOID,
+    HALF_LENGTH,
+    HALF_SPACE,
+    SHAPE_RADIUS,
+    SOLID,
+    SPHERE,
+)
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+
+Floats = NDArray[np.float64]
+
+
+class PosedShape(NamedTuple):
+    """A shape, its orientation, and the radius [m] of a ball about Go that lies in it."""
+
+    kind: int
+    shape: Floats
+    R_WG: Floats
+    inner_radius: float
+
+
+@inlined
+def has_hull(shape_type):
+    """Tell whether the shape's parameters begin with the vertices of its hull."""
+    return shape_type == CONVEX or shape_type == SOLID
+
+
+@inlined
+def support_value(shape_type, shape, n_G):
+    """Return the support value h(n) [m] from Go; n a unit vector in G. A half space has none.
+
+    Every shape but a hull is symmetric about Go: h(-n) is the same. That of a solid is its hull's.
+    """
+    x, y, z = abs(n_G[0]), abs(n_G[1]), abs(n_G[2])
+    if shape_type == SPHERE:
+        return shape[SHAPE_RADIUS]
+    if shape_type == BOX:
+        return x * shape[0] + y * shape[1] + z * shape[2]
+    if shape_type == CAPSULE:
+        return shape[SHAPE_RADIUS] + z * shape[HALF_LENGTH]
+    if shape_type == CYLINDER:
+        return shape[SHAPE_RADIUS] * math.sqrt(x * x + y * y) + z * shape[HALF_LENGTH]
+    if shape_type == ELLIPSOID:
+        return norm((x * shape[0], y * shape[1], z * shape[2]))
+    if has_hull(shape_type):
+        farthest = farthest_vertex(shape, n_G[0], n_G[1], n_G[2])
+        return dot(n_G, farthest) + hull_defect(shape)
+    return math.inf
+
+
+@compiled
+def box_half_extents(shape_type, shape, R_WG, half_extents):
+    """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
+    if has_hull(shape_type):
+        half_extents[0], half_extents[1], half_extents[2] = farthest_along_axes(shape, R_WG)
+        return
+    for k in range(3):
+        e_G = (R_WG[k, 0], R_WG[k, 1], R_WG[k, 2])
+        half_extents[k] = support_value(shape_type, shape, e_G)
+
+
+@compiled
+def outer_radius(shape_type, shape):
+    """Return the largest distance [m] of a point of the shape from Go; infinite for a plane."""
+    return math.inf if shape_type == HALF_SPACE else bounding_radius(shape_type, shape)
+
+
+@compiled
+def inner_radius(shape_type, shape):
+    """Return the radius of a ball about Go that lies in the shape; 0 for hulls and solids."""
+    if shape_type == SPHERE or shape_type == CAPSULE:
+        return shape[SHAPE_RADIUS]
+    if shape_type == BOX or shape_type == ELLIPSOID:
+        return min(shape[0], shape[1], shape[2])
+    if shape_type == CYLINDER:
+        return min(shape[SHAPE_RADIUS], shape[HALF_LENGTH])
+    return 0.0
+
+
+@allocating
+def shape_radii(types, starts, pool):
+    """Return outer and inner radii (n,), (n,) [m] about each Go."""
+    outer, inner = np.empty(types.size), np.empty(types.size)
+    for k in range(types.size):
+        shape = pool[starts[k] : starts[k + 1]]
+        outer[k] = outer_radius(types[k], shape)
+        inner[k] = inner_radius(types[k], shape)
+    return outer, inner
+
+
+@inlined
+def point_inside(shape_type, shape, R_WG, n_W):
+    """Return the centre of the ball inside a shape, from Go in World: a vertex of a hull, else Go.
+
+    The origin of a hull may lie outside it, and that of a solid too.
+    """
+    if not has_hull(shape_type):
+        return 0.0, 0.0, 0.0
+    x, y, z = unrotate(R_WG, n_W)
+    return rotate(R_WG, farthest_vertex(shape, x, y, z))
+
+
+@allocating
+def balls_inside(types, starts, pool):
+    """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; 0: none."""
+    centres, radii = np.zeros((types.size, 3)), np.zeros(types.size)
+    for k in range(types.size):
+        shape = pool[starts[k] : starts[k + 1]]
+        if types[k] == CONVEX:
+            centre, radii[k] = ball_in_hull(shape)
+            for c in range(3):
+                centres[k, c] = centre[c]
+        elif types[k] < CONVEX and types[k] != HALF_SPACE:
+            radii[k] = inner_radius(types[k], shape)
+    return centres, radii

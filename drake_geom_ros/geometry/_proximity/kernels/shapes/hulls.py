@@ -1,0 +1,215 @@
+"""The vertices of a convex hull: which is extreme along a direction, and how far they reach.
+
+The parameters of a hull are the number n of its vertices, their n x, n y and n z, its *defect*,
+centre and radius of a ball in it, and its radius about Go. Those of a large one, whose defect is
+not 0, go on: the vertices extreme along -x, x, -y, y, -z, z, the places of n + 1 lists, and the
+lists of the neighbours of each vertex along the edges (``hull_parameters`` makes them). A vertex
+is named by the place of its x, 1 to n. Vertices alone make a hull too, whose ball is not known.
+
+Where all vertices are looked at, ``summit`` does it, several at a time.
+
+A large hull is climbed, from neighbour to neighbour, for as long as that leads farther along the
+direction: on a convex polytope there is no other summit. At a vertex that is almost flat rounding
+may hide the way on; its list has a negative place, and all vertices are looked at instead. The
+defect [m] is by how much the vertex found elsewhere may fall short of the true one.
+"""
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.kernels.shapes.summit import summit
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
+from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.larger import larger
+from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
+
+# Places after the coordinates.
+DEFECT = 1
+BALL = 2  # 4: centre and radius
+RADIUS = 6
+SUMMITS = 7  # 6
+LISTS = 13
+# Vertices from which on several are looked at a time: of fewer, one by one is faster.
+SEVERAL = 32
+
+
+@inlined
+def hull_defect(shape):
+    """Return how far [m] the vertices of ``farthest_vertex`` may fall short of the true ones."""
+    end = 3 * int(shape[VERTEX_COUNT])
+    return shape[end + DEFECT] if shape.size > end + DEFECT else 0.0
+
+
+@inlined
+def ball_in_hull(shape):
+    """Return (centre, radius) [m] of a ball in a hull; the radius is 0 where none is known."""
+    place = 3 * int(shape[VERTEX_COUNT]) + BALL
+    if shape.size <= place + 3:
+        return (0.0, 0.0, 0.0), 0.0
+    return (shape[place], shape[place + 1], shape[place + 2]), shape[place + 3]
+
+
+@inlined
+def vertex_at(shape, k):
+    """Return vertex k of a hull, 1 to n."""
+    # Unsigned numbers: the test for negative ones would double the time of a loop.
+    n, k = _count(shape), np.uint64(k)
+    return shape[k], shape[k + n], shape[k + n + n]
+
+
+@inlined
+def _count(shape):
+    return np.uint64(int(shape[VERTEX_COUNT]))
+
+
+@inlined
+def _along(shape, n, k, x, y, z):
+    """Return how far vertex k of n is along (x, y, z)."""
+    return shape[k] * x + shape[k + n] * y + shape[k + n + n] * z
+
+
+@inlined
+def _farthest_of_few(shape, n, x, y, z):
+    """Return the first of n vertices that are extreme along (x, y, z)."""
+    first = np.uint64(1)
+    best, value = first, _along(shape, n, first, x, y, z)
+    for k in range(np.uint64(2), n + first):
+        candidate = _along(shape, n, k, x, y, z)
+        if candidate > value:
+            best, value = k, candidate
+    return np.int64(best)
+
+
+@compiled
+def _farthest_of_all(shape, x, y, z):
+    """Return the first of the vertices that are extreme along (x, y, z)."""
+    n = _count(shape)
+    if n < SEVERAL:
+        return _farthest_of_few(shape, n, x, y, z)
+    return summit(shape, np.int64(n), x, y, z)
+
+
+@inlined
+def _summit(shape, end, x, y, z):
+    """Return the vertex that is extreme along the axis nearest to (x, y, z)."""
+    along, value = 0, x
+    if abs(y) > abs(value):
+        along, value = 2, y
+    if abs(z) > abs(value):
+        along, value = 4, z
+    return int(shape[end + SUMMITS + along + (1 if value > 0.0 else 0)])
+
+
+@compiled
+def _climbed(shape, end, x, y, z):
+    """Return the place of the vertex that is extreme along (x, y, z), up to the defect."""
+    here = _summit(shape, end, x, y, z)
+    # The path visits no vertex twice, for each is farther than the one before.
+    for _ in range(int(shape[VERTEX_COUNT])):
+        place = end + LISTS + here - 1
+        first, last = int(shape[place]), int(abs(shape[place + 1]))
+        if first < 0:
+            return _farthest_of_all(shape, x, y, z)
+        p, best, gain = vertex_at(shape, here), here, 0.0
+        for k in range(first, last):
+            u = int(shape[k])
+            # Differences of neighbours: what rounding hides is relative to the edge.
+            d = dot(sub(vertex_at(shape, u), p), (x, y, z))
+            if d > gain:
+                best, gain = u, d
+        if best == here:
+            break
+        here = best
+    return here
+
+
+@inlined
+def farthest(shape, x, y, z):
+    """Return the place of the vertex that is extreme along the unit vector (x, y, z)."""
+    if hull_defect(shape) > 0.0:
+        return _climbed(shape, 3 * int(shape[VERTEX_COUNT]), x, y, z)
+    return _farthest_of_all(shape, x, y, z)
+
+
+@compiled
+def farthest_vertex(shape, x, y, z):
+    """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
+    return vertex_at(shape, farthest(shape, x, y, z))
+
+
+@inlined
+def _slope(shape, here, k, x, y, z):
+    """Return the squared slope of the line from vertex ``here`` to k, inf where they are one.
+
+    Down along (x, y, z); the square needs no square root.
+    """
+    u, v, w = sub(vertex_at(shape, k), vertex_at(shape, here))
+    fall, length = larger(-(u * x + v * y + w * z), 0.0), u * u + v * v + w * w
+    return fall * fall / length if length > 0.0 else math.inf
+
+
+@inlined
+def _least_slope(shape, here, x, y, z):
+    """Return the vertex to which the line from vertex ``here`` has the least slope."""
+    n, first = _count(shape), np.uint64(1)
+    steepest = -math.inf  # of the slopes' opposites, for the sake of ``larger``
+    for k in range(first, n + first):
+        steepest = larger(-_slope(shape, here, k, x, y, z), steepest)
+    best = n
+    for k in range(first, n + first):
+        best = min(best, k if -_slope(shape, here, k, x, y, z) == steepest else n)
+    return np.int64(best)
+
+
+@compiled
+def farthest_edge(shape, x, y, z):
+    """Return the vertex of a hull extreme along the unit (x, y, z), and another.
+
+    The line to the other falls away from the direction with the least slope: it is an edge of the
+    hull, and where a turn of the direction brings another vertex to the fore, the first one. So
+    only neighbours are looked at where they are listed.
+    """
+    here = farthest(shape, x, y, z)
+    end = 3 * int(shape[VERTEX_COUNT])
+    place, listed = end + LISTS + here - 1, hull_defect(shape) > 0.0
+    if not listed or shape[place] < 0.0:
+        return vertex_at(shape, here), vertex_at(shape, _least_slope(shape, here, x, y, z))
+    other, least = here, math.inf
+    for k in range(int(shape[place]), int(abs(shape[place + 1]))):
+        u = int(shape[k])
+        slope = _slope(shape, here, u, x, y, z)
+        if slope < least:
+            other, least = u, slope
+    return vertex_at(shape, here), vertex_at(shape, other)
+
+
+@compiled
+def hull_radius(shape):
+    """Return the largest distance [m] of a vertex from Go."""
+    place = 3 * int(shape[VERTEX_COUNT]) + RADIUS
+    if shape.size > place:
+        return shape[place]
+    n, farthest = _count(shape), 0.0
+    for k in range(np.uint64(1), n + np.uint64(1)):
+        x, y, z = shape[k], shape[k + n], shape[k + n + n]
+        farthest = larger(x * x + y * y + z * z, farthest)
+    if SMALL_SQUARE < farthest < LARGE_SQUARE:
+        return math.sqrt(farthest)
+    farthest = 0.0
+    for k in range(1, int(n) + 1):
+        farthest = max(farthest, norm(vertex_at(shape, k)))
+    return farthest
+
+
+@compiled
+def farthest_along_axes(shape, R):
+    """Return how far [m] the vertices reach along each row of R (3, 3), or against it."""
+    along_x, along_y, along_z = 0.0, 0.0, 0.0
+    for k in range(np.uint64(1), _count(shape) + np.uint64(1)):
+        x, y, z = vertex_at(shape, k)
+        along_x = larger(abs(R[0, 0] * x + R[0, 1] * y + R[0, 2] * z), along_x)
+        along_y = larger(abs(R[1, 0] * x + R[1, 1] * y + R[1, 2] * z), along_y)
+        along_z = larger(abs(R[2, 0] * x + R[2, 1] * y + R[2, 2] * z), along_z)
+    return along_x, along_y, along_z

@@ -1,0 +1,111 @@
+"""Parameters of SOLID: a hull, then the triangles under a tree of boxes.
+
+The tree is a heap: node k has the children 2 k + 1 and 2 k + 2, and there are a power of two of
+leaves, so links need no room. Leaf i of L holds triangles ``i n // L`` up to ``(i + 1) n // L``,
+one to four of them. It is made level by level, every box cut at the median of the triangles'
+middles along its longest side, all boxes of a level in one sort.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    AREA,
+    AREA_VECTOR,
+    CENTRE,
+    MOMENT,
+    MOST_IN_LEAF,
+    RADIUS,
+)
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NODE_WIDTH, UPPER
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+SUMS = 16  # numbers that a node is made of
+
+
+def solid_parameters(
+    hull: Floats, corners: Floats, pieces: Indices, planes: Floats
+) -> tuple[Floats, Indices]:
+    """Return the kernel parameters of a solid and the numbers (n,) of its triangles in them.
+
+    Parameters are laid out as ``kernels.solids.tree`` says. ``hull`` are the parameters of CONVEX;
+    ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces`` (c,) a
+    triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit normal
+    and offset [m].
+    """
+    leaves = 1
+    while leaves * MOST_IN_LEAF < len(corners):
+        leaves *= 2
+    order = _order(corners.mean(axis=1), leaves)
+    corners = corners[order]
+    nodes = _nodes(corners, leaves)
+    header = np.array([len(corners), leaves, len(pieces), len(planes)], dtype=np.float64)
+    numbers = np.empty(len(corners), dtype=np.int64)
+    numbers[order] = np.arange(len(corners))
+    on_pieces = corners[numbers[pieces]].mean(axis=1)
+    parts = hull, header, nodes, corners, on_pieces, planes, np.array([float(len(hull))])
+    return np.concatenate([part.ravel() for part in parts]), numbers
+
+
+def leaf_bounds(count: int, leaves: int) -> Indices:
+    """Return where each leaf's triangles begin (L + 1,), the end last."""
+    return np.arange(leaves + 1, dtype=np.int64) * count // leaves
+
+
+def _order(middles: Floats, leaves: int) -> Indices:
+    """Return the order of triangles in the leaves, by their middles (n, 3)."""
+    count = len(middles)
+    order = np.arange(count)
+    lower, extent = middles.min(axis=0), float(np.ptp(middles, axis=0).max())
+    ends = np.array([0, count])
+    while len(ends) - 1 < leaves:
+        sizes = np.diff(ends)
+        points = middles[order]
+        spans = np.maximum.reduceat(points, ends[:-1]) - np.minimum.reduceat(points, ends[:-1])
+        segment = np.repeat(np.arange(len(sizes)), sizes)
+        along = np.argmax(spans, axis=1)[segment]
+        # One number says segment and place in it: a sort by two keys takes three times as long.
+        places = points[np.arange(count), along] - lower[along]
+        keys = segment + 0.5 * places / extent
+        order = order[np.argsort(keys, kind='stable')]
+        ends = leaf_bounds(count, 2 * len(sizes))
+    return order
+
+
+def _nodes(corners: Floats, leaves: int) -> Floats:
+    """Return the nodes (2 L - 1, NODE_WIDTH) over triangles in the order of the leaves."""
+    starts = leaf_bounds(len(corners), leaves)[:-1]
+    nodes = np.empty((2 * leaves - 1, NODE_WIDTH))
+    # Sums over the triangles below: area, area vector (3), area times middle (3), and area vector
+    # times middle (3 x 3), from the middle of it all so that no digits are lost.
+    sums = np.empty((2 * leaves - 1, SUMS))
+    origin = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
+    middles = corners.mean(axis=1) - origin
+    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(vectors, axis=1)[:, None]
+    moments = (vectors[:, :, None] * middles[:, None, :]).reshape(-1, 9)
+    each = np.hstack((areas, vectors, areas * middles, moments))
+    first = leaves - 1
+    sums[first:] = np.add.reduceat(each, starts)
+    nodes[first:, LOWER : LOWER + 3] = np.minimum.reduceat(corners.min(axis=1), starts)
+    nodes[first:, UPPER : UPPER + 3] = np.maximum.reduceat(corners.max(axis=1), starts)
+    while first > 0:
+        below, first = slice(first, 2 * first + 1), first // 2
+        level = slice(first, 2 * first + 1)
+        left, right = nodes[below][::2], nodes[below][1::2]
+        nodes[level, LOWER : LOWER + 3] = np.minimum(left[:, :3], right[:, :3])
+        nodes[level, UPPER : UPPER + 3] = np.maximum(left[:, 3:6], right[:, 3:6])
+        sums[level] = sums[below][::2] + sums[below][1::2]
+    areas, vectors, total, moments = np.split(sums, (1, 4, 7), axis=1)
+    centres = np.divide(total, areas, out=np.zeros_like(total), where=areas > 0.0)
+    about = moments - (vectors[:, :, None] * centres[:, None, :]).reshape(-1, 9)
+    nodes[:, AREA_VECTOR : AREA_VECTOR + 3], nodes[:, AREA] = vectors, areas[:, 0]
+    nodes[:, CENTRE : CENTRE + 3] = centres = centres + origin
+    far = np.maximum(centres - nodes[:, :3], nodes[:, 3:6] - centres)
+    nodes[:, RADIUS] = np.linalg.norm(far, axis=1)
+    nodes[:, MOMENT] = np.linalg.norm(about, axis=1)
+    return nodes

@@ -1,0 +1,84 @@
+"""The boxes of a tree's nodes, and the gaps between them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    Vector,
+    add,
+    norm,
+    rotate,
+    sub,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+
+NODE_WIDTH = 15
+LOWER = 0  # 3: corner of the box
+UPPER = 3  # 3
+
+
+class Box(NamedTuple):
+    """A box along the axes: its middle and half its size [m]."""
+
+    middle: Vector
+    half: Vector
+
+
+NO_BOX = Box((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
+
+
+@inlined
+def box_between(below, above):
+    """Return the box with these corners."""
+    return Box(
+        (0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), 0.5 * (below[2] + above[2])),
+        (0.5 * (above[0] - below[0]), 0.5 * (above[1] - below[1]), 0.5 * (above[2] - below[2])),
+    )
+
+
+@inlined
+def box_of_node(shape, tree, k):
+    """Return the box of node k."""
+    at = tree.nodes + NODE_WIDTH * k
+    return box_between(vector_at(shape, at + LOWER), vector_at(shape, at + UPPER))
+
+
+@inlined
+def outside(distance, reach):
+    """Return how far a coordinate is beyond a reach; 0 within."""
+    return max(abs(distance) - reach, 0.0)
+
+
+@compiled
+def gap_of_boxes(box_A, R, p, box_B):
+    """Return a lower bound [m] of the distance of two boxes, the first turned by R and moved by p.
+
+    Each is put into a box along the axes of the other: the larger of both distances. Nothing here
+    is farther from Bo than the pair's size, so a dozen roundings of EPS each make it less than
+    ROUNDING EPS size too large; whoever leaves out what is beyond a limit has added that.
+    """
+    h, k = box_A.half, box_B.half
+    d = sub(add(rotate(R, box_A.middle), p), box_B.middle)
+    in_B = (
+        outside(d[0], k[0] + abs(R[0, 0]) * h[0] + abs(R[0, 1]) * h[1] + abs(R[0, 2]) * h[2]),
+        outside(d[1], k[1] + abs(R[1, 0]) * h[0] + abs(R[1, 1]) * h[1] + abs(R[1, 2]) * h[2]),
+        outside(d[2], k[2] + abs(R[2, 0]) * h[0] + abs(R[2, 1]) * h[1] + abs(R[2, 2]) * h[2]),
+    )
+    x = R[0, 0] * d[0] + R[1, 0] * d[1] + R[2, 0] * d[2]
+    y = R[0, 1] * d[0] + R[1, 1] * d[1] + R[2, 1] * d[2]
+    z = R[0, 2] * d[0] + R[1, 2] * d[1] + R[2, 2] * d[2]
+    in_A = (
+        outside(x, h[0] + abs(R[0, 0]) * k[0] + abs(R[1, 0]) * k[1] + abs(R[2, 0]) * k[2]),
+        outside(y, h[1] + abs(R[0, 1]) * k[0] + abs(R[1, 1]) * k[1] + abs(R[2, 1]) * k[2]),
+        outside(z, h[2] + abs(R[0, 2]) * k[0] + abs(R[1, 2]) * k[1] + abs(R[2, 2]) * k[2]),
+    )
+    return max(norm(in_A), norm(in_B))
+
+
+@inlined
+def box_at(A, i):
+    """Return the box of node i of A, in A's frame."""
+    return box_of_node(A.shape, A.tree, i) if A.kind == SOLID else A.box

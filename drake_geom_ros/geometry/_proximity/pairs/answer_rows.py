@@ -1,0 +1,159 @@
+"""What a query hands out: arrays of its own, which no later change of the world reaches."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    NORMAL,
+    PAIR_WIDTH,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    add,
+    sub,
+    unrotate,
+    vector_at,
+    vector_in,
+)
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
+from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_bound, size_of_pair
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.views import row
+from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Columns of a pair's row beyond those of ``calling.pairs``; the witness points are in World now.
+P_ACA = PAIR_WIDTH  # 3: in A [m]
+P_BCB = P_ACA + 3  # 3: in B [m]
+P_FACA = P_BCB + 3  # 3: from the origin of A's frame, in World axes [m]
+P_FBCB = P_FACA + 3  # 3: from the origin of B's frame, in World axes [m]
+OVERLAPS = P_FBCB + 3  # 1 where the pair overlaps, or by its bounds may, by more than touching
+PROMISED = OVERLAPS + 1  # the largest error bound that keeps the level's promise [m]
+DEPTH = PROMISED + 1  # minus the distance [m]: to negate it costs as much as to read three columns
+BATCH_WIDTH = DEPTH + 1
+
+
+_new = tuple.__new__  # a named tuple's own takes twice as long
+
+
+class PairBatch(NamedTuple):
+    """The answers of a pair query: ids (k, 2), ascending in each, and rows (k, BATCH_WIDTH)."""
+
+    ids: Indices
+    rows: Floats
+
+    def penetrating(self) -> PairBatch:
+        """Return those that overlap by more than touching, that is by more than rounding.
+
+        Of bounds alone those that may. A depth is positive, and the middle of an interval that
+        reaches beyond 0 need not be: half of the largest depth is the answer then, and the error
+        bound grows until it holds the whole interval.
+        """
+        keep = self.rows[:, OVERLAPS] > 0.0
+        ids, rows = self.ids[keep], self.rows[keep]
+        most = rows[:, DISTANCE] + rows[:, ERROR_BOUND]
+        unsure = (rows[:, METHOD] == BOUND_ONLY) & (most > 0.0)
+        if unsure.any():
+            some = rows[unsure]
+            some[:, DISTANCE] = 0.5 * (some[:, DISTANCE] - some[:, ERROR_BOUND])
+            # As far as to the other end. Four sums, each rounded by EPS of this at most.
+            some[:, ERROR_BOUND] = (most[unsure] - some[:, DISTANCE]) * (1.0 + 4.0 * EPS)
+            spans = some[:, DISTANCE : DISTANCE + 1] * some[:, NORMAL : NORMAL + 3]
+            some[:, WITNESS_B : WITNESS_B + 3] = some[:, WITNESS_A : WITNESS_A + 3] - spans
+            some[:, DEPTH] = -some[:, DISTANCE]
+            rows[unsure] = some
+        return PairBatch(ids, rows)
+
+    def broken(self) -> NDArray[np.bool_]:
+        """Return which answers (k,) break a promise: not finite, or bounds wider than promised."""
+        finite = np.isfinite(self.rows[:, :PROMISED]).all(axis=1)
+        kept: NDArray[np.bool_] = finite & (self.rows[:, ERROR_BOUND] <= self.rows[:, PROMISED])
+        return ~kept
+
+
+class PointBatch(NamedTuple):
+    """The answers of a point query: k rows, each of a point and a geometry."""
+
+    ids: Indices  # (k,) of the geometries
+    points: NDArray[np.uint32]  # (k,) which point
+    rows: Floats  # (k, POINT_WIDTH), columns of ``kernels.calling.points``
+
+
+def gathered(
+    world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, gap: float
+) -> PairBatch:
+    """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of a memory.
+
+    ``gap`` [m] is that of the level that was asked for.
+    """
+    ids = np.empty((len(hits), 2), dtype=np.int64)
+    rows = np.empty((len(hits), BATCH_WIDTH))
+    gather_rows(hits, pairs, slots, memory, gap, world.handle, ids, rows)
+    return frozen(ids, rows)
+
+
+def frozen(ids: Indices, rows: Floats) -> PairBatch:
+    """Return answers that nobody can change: whoever asks again gets the same arrays."""
+    # By position, which takes a quarter of the time of ``flags.writeable``.
+    ids.setflags(False)  # type: ignore[call-arg]
+    rows.setflags(False)  # type: ignore[call-arg]
+    return _new(PairBatch, (ids, rows))
+
+
+@inlined
+def _put(row, column, vector):  # type: ignore[no-untyped-def]
+    """Write three numbers of a row from a column on; a zero is written without a sign."""
+    for c in range(3):
+        row[column + c] = 0.0 + vector[c]
+
+
+@compiled
+def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ignore[no-untyped-def]
+    """Fill ids and rows of pairs of a world, given by its handle.
+
+    Witness points come measured from Ao, in World axes.
+    """
+    world = world_of(world)
+    types, frames, outer = world.types, world.frames, world.outer
+    R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
+    for k in range(hits.size):
+        hit = np.uint64(hits[k])
+        a, b = pairs[hit, 0], pairs[hit, 1]
+        out, told = row(memory, slots[hit]), row(rows, k)
+        ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]
+        for c in range(PAIR_WIDTH):
+            told[c] = out[c]
+        least = out[DISTANCE]
+        told[DEPTH] = -least
+        promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
+        if out[METHOD] == BOUND_ONLY:
+            least, promised = least - out[ERROR_BOUND], math.inf
+        elif out[METHOD] == MESH and least < 0.0:
+            promised = math.inf  # of overlapping solids: see ``kernels.solids.overlap``
+        touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
+        told[OVERLAPS] = 1.0 if least < touching else 0.0
+        told[PROMISED] = promised
+        p_WA, p_WB = vector_in(p_WGs, a), vector_in(p_WGs, b)
+        p_WFa, p_WFb = vector_in(p_WFs, frames[a]), vector_in(p_WFs, frames[b])
+        # Far from the origin only what is measured from a body keeps its digits.
+        p_ACa, p_ACb = vector_at(out, WITNESS_A), vector_at(out, WITNESS_B)
+        p_BCb = sub(p_ACb, sub(p_WB, p_WA))
+        _put(told, WITNESS_A, add(p_WA, p_ACa))
+        _put(told, WITNESS_B, add(p_WA, p_ACb))
+        _put(told, P_FACA, add(sub(p_WA, p_WFa), p_ACa))
+        _put(told, P_FBCB, add(sub(p_WB, p_WFb), p_BCb))
+        _put(told, P_ACA, unrotate(row(R_WGs, a), p_ACa))
+        _put(told, P_BCB, unrotate(row(R_WGs, b), p_BCb))

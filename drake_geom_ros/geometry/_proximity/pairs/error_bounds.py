@@ -1,0 +1,67 @@
+"""What an answer promises: how wide its certified bounds may be at an accuracy level.
+
+THE rule, for kernels and for those who check them: the gap of the level
+(``tolerances.LEVEL_GAPS``) times the radius of the smaller body, or 1 m where both are larger, and
+what rounding adds. Bounds alone (BOUND_ONLY) and overlapping solids promise nothing but that they
+hold.
+"""
+
+import math
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.tolerances import (
+    EPS,
+    PROMISED_ROUNDING,
+    TOUCHING_DEPTH,
+    UNSEEN_DEPTH,
+)
+from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
+
+
+@inlined
+def size_of_pair(a, b, types, outer):  # type: ignore[no-untyped-def]
+    """Return the size of a pair [m]; a half space has none of its own."""
+    size = 0.0 if types[a] == HALF_SPACE else outer[a]
+    return size if types[b] == HALF_SPACE else size + outer[b]
+
+
+@inlined
+def tolerance_of_pair(gap, a, b, outer):  # type: ignore[no-untyped-def]
+    """Return the gap [m] that a pair's bounds may have, by the gap of the level.
+
+    It is absolute for bodies of a metre and more, relative to the smaller one below.
+    """
+    return gap * min(1.0, outer[a], outer[b])
+
+
+@inlined
+def rounding_of_pair(a, b, extent, roundings):  # type: ignore[no-untyped-def]
+    """Return what composing world poses may have cost the pair [m], see ``pose_rounding``.
+
+    ``extent`` [m] is the size of the pair and the distance of the origins: no point of a body is
+    farther than this from the origin of a half space.
+    """
+    rounding = roundings[a, RADIUS] + roundings[b, RADIUS]
+    tilt = roundings[a, TILT] + roundings[b, TILT]
+    return rounding + tilt * extent if tilt > 0.0 else rounding
+
+
+@inlined
+def hides_contact(out, a, b, extent, roundings):  # type: ignore[no-untyped-def]
+    """Tell whether a pair may overlap, and rounding hides a depth that anybody would see."""
+    hidden = max(TOUCHING_DEPTH * extent, rounding_of_pair(a, b, extent, roundings))
+    return hidden > UNSEEN_DEPTH and out[DISTANCE] < out[ERROR_BOUND]
+
+
+@inlined
+def promised_bound(gap, a, b, types, outer, p_WGs, roundings):  # type: ignore[no-untyped-def]
+    """Return the largest error bound [m] that keeps the promise of a level with this gap."""
+    squared = 0.0
+    for k in range(3):
+        apart = p_WGs[b, k] - p_WGs[a, k]
+        squared += apart * apart
+    extent = size_of_pair(a, b, types, outer) + math.sqrt(squared)
+    rounding = PROMISED_ROUNDING * EPS * extent + rounding_of_pair(a, b, extent, roundings)
+    return tolerance_of_pair(gap, a, b, outer) + rounding

@@ -1,0 +1,92 @@
+"""What the pairs of now cost at each accuracy level: measured on a sample of them."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.kernels.addresses import (
+    ADDRESSES,
+    compile_rows,
+    table_rows,
+)
+from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
+from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
+from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
+from drake_geom_ros.geometry._proximity.report import COUNTS, POSTPONED
+from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Indices = NDArray[np.int64]
+
+LOOKED_AT = 4096  # pairs, of which the sample is then taken: a list of all pairs may have millions
+LAPS = 2  # times a sample is computed in one call: for closed forms the call itself counts
+TRIALS = 2  # the fastest counts: what else the machine does only ever adds
+
+
+def seconds_a_pair(
+    world: World, filters: FilterState, cutoff: float, most: int, seed: int
+) -> tuple[dict[str, float], int]:
+    """Return the seconds a pair by level, and how many pairs were sampled.
+
+    Sampled are at most ``most`` of the unfiltered pairs whose boxes are within ``cutoff`` [m], by
+    ``seed``; without any the dictionary is empty. Each is computed as if never seen before.
+    """
+    world.update()
+    near = NeighbourList(world)
+    near.bring_up_to_date(world, filters, cutoff)
+    rng = np.random.default_rng(seed)
+    pairs = _some(rng, near.pairs, LOOKED_AT)
+    waiting, distances = np.empty(len(pairs), dtype=np.int64), np.empty(len(pairs))
+    _, counts = _answer(world, pairs, math.inf, cutoff, (waiting, distances))
+    chosen = _some(rng, pairs[waiting[: counts[POSTPONED]]], most)
+    if not len(chosen):
+        return {}, 0
+    pairs = np.tile(chosen, (LAPS, 1))
+    compile_rows(table_rows(*world.geometries.types[pairs].T))
+    no_queue = waiting[:0], distances[:0]
+    costs = {}
+    for level, gap in {'bound': math.inf, **LEVEL_GAPS}.items():
+        trials = [_answer(world, pairs, gap, cutoff, no_queue) for _ in range(TRIALS)]
+        costs[level] = min(seconds for seconds, _ in trials) / len(pairs)
+    return costs, len(chosen)
+
+
+def _some(rng: np.random.Generator, pairs: Indices, most: int) -> Indices:
+    """Return at most so many of the pairs (k, 2), in their order."""
+    if len(pairs) <= most:
+        return pairs
+    return pairs[np.sort(rng.choice(len(pairs), most, replace=False))]
+
+
+def _answer(
+    world: World,
+    pairs: Indices,
+    gap: float,
+    cutoff: float,
+    queue: tuple[Indices, NDArray[np.float64]],
+) -> tuple[float, Indices]:
+    """Answer pairs (n, 2) of which nothing is known; return the seconds and what was counted."""
+    n = len(pairs)
+    slots, hits = np.arange(n), np.empty(n, dtype=np.int64)
+    memory = empty_memory(n)
+    counts = np.zeros(COUNTS, dtype=np.int64)
+    start = time.perf_counter()
+    answer_pairs(
+        ADDRESSES,
+        pairs,
+        slots,
+        memory,
+        world.handle,
+        world.revision,
+        (gap, cutoff, False),
+        -1,
+        queue,
+        hits,
+        counts,
+    )
+    return time.perf_counter() - start, counts

@@ -1,0 +1,88 @@
+"""Contacts that need no list and no kernel: of bodies whose inner balls overlap.
+
+Whoever only wants to know whether anything touches is answered by the first such pair. The one of
+last time mostly still touches; else some pairs are looked at in turn, far fewer than a list would
+take the time of.
+"""
+
+from __future__ import annotations
+
+import math
+
+from drake_geom_ros.geometry._proximity.filters.matrix import may_report
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.near.making import FEW
+from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_bound
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
+from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS
+
+# Pairs of each body that may move, looked at before the list is asked for. Of few bodies the list
+# takes hardly longer.
+LOOKS_A_BODY, LOOKS_OF_FEW = 8, 3
+
+
+@inlined
+def _along(world, a, b, c):  # type: ignore[no-untyped-def]
+    """Return how far [m] the balls in two bodies are apart along an axis of World."""
+    p_WGs, R_WGs, centres = world.p_WGs, world.R_WGs, world.ball_centres
+    apart = p_WGs[b, c] - p_WGs[a, c]
+    if world.types[a] == CONVEX:
+        for k in range(3):
+            apart -= R_WGs[a, c, k] * centres[a, k]
+    if world.types[b] == CONVEX:
+        for k in range(3):
+            apart += R_WGs[b, c, k] * centres[b, k]
+    return apart
+
+
+@inlined
+def _is_plain(world, a, b, gap):  # type: ignore[no-untyped-def]
+    """Tell whether two convex bodies overlap by so much that every level reports the pair.
+
+    What separates the bodies separates the balls in them, so these overlap by no more than the
+    bodies do. Certified answers are off by what their level promises, and those of the few pairs
+    that break the promise by far less than this share of a body.
+    """
+    radii, outer = world.ball_radii, world.outer
+    x, y, z = _along(world, a, b, 0), _along(world, a, b, 1), _along(world, a, b, 2)
+    squared, balls = x * x + y * y + z * z, radii[a] + radii[b]
+    if not squared < balls * balls or radii[a] == 0.0 or radii[b] == 0.0:
+        return False
+    apart = math.sqrt(squared)
+    rounding = world.roundings[a, RADIUS] + world.roundings[b, RADIUS]
+    depth = balls - apart - rounding - 16.0 * EPS * (apart + outer[a] + outer[b])
+    if not depth > PLAIN_DEPTH * min(radii[a], radii[b]):
+        return False
+    finite = 0.0 if math.isinf(gap) else gap  # bounds alone never miss a contact
+    bound = promised_bound(finite, a, b, world.types, outer, world.p_WGs, world.roundings)
+    return depth > 2.0 * bound
+
+
+@inlined
+def _may_touch(world, filters, a, b):  # type: ignore[no-untyped-def]
+    """Tell whether a pair may be reported."""
+    if (world.frames[a] == 0 and world.frames[b] == 0) or world.waiting[a] or world.waiting[b]:
+        return False
+    i, j = filters.slots[a], filters.slots[b]
+    return may_report(filters.bits, filters.bodies, filters.bit_rows, i, j)
+
+
+@compiled
+def quick_contact(world, filters, gap, last_a, last_b):  # type: ignore[no-untyped-def]
+    """Return the rows of a pair that plainly overlaps, or -1, -1 where none was seen.
+
+    ``last_a`` and ``last_b`` are those of last time, or -1.
+    """
+    known = last_a >= 0 and _is_plain(world, last_a, last_b, gap)
+    if known and _may_touch(world, filters, last_a, last_b):
+        return last_a, last_b
+    n = world.types.size
+    looks = LOOKS_A_BODY if n > FEW else LOOKS_OF_FEW
+    for step in range(1, min(looks, n // 2) + 1):
+        for k in range(world.movable.size):
+            a = world.movable[k]
+            b = (a + step * step) % n  # not only neighbours in the order of registration
+            if a != b and _is_plain(world, a, b, gap) and _may_touch(world, filters, a, b):
+                return min(a, b), max(a, b)
+    return -1, -1

@@ -1,0 +1,143 @@
+"""A point query in one compiled call, as ``pair_query`` is one of pairs."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import PointBatch
+from drake_geom_ros.geometry._proximity.points.point_phase import (
+    POINT_ADDRESSES,
+    POINT_ROWS,
+    point_phase,
+)
+from drake_geom_ros.geometry._proximity.report import (
+    ANSWERED,
+    BY_METHOD,
+    COMPILED,
+    CONSIDERED,
+    FAR,
+    FILTERING,
+    LIST_MADE,
+    LISTED,
+    LISTED_PAIRS,
+    POSED,
+    ReportArrays,
+    pose_world,
+    report_of,
+)
+from drake_geom_ros.geometry._proximity.runtime.clock import now
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
+from drake_geom_ros.geometry._proximity.runtime.handles import (
+    HandleField,
+    Integers,
+    handle_of,
+    taker,
+)
+from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
+from drake_geom_ros.math.tolerances import FARTHEST
+
+Floats = NDArray[np.float64]
+
+
+class PointHands(NamedTuple):
+    """The handles of all that a point query works on."""
+
+    world: HandleField
+    report: HandleField
+    kernels: HandleField  # addresses by shape type
+    pair_kernels: HandleField  # the addresses of the pair table
+    pair_rows: Integers  # (n,) of points to each geometry in that table
+
+
+_hands_of = taker(PointHands)
+
+
+@compiled
+def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+    """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
+    allowed = True
+    for k in range(p_WQs.shape[0]):
+        for c in range(3):
+            allowed &= abs(p_WQs[k, c]) <= FARTHEST  # no NaN is
+    return allowed
+
+
+@compiled
+def _run_points(  # type: ignore[no-untyped-def]
+    hands, stale, revision, named, given, p_WQs, threshold, rows, found, points, ids
+):
+    """Do what a point query does; return how many answers there are.
+
+    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``cycle``. Answers
+    for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,) comes
+    in as does not matter.
+    """
+    hands = _hands_of(hands)
+    report, capacity = report_of(hands.report), found.size
+    pose_world(hands.world, report, stale, revision, named, given)
+    told, moments, counts = report.told, report.moments, report.counts
+    moments[LISTED] = moments[COMPILED] = moments[POSED]
+    moments[FILTERING], counts[:] = 0.0, 0
+    found[:] = False
+    count = point_phase(
+        hands.kernels,
+        hands.pair_kernels,
+        hands.pair_rows,
+        hands.world,
+        p_WQs,
+        threshold,
+        rows,
+        found,
+        points,
+        ids,
+        part(counts, BY_METHOD, counts.size),
+    )
+    told[LIST_MADE], told[CONSIDERED], told[LISTED_PAIRS] = 0, capacity, capacity
+    counts[FAR] = capacity - count
+    moments[ANSWERED] = now()
+    return count
+
+
+class PointQueries:
+    """Answers the point queries of one engine."""
+
+    def __init__(self, report: ReportArrays) -> None:
+        self._report = report
+        self._world: World | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_world': None}  # the handles of a copy are others
+
+    def answer(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
+        """Return the signed distances of all geometries to points (m, 3) up to ``threshold``.
+
+        The kernels are there, and the points ``are_allowed``.
+        """
+        if self._world is not world:
+            self._hand_over(world)
+        capacity = len(p_WQs) * world.geometry_count
+        rows = np.empty((capacity, POINT_WIDTH))
+        points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
+        stale = world.is_stale
+        revision = world.revision + stale
+        posed = stale, revision, world.given_for.rows, world.given
+        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
+        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
+        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        if world.is_whole:
+            return PointBatch(ids[:count], points[:count], rows[:count])
+        there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])
+        return PointBatch(ids[there], points[there], rows[there])
+
+    def _hand_over(self, world: World) -> None:
+        """Take another world."""
+        pair_rows = POINT_ROWS[world.geometries.types]
+        self._kept = handle_of(self._report), world.handle, pair_rows  # by the handle of handles
+        hands = PointHands(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES, pair_rows)
+        self._world, self._hands = world, handle_of(hands)

@@ -1,0 +1,74 @@
+"""What a query reports of itself, as arrays that compiled code writes: counts, moments, places."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
+from drake_geom_ros.geometry._proximity.runtime.clock import now
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Flags, Integers, Reals, taker
+from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
+
+# Places of ``ReportArrays.told``.
+FRAMES_MOVED, BODIES_MOVED = 0, 1
+LIST_MADE = 2
+CONSIDERED, LISTED_PAIRS = 3, 4  # pairs before and after the filters
+CONTACT_A, CONTACT_B = 5, 6  # rows of the pair in which the last contact was; -1: none yet
+TOLD = 7
+# Places of ``ReportArrays.moments`` [s]: when a step ended, each where the next one begins; and
+# how long filters, and looks at what was known, took.
+BEGUN, POSED, LISTED, COMPILED, ANSWERED, FILTERING, KNOWING = range(7)
+MOMENTS = 7
+
+
+class ReportArrays(NamedTuple):
+    """What a query did."""
+
+    counts: Integers  # (COUNTS,) of ``narrow_phase``
+    told: Integers  # (TOLD,)
+    moments: Reals  # (MOMENTS,)
+    # No pair waits: see ``slots.Queue``.
+    waiting: Integers  # (0,)
+    distances: Reals  # (0,)
+    compiled: Flags  # the rows of the pair table
+
+
+report_of = taker(ReportArrays)
+
+
+def empty_report() -> ReportArrays:
+    """Return the report of an engine that was never asked."""
+    return ReportArrays(
+        counts=np.zeros(COUNTS, dtype=np.int64),
+        told=np.zeros(TOLD, dtype=np.int64),
+        moments=np.zeros(MOMENTS),
+        waiting=np.zeros(0, dtype=np.int64),
+        distances=np.zeros(0),
+        compiled=kernel_table.COMPILED_ROWS,
+    )
+
+
+@inlined
+def pose_world(world, report, stale, revision, named, given):  # type: ignore[no-untyped-def]
+    """Give a world its poses, as ``run_cycle`` does, and report so."""
+    told, moments = report.told, report.moments
+    moments[BEGUN] = now()
+    told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
+    if stale:
+        if given.shape[0] > 0:
+            set_poses(named, given, world)
+        told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
+    moments[POSED], moments[KNOWING] = now(), 0.0
+
+
+# What ``answer_pairs`` counts; the pairs computed by each method follow, by its number.
+FAR = 0
+CACHED = 1
+POSTPONED = 2
+WIDE = 3
+BY_METHOD = 4
+COUNTS = BY_METHOD + BOUND_ONLY + 1

@@ -1,0 +1,230 @@
+"""The decorators of all compiled code: their options, and a cache on disk that is never stale.
+
+Numba tells whether a cached function is out of date by the stamp of the one file that holds it; a
+change of a function that it calls, in another file, goes unseen. So the cache lives in a folder
+named after the content of all our sources, outside the package, which may be read-only.
+``NUMBA_CACHE_DIR`` moves it, ``NUMBA_DISABLE_JIT=1`` leaves everything uncompiled. That folder may
+be others' too, so ours is one in it, and there only what bears our names is ever removed: folders
+of older sources, when something is compiled.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from numba import cfunc, config, njit, version_info
+from numba.core import event
+
+if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
+    from drake_geom_ros.geometry._proximity.runtime import pipeline as _intermediate
+
+    intermediate: Any = _intermediate
+else:
+    intermediate = None
+
+_FOLDER = 'drake_geom_ros'
+_VERSION = 'kernels-'  # a digest follows
+_KEPT_VERSIONS = 4  # older folders are removed: a developer makes a new one with each edit
+_PACKAGE = Path(__file__).parents[3]
+# All that is compiled in, as folders and files: a test looks at what these import.
+SOURCES = tuple(_PACKAGE / name for name in ('geometry/_proximity', 'math/tolerances.py'))
+
+
+def digest_of(sources: Iterable[Path]) -> str:
+    """Return a name for the content of files, and of all sources in folders."""
+    digest = hashlib.sha256()
+    for source in sources:
+        for path in sorted(source.rglob('*.py')) if source.is_dir() else [source]:
+            digest.update(str(path.relative_to(source.parent)).encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _candidates() -> list[Path]:
+    """Return the folders that may hold the caches, the best first."""
+    if config.CACHE_DIR:
+        return [Path(config.CACHE_DIR) / _FOLDER]
+    home = os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache')
+    return [
+        Path(home) / _FOLDER,
+        Path(tempfile.gettempdir()) / f'{_FOLDER}-{os.getuid()}',
+    ]
+
+
+def _own_folder(path: Path) -> bool:
+    """Make a folder that only this user can write to; a cache that others fill runs their code."""
+    try:
+        path.mkdir(mode=0o700, parents=True, exist_ok=True)
+        return path.stat().st_uid == os.getuid() and os.access(path, os.W_OK)
+    except OSError:
+        return False
+
+
+def _cache_folder() -> str:
+    """Return the folder of this version's cache, or an empty text where none can be written."""
+    name = _VERSION + digest_of(SOURCES)
+    for base in _candidates():
+        if _own_folder(base) and _own_folder(base / name):
+            return str(base / name)
+    return ''
+
+
+CACHE_FOLDER = _cache_folder()
+
+
+@functools.cache
+def _remove_old_versions() -> None:
+    """Remove the caches of older sources but for the newest few, once a process."""
+    mine = Path(CACHE_FOLDER)
+    others = [path for path in mine.parent.glob(f'{_VERSION}*') if path.name != mine.name]
+    others.sort(key=os.path.getmtime, reverse=True)
+    for old in others[_KEPT_VERSIONS:]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+class _Compiling(event.Listener):  # type: ignore[misc]
+    """Hears of each function that is compiled, ours or not, but not of those from a cache."""
+
+    def on_start(self, event: event.Event) -> None:
+        if event.data['dispatcher'].py_func.__module__.startswith(f'{_FOLDER}.'):
+            _remove_old_versions()
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+if CACHE_FOLDER:
+    event.register('numba:compile', _Compiling())
+
+
+# Called with the name of what is compiled, its number and that of the last, when it begins.
+Tell: TypeAlias = Callable[[str, int, int], None]
+
+
+class _First(event.Listener):  # type: ignore[misc]
+    """Tells of the first function that is compiled, and not of what the cache has."""
+
+    def __init__(self, action: Callable[[], None]) -> None:
+        self._action: Callable[[], None] | None = action
+
+    def on_start(self, event: event.Event) -> None:
+        action, self._action = self._action, None
+        if action is not None:
+            action()
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+def compilation(
+    tell: Tell | None, name: str, number: int, last: int
+) -> AbstractContextManager[object]:
+    """Return a context that tells, once, when something in it has to be compiled."""
+    if tell is None:
+        return nullcontext()
+    listener = _First(lambda: tell(name, number, last))
+    listening: AbstractContextManager[object] = event.install_listener('numba:compile', listener)
+    return listening
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """Return the function compiled on its first call, without the GIL, divisions as in NumPy.
+
+    It makes no arrays and counts no references to those that it is handed: to count them took half
+    the time of the depth of two hulls, and a third of that of most pairs (``bench/costs``).
+    Compiling fails where it makes one. Whoever returns an array, in a record too, has to count as
+    its callers do, else the array is lost or freed twice; a test looks at all of them.
+    """
+    return _compiled(function)
+
+
+def inlined(function: Callable[..., Any]) -> Any:
+    """Return the function compiled as ``compiled`` does, for callers that must not call it.
+
+    For what is small and called for every pair: LLVM leaves many such calls as they are, and to
+    hand arrays and tuples over costs more than the work (half of the narrow phase of 1000 balls).
+    """
+    return _compiled(function, forceinline=True)
+
+
+def allocating(function: Callable[..., Any]) -> Any:
+    """Return the function compiled as ``compiled`` does, for one that makes arrays."""
+    return _compiled(function, counted=True)
+
+
+def view(function: Callable[..., Any]) -> Any:
+    """Return the function compiled to what shows a part of an array and holds no reference to it.
+
+    See ``intermediate``; without that it counts references.
+    """
+    if intermediate is not None and not config.DISABLE_JIT:
+        return getattr(intermediate, function.__name__)
+    return _compiled(function, forceinline=True)
+
+
+def made(function: Callable[..., Any]) -> Any:
+    """Return a function that was made, which no file has, compiled for callers that are.
+
+    It may return arrays of memory that is not its own, whoever calls it.
+    """
+    return _compiled(function, counted=True, kept=False)
+
+
+def _compiled(
+    function: Callable[..., Any],
+    *,
+    forceinline: bool = False,
+    counted: bool = False,
+    kept: bool = True,
+) -> Any:
+    before = config.CACHE_DIR
+    config.CACHE_DIR = CACHE_FOLDER
+    try:
+        dispatcher = njit(
+            cache=kept and bool(CACHE_FOLDER),
+            nogil=True,
+            error_model='numpy',
+            forceinline=forceinline,
+            **options(counted=counted),
+        )(function)
+        return for_compiled_callers(dispatcher, constants=False)
+    finally:
+        config.CACHE_DIR = before
+
+
+def options(*, counted: bool) -> dict[str, Any]:
+    """Return further options of what is compiled: see ``intermediate``."""
+    return {} if intermediate is None else intermediate.options(counted)
+
+
+def for_compiled_callers(dispatcher: Any, *, constants: bool) -> Any:
+    """Return the dispatcher, as compiled code is to call it: see ``intermediate``."""
+    if config.DISABLE_JIT or intermediate is None:
+        return dispatcher
+    return intermediate.for_compiled_callers(dispatcher, constants)
+
+
+def address_of(function: Any, signature: Any) -> Any:
+    """Compile a function, or load it from the cache on disk, and return its address for C.
+
+    Uncompiled, the address is the function.
+    """
+    if config.DISABLE_JIT:
+        return function
+    if intermediate is not None:
+        return intermediate.address_of(function, signature)
+    before = config.CACHE_DIR
+    config.CACHE_DIR = CACHE_FOLDER and str(Path(CACHE_FOLDER) / 'addresses')
+    try:
+        callback = cfunc(signature, cache=bool(CACHE_FOLDER), error_model='numpy')
+        return callback(function.py_func).address
+    finally:
+        config.CACHE_DIR = before

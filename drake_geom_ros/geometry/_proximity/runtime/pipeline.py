@@ -1,0 +1,264 @@
+"""All that relies on the inside of Numba, as it is pinned; ``compiled`` does without elsewhere.
+
+What compiled functions call are versions of functions that have no machine code of their own.
+
+Of each function Numba makes one for compiled callers, one for Python and one for C, optimises all
+three, with everything that they call, and emits machine code; each caller then optimises once more
+what it takes over. Here the version for compiled callers stays as it was lowered, beside those
+that it calls, and is optimised where it ends up: in what Python calls, or an address stands for.
+Compiling everything takes about half as long; pairs of hulls take 2 to 5 % less time for it, and
+pairs with an ellipsoid 1 to 4 % more (``bench/costs/kernels.py``).
+
+These versions are not kept on disk: what is, is complete without them, and whoever compiles
+something new makes anew those that it calls. So code of one process never meets that of another.
+
+Relied on: a pass of the pipeline makes the library unless there is one; ``no_compile`` leaves the
+library as it is; a library finalizes itself before it is linked into another; a call is typed by
+``get_call_template`` and found by ``get_overload``; with ``_nrt`` False no reference to an array
+is counted; a dispatcher has its versions as ``overloads``, and these the name of their wrapper for
+C; the structure of an array is that of ``make_array``.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from llvmlite import binding
+from numba import types
+from numba.core import cgutils, compiler, typed_passes
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler_machinery import register_pass
+from numba.core.registry import CPUDispatcher
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array, populate_array
+
+
+class _Library(JITCodeLibrary):  # type: ignore[misc]
+    """Functions as they were lowered, to be linked into others; no engine ever sees them."""
+
+    def finalize(self) -> None:
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage == binding.Linkage.external:
+                function.linkage = 'linkonce_odr'  # left out by whoever does not call it
+        self._finalize_dynamic_globals()
+        self._shared_module = self._final_module
+        self._finalized = True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _Lowering(typed_passes.NativeLowering):  # type: ignore[misc]
+    """Lowers a function into such a library."""
+
+    _name = 'lowering_for_compiled_callers'
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _Library(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        changed: bool = super().run_pass(state)
+        lowered = state['cr']
+        key = lowered.fndesc  # for the function that there is not
+        state.targetctx.insert_user_function(key, lowered.fndesc, [state.library])
+        state['cr'] = lowered._replace(cfunc=key)
+        return changed
+
+
+class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """What Python calls, optimised twice.
+
+    What it calls was inlined before its loops were seen to: points of hulls took 25 % longer, all
+    pairs of mixed shapes 10 %. The second time costs next to nothing.
+    """
+
+    def _optimize_final_module(self) -> None:
+        super()._optimize_final_module()
+        super()._optimize_final_module()
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _EntryLowering(typed_passes.NativeLowering):  # type: ignore[misc]
+    """Lowers a function into such a library."""
+
+    _name = 'lowering_for_python'
+
+    def run_pass(self, state: Any) -> bool:
+        if state.library is None:
+            state.library = _EntryLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
+        changed: bool = super().run_pass(state)
+        return changed
+
+
+class _Pipeline(compiler.CompilerBase):  # type: ignore[misc]
+    lowering = _Lowering
+
+    def define_pipelines(self) -> list[Any]:
+        manager = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
+        manager.passes = [
+            (self.lowering if each is typed_passes.NativeLowering else each, text)
+            for each, text in manager.passes
+        ]
+        manager._finalized = False
+        manager.finalize()
+        return [manager]
+
+
+class _EntryPipeline(_Pipeline):
+    """How functions that Python calls, or an address stands for, are compiled."""
+
+    lowering = _EntryLowering
+
+
+class _Called(CPUDispatcher):  # type: ignore[misc]
+    """A function for compiled callers; Python cannot call it."""
+
+    def add_overload(self, cres: Any) -> None:
+        self.overloads[tuple(cres.signature.args)] = cres
+
+
+def options(counted: bool) -> dict[str, Any]:
+    """Return the options of a function: ``counted`` says whether it counts references to arrays.
+
+    One that does not say so inherits that from whoever asks for it first.
+    """
+    return {'_nrt': counted, 'pipeline_class': _EntryPipeline}
+
+
+def for_compiled_callers(dispatcher: Any, constants: bool) -> Any:
+    """Return the dispatcher, which has compiled code call what has no machine code of its own.
+
+    With ``constants`` there is one version for each constant that it is called with. Else there is
+    one for all numbers: one for each took half of the time to compile everything, and LLVM knows
+    the constants where it inlines.
+    """
+
+    @functools.cache  # made when first called for: it takes time that an import need not
+    def called() -> Any:
+        wrappers = {'no_cpython_wrapper': True, 'no_cfunc_wrapper': True}
+        targeted = {**dispatcher.targetoptions, **wrappers}
+        return _Called(dispatcher.py_func, targetoptions=targeted, pipeline_class=_Pipeline)
+
+    def get_call_template(args: Any, kws: Any) -> Any:
+        if not constants:
+            kws = {name: types.unliteral(kind) for name, kind in kws.items()}
+            args = tuple(map(types.unliteral, args))
+        return called().get_call_template(args, kws)
+
+    dispatcher.get_call_template = get_call_template
+    dispatcher.get_overload = lambda signature: called().get_overload(signature)
+    return dispatcher
+
+
+def address_of(function: Any, signature: Any) -> Any:
+    """Return the address of a function of some signature for C.
+
+    ``numba.cfunc`` makes a second version of it, which nobody hears of who listens for what is
+    compiled.
+    """
+    function.compile(signature.args)
+    compiled = function.overloads[signature.args]
+    return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name)
+
+
+# Views of arrays: see ``kernels.calling.views``. They are written into whoever asks for one, where
+# functions that return ``carray`` took 26 % longer to compile everything.
+
+
+def _array_at(context: Any, builder: Any, kind: Any, data: Any, shape: Any) -> Any:
+    """Return a C-contiguous array of ``kind`` that begins at ``data``, in generated code.
+
+    ``shape`` are integers, or constants, of generated code; no reference is held.
+    """
+    itemsize = context.get_constant(types.intp, context.get_abi_sizeof(data.type.pointee))
+    strides: list[Any] = []
+    step = itemsize
+    for extent in reversed(shape):
+        strides.insert(0, step)
+        step = builder.mul(step, extent)
+    array = make_array(kind)(context, builder)
+    populate_array(array, data, shape, strides, itemsize, None)
+    return array._getvalue()
+
+
+def _as_integers(array: Any, number: Any) -> Any:
+    """Return signature and code of what shows numbers of 64 bits as integers of a type."""
+    kind = types.Array(number, 1, 'C')
+
+    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        given, first = values
+        whole = make_array(array)(context, builder, given)
+        (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
+        data = builder.gep(whole.data, [first])
+        data = builder.bitcast(data, context.get_data_type(number).as_pointer())
+        count = builder.mul(builder.sub(size, first), size.type(64 // number.bitwidth))
+        return _array_at(context, builder, kind, data, [count])
+
+    return kind(array, types.intp), codegen
+
+
+@intrinsic
+def row(typingctx, array, k):  # type: ignore[no-untyped-def]
+    """Return array[k] of a C-contiguous array of two or three dimensions."""
+    kind = types.Array(array.dtype, array.ndim - 1, 'C')
+
+    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        given, number = values
+        whole = make_array(array)(context, builder, given)
+        shape = cgutils.unpack_tuple(builder, whole.shape, array.ndim)
+        stride, *_ = cgutils.unpack_tuple(builder, whole.strides)
+        offset = builder.mul(number, stride)
+        data = cgutils.pointer_add(builder, whole.data, offset, whole.data.type)
+        return _array_at(context, builder, kind, data, shape[1:])
+
+    return kind(array, types.intp), codegen
+
+
+@intrinsic
+def part(typingctx, array, start, stop):  # type: ignore[no-untyped-def]
+    """Return array[start:stop] of a contiguous array, 0 <= start <= stop <= its size."""
+
+    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        given, first, end = values
+        whole = make_array(array)(context, builder, given)
+        data = builder.gep(whole.data, [first])
+        return _array_at(context, builder, array, data, [builder.sub(end, first)])
+
+    return array(array, types.intp, types.intp), codegen
+
+
+@intrinsic
+def table(typingctx, array, start, rows, columns):  # type: ignore[no-untyped-def]
+    """Return the elements of a contiguous array from start on as so many rows and columns."""
+    kind = types.Array(array.dtype, 2, 'C')
+
+    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        given, first, *shape = values
+        whole = make_array(array)(context, builder, given)
+        return _array_at(context, builder, kind, builder.gep(whole.data, [first]), shape)
+
+    return kind(array, types.intp, types.intp, types.intp), codegen
+
+
+@intrinsic
+def integers(typingctx, array, start):  # type: ignore[no-untyped-def]
+    """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
+    return _as_integers(array, types.int32)
+
+
+@intrinsic
+def wide_integers(typingctx, array, start):  # type: ignore[no-untyped-def]
+    """Return what an array of numbers of 64 bits has from start on as integers of 64 bits."""
+    return _as_integers(array, types.int64)
+
+
+@intrinsic
+def outlive(typingctx, array):  # type: ignore[no-untyped-def]
+    """Keep an array until here: views of it hold no reference."""
+
+    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        return context.get_dummy_value()
+
+    return types.none(array), codegen

@@ -1,0 +1,101 @@
+"""Which pairs may be near in a world whose geometries move in groups, those of a link together."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap, least_possible
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Groups(NamedTuple):
+    """Geometries that move together, and the pairs of groups that pairs of them belong to.
+
+    A box around each tells at once that no pair of two groups is near.
+    """
+
+    firsts: Indices  # (g + 1,) where the members of each group begin
+    members: Indices  # (n,) rows of the world
+    pairs: Indices  # (m, 2) of groups
+    starts: Indices  # (m + 1,) where the pairs of geometries of each of these begin
+    numbers: Indices  # (k,) of pairs of geometries
+    centres: Floats  # (g, 3) of the boxes [m]; room, as all that follows
+    halves: Floats  # (g, 3) half the sizes [m]
+    gaps: Floats  # (m,) of the boxes [m]
+
+
+def groups_of(groups: Indices, pairs: Indices) -> Groups:
+    """Return the ``Groups`` of geometries, given the group (n,) of each and all pairs (k, 2)."""
+    count = int(groups.max(initial=-1)) + 1
+    members = np.argsort(groups, kind='stable')
+    codes = np.sort(groups[pairs], axis=1) @ np.array([count, 1], dtype=np.int64)
+    numbers = np.argsort(codes, kind='stable')
+    known, starts = np.unique(codes[numbers], return_index=True)
+    return Groups(
+        firsts=np.searchsorted(groups[members], np.arange(count + 1)).astype(np.int64),
+        members=members,
+        pairs=np.column_stack((known // max(count, 1), known % max(count, 1))),
+        starts=np.append(starts, len(pairs)).astype(np.int64),
+        numbers=numbers,
+        centres=np.zeros((count, 3)),
+        halves=np.zeros((count, 3)),
+        gaps=np.zeros(len(known)),
+    )
+
+
+@inlined
+def put_boxes(groups, world):  # type: ignore[no-untyped-def]
+    """Put a box around each group, and find the gaps between them; a half space has none."""
+    types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
+    for g in range(groups.firsts.size - 1):
+        for c in range(3):
+            lower, upper = math.inf, -math.inf
+            for m in range(groups.firsts[g], groups.firsts[g + 1]):
+                k = groups.members[m]
+                p, half = p_WGs[k, c], half_extents[k, c]
+                if types[k] == HALF_SPACE:
+                    half = math.inf
+                lower, upper = min(lower, p - half), max(upper, p + half)
+            if upper == math.inf:
+                groups.centres[g, c], groups.halves[g, c] = 0.0, math.inf
+                continue
+            centre = 0.5 * lower + 0.5 * upper
+            # Three sums, each rounded by EPS of the farther corner at most.
+            rounding = 4.0 * EPS * max(abs(lower), abs(upper))
+            groups.centres[g, c] = centre
+            groups.halves[g, c] = max(upper - centre, centre - lower) + rounding
+    for m in range(groups.gaps.size):
+        a, b = groups.pairs[m, 0], groups.pairs[m, 1]
+        groups.gaps[m] = box_gap(groups.centres, groups.halves, a, b)
+
+
+@inlined
+def collect(groups, first, last, skipped, most, pairs, world, order, bounds):  # type: ignore[no-untyped-def]
+    """Collect the numbers of pairs that may be nearer than ``most`` [m]; return how many.
+
+    Of pairs of groups from the first up to the last, without it, and without the one ``skipped``;
+    ``bounds`` (k,) [m] get what is known of those that are collected.
+    """
+    types, R_WGs, p_WGs, outer = world.types, world.R_WGs, world.p_WGs, world.outer
+    roundings, half_extents = world.roundings, world.half_extents
+    count = 0
+    for m in range(first, last):
+        if m == skipped or groups.gaps[m] > max(most, 0.0):  # boxes that overlap have a gap of 0
+            continue
+        for r in range(groups.starts[m], groups.starts[m + 1]):
+            k = groups.numbers[r]
+            a, b = pairs[k, 0], pairs[k, 1]
+            bound = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
+            if bound <= most:
+                order[count], bounds[k] = k, bound
+                count += 1
+    return count

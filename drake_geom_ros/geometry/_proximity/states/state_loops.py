@@ -1,0 +1,213 @@
+"""The compiled loops over states with what they need: a world, its pairs, and room."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.addresses import (
+    ADDRESSES,
+    compile_rows,
+    table_rows,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, PairBatch, PointBatch
+from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
+from drake_geom_ros.geometry._proximity.points.point_phase import (
+    POINT_ADDRESSES,
+    POINT_ROWS,
+    compile_point_kernels,
+)
+from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
+from drake_geom_ros.geometry._proximity.states.groups import groups_of
+from drake_geom_ros.geometry._proximity.states.loops import (
+    any_overlap,
+    pairs_in_reach,
+    points_in_reach,
+)
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+_FIRST_ROOM = 4  # answers a state that there is room for at first
+
+
+class StateLoops:
+    """Answers about states of a world of its own, for one thread.
+
+    A state is a pose (7,) in its parent of each frame of ``rows`` (n,); all others stay. Each
+    method returns how many states it has answered, which are all of them unless ``stop`` (1,) was
+    set meanwhile or the next one has a pose that is none.
+    """
+
+    def __init__(self, world: World, pairs: Indices, rows: Indices) -> None:
+        world.update()
+        self._world, self._pairs, self._rows = world, pairs, rows
+        self._slots = np.arange(len(pairs))
+        self._hits = np.zeros(len(pairs), dtype=np.int64)
+        # What hangs on a frame that moves stays together; all else is far apart, mostly.
+        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
+        apart = len(world.frames.ids) + alone
+        _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
+        self._groups = tuple(groups_of(groups, pairs))
+        self._memory = empty_memory(len(pairs))
+
+    def _compile(self, gap: float) -> None:
+        """Compile the kernels of the pairs; bounds need none."""
+        if gap < np.inf:
+            compile_rows(table_rows(*self._world.geometries.types[self._pairs].T))
+
+    def overlaps(self, poses: Floats, gap: float, stop: Indices) -> tuple[int, NDArray[np.bool_]]:
+        """Return which states (N,) have a pair that overlaps, at the gap of a level [m]."""
+        self._compile(gap)
+        out = np.zeros(len(poses), dtype=np.bool_)
+        done = any_overlap(
+            ADDRESSES,
+            poses,
+            self._rows,
+            self._world.handle,
+            self._pairs,
+            self._groups,
+            (gap, 0.0, True),
+            self._slots,
+            self._memory,
+            stop,
+            self._hits,
+            out,
+        )
+        return done, out
+
+    def near(
+        self, poses: Floats, gap: float, margin: float, stop: Indices
+    ) -> tuple[int, NDArray[np.bool_]]:
+        """Return which states (N,) have a pair that is not certified to be beyond a margin [m]."""
+        self._compile(gap)
+        out = np.zeros(len(poses), dtype=np.bool_)
+        done = any_near(
+            ADDRESSES,
+            poses,
+            self._rows,
+            self._world.handle,
+            self._pairs,
+            self._groups,
+            (gap, margin, False),
+            stop,
+            out,
+        )
+        return done, out
+
+    def nearest(
+        self, poses: Floats, gap: float, cutoff: float, most: int, stop: Indices
+    ) -> tuple[int, Indices, PairBatch]:
+        """Return how many pairs (N,) may be within the cutoff [m], at most some, and the nearest.
+
+        Those of each state in the order of their lower bounds, one state after the other.
+        """
+        self._compile(gap)
+        found = np.zeros(len(poses), dtype=np.int64)
+        ids = np.zeros((len(poses), most, 2), dtype=np.int64)
+        out = np.zeros((len(poses), most, BATCH_WIDTH))
+        done = nearest_pairs(
+            ADDRESSES,
+            poses,
+            self._rows,
+            self._world.handle,
+            self._pairs,
+            self._groups,
+            (gap, cutoff, False),
+            stop,
+            found,
+            ids,
+            out,
+        )
+        there = np.arange(most) < found[:, None]
+        return done, found, PairBatch(ids[there], out[there])
+
+    def within(
+        self, poses: Floats, gap: float, cutoff: float, stop: Indices
+    ) -> tuple[int, Indices, PairBatch]:
+        """Return how many pairs (N,) are within the cutoff [m], and these, by their ids."""
+        self._compile(gap)
+
+        def answer(first: int, offsets: Indices, room: list[Any]) -> int:
+            return pairs_in_reach(  # type: ignore[no-any-return]
+                ADDRESSES,
+                poses,
+                first,
+                self._rows,
+                self._world.handle,
+                self._pairs,
+                self._groups,
+                (gap, cutoff, False),
+                self._slots,
+                self._memory,
+                stop,
+                self._hits,
+                offsets,
+                *room,
+            )
+
+        columns = [((2,), np.int64), ((BATCH_WIDTH,), np.float64)]
+        done, counts, (ids, rows) = _filled(answer, len(poses), len(self._pairs), columns, stop)
+        return done, counts, PairBatch(ids, rows)
+
+    def points(
+        self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices
+    ) -> tuple[int, Indices, PointBatch]:
+        """Return how many geometries (N,) are within a threshold [m] of points (m, 3), and which.
+
+        Sorted by (point, id).
+        """
+        table = self._world.geometries
+        compile_point_kernels(self._world.shape_types)
+
+        def answer(first: int, offsets: Indices, room: list[Any]) -> int:
+            points, ids, rows = room
+            return points_in_reach(  # type: ignore[no-any-return]
+                POINT_ADDRESSES,
+                ADDRESSES,
+                POINT_ROWS[table.types],
+                poses,
+                first,
+                self._rows,
+                self._world.handle,
+                p_WQs,
+                threshold,
+                stop,
+                offsets,
+                points,
+                ids,
+                rows,
+            )
+
+        columns = [((), np.uint32), ((), np.int64), ((POINT_WIDTH,), np.float64)]
+        most = len(p_WQs) * len(table.ids)
+        done, counts, (points, ids, rows) = _filled(answer, len(poses), most, columns, stop)
+        return done, counts, PointBatch(ids, points, rows)
+
+
+def _filled(
+    answer: Any, states: int, most: int, columns: list[Any], stop: Indices
+) -> tuple[int, Indices, list[Any]]:
+    """Return states done, counts (N,) and arrays that ``answer`` fills, with room as it needs.
+
+    ``most`` is the number of answers that a state may have, ``columns`` shapes and types.
+    """
+    offsets = np.zeros(states + 1, dtype=np.int64)
+    size, done = states * min(most, _FIRST_ROOM), 0
+    room = [np.empty((size, *shape), dtype=dtype) for shape, dtype in columns]
+    while True:
+        done = answer(done, offsets, room)
+        start = int(offsets[done])
+        if done == states or stop[0] or len(room[0]) - start >= most:
+            break
+        # By what states had until now, and at least the one that had too little.
+        more = most + start // max(done, 1) * (states - done)
+        room = [
+            np.concatenate((each[:start], np.empty((more, *each.shape[1:]), dtype=each.dtype)))
+            for each in room
+        ]
+    return done, np.diff(offsets), [each[:start] for each in room]

@@ -1,0 +1,114 @@
+"""How far rounding may have put a posed body from where the poses that were given say it is.
+
+*The poses given* are real numbers: positions as they are in float64; of a quaternion the rotation
+of the float64 numbers normalised exactly; of a matrix the rotation nearest to it (none that is
+taken is off orthogonal by more than rounding, see ``math.rotations.orthogonal``). X_WG is their
+product along the chain of frames, without rounding. World computes R and p in float64 and, beside
+them, two bounds of their errors (Frobenius and Euclidean norms):
+
+- ``turn`` [-] of R. A rotation that is taken in is off by ROTATION_TAKEN, a product adds
+  ROTATION_STEP, and errors add up: |R S - R' S'| <= |R - R'| + |S - S'| for rotations. To make R
+  orthogonal adds rounding only: R = R' (I + E) goes to R' (I + skew(E)), to first order, which is
+  no farther from R'. A matrix of zeros and ones, such as the identity or a quarter turn, has no
+  error and adds none in a product.
+- ``shift`` [m] of p. In p_WC = p_WB + R_WB p_BC the shift of B stays, its turn has p_BC as the
+  lever arm, and the sum rounds: ``shift + turn |p_BC| + POSITION_STEP (|p_WB| + |p_BC|)``.
+
+They become one number a geometry, the radius ``shift + turn r`` [m], with r its outer radius (0
+of a ball, which may turn as it likes): no point of the exact body is farther than this from the
+computed body, and the other way round. So its support function is off by no more, and so is its
+signed distance to anything. What subtracting two positions rounds is in POSITION_STEP.
+
+A half space has no outer radius. Its number is the shift of its origin, and its turn, called
+tilt, counts by how far away the other body is, for the height n . (a - p) of a point a over the
+plane through p with the normal n is off by ``shift + turn |a - p|`` at most.
+
+Source of the constants: Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., chapter
+3. There gamma_n = n u / (1 - n u), u = EPS / 2, and an inner product of n terms is off by gamma_n
+times that of the moduli (3.5). Lengths are sums of moduli here, which no square overflows.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.tolerances import (
+    POSITION_STEP,
+    ROTATION_STEP,
+    ROTATION_TAKEN,
+)
+
+Floats = NDArray[np.float64]
+
+# Columns of the roundings of a frame, or of a pose that is taken in.
+TURN = 0  # [-]
+SHIFT = 1  # [m]
+# Columns of the roundings of a posed geometry.
+RADIUS = 0  # [m] no point of the exact body is farther than this from the computed one
+TILT = 1  # [-] the turn of a half space, 0 of the others
+
+
+def taken_roundings(R_PFs: Floats) -> Floats:
+    """Return turn [-] and shift [m] (n, 2) of poses that are taken in, by rotations (n, 3, 3).
+
+    What the product with a pose costs is in it.
+    """
+    exact = ((R_PFs == 0.0) | (np.abs(R_PFs) == 1.0)).all(axis=(1, 2))
+    roundings = np.zeros((len(R_PFs), 2))
+    roundings[~exact, TURN] = ROTATION_TAKEN + ROTATION_STEP
+    return roundings
+
+
+@inlined
+def length_of(ps, k):  # type: ignore[no-untyped-def]
+    """Return the sum of the moduli of row k, no less than its length [m]."""
+    return abs(ps[k, 0]) + abs(ps[k, 1]) + abs(ps[k, 2])
+
+
+@inlined
+def shift_of(turn, shift, reach, length):  # type: ignore[no-untyped-def]
+    """Return the shift [m] of C in ``p_WC = p_WB + R_WB p_BC``.
+
+    Of B: turn [-], shift [m] and the length ``reach`` of p_WB [m]; ``length`` [m] is that of p_BC.
+    """
+    return shift + turn * length + POSITION_STEP * (reach + length)
+
+
+@inlined
+def is_exact(R_PFs, f):  # type: ignore[no-untyped-def]
+    """Tell whether the rotation in row f is made of zeros and ones."""
+    f = np.uint64(f)
+    first = abs(R_PFs[f, 0, 0])
+    exact = first == 0.0 or first == 1.0  # mostly that is all there is to see
+    if exact:
+        for i in range(3):
+            for j in range(3):
+                r = abs(R_PFs[f, i, j])
+                exact &= r == 0.0 or r == 1.0
+    return exact
+
+
+@inlined
+def make_orthogonal(Rs, f):  # type: ignore[no-untyped-def]
+    """Take the matrix in row f, off orthogonal by rounding, to the rotation nearest to it.
+
+    ``R - R (R^T R - I) / 2``: a step of Newton and Schulz, as in ``math.rotations.orthogonal``.
+    Without it the defects of a chain would add up, and what kernels take for a rotation is one.
+    """
+    f = np.uint64(f)
+    a, b, c = Rs[f, 0, 0], Rs[f, 1, 0], Rs[f, 2, 0]
+    p, q, r = Rs[f, 0, 1], Rs[f, 1, 1], Rs[f, 2, 1]
+    x, y, z = Rs[f, 0, 2], Rs[f, 1, 2], Rs[f, 2, 2]
+    e_xx = 0.5 * (a * a + b * b + c * c - 1.0)
+    e_yy = 0.5 * (p * p + q * q + r * r - 1.0)
+    e_zz = 0.5 * (x * x + y * y + z * z - 1.0)
+    e_xy = 0.5 * (a * p + b * q + c * r)
+    e_xz = 0.5 * (a * x + b * y + c * z)
+    e_yz = 0.5 * (p * x + q * y + r * z)
+    for i in range(3):
+        u, v, w = Rs[f, i, 0], Rs[f, i, 1], Rs[f, i, 2]
+        Rs[f, i, 0] = u - (u * e_xx + v * e_xy + w * e_xz)
+        Rs[f, i, 1] = v - (u * e_xy + v * e_yy + w * e_yz)
+        Rs[f, i, 2] = w - (u * e_xz + v * e_yz + w * e_zz)

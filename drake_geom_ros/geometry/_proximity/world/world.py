@@ -1,0 +1,324 @@
+"""Where everything is: frame poses, geometry poses, packed shapes and their bounds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+from weakref import ReferenceType, ref
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import balls_inside, shape_radii
+from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
+from drake_geom_ros.geometry._proximity.runtime.threads import share
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
+from drake_geom_ros.geometry._proximity.world.moment import Moment, Posed
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, packed_poses
+from drake_geom_ros.geometry._proximity.world.pose_update import (
+    PACE,
+    set_poses,
+    update,
+    update_frames,
+    update_geometries,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class FrameTable(NamedTuple):
+    """The frames, parents before children; row 0 is the world."""
+
+    ids: Indices  # (nf,) FrameId values
+    parents: Indices  # (nf,) rows; the world's is 0
+
+
+class GeometryTable(NamedTuple):
+    """The geometries with the proximity role, in ascending order of their ids."""
+
+    ids: Indices  # (n,) GeometryId values
+    frames: Indices  # (n,) rows of the FrameTable
+    R_FGs: Floats  # (n, 3, 3)
+    p_FGs: Floats  # (n, 3) [m]
+    roundings: Floats  # (n, 2) TURN and SHIFT of X_FG, see ``pose_rounding``
+    types: Indices  # (n,) shape type numbers
+    starts: Indices  # (n + 1,) shape k's parameters are pool[starts[k] : starts[k + 1]]
+    pool: Floats
+
+
+class Named(NamedTuple):
+    """Frames of a world that poses are given for, looked up once."""
+
+    ids: Indices  # (n,) FrameId values
+    rows: Indices  # (n,) of the FrameTable
+
+
+_NOBODY = Named(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
+NO_POSES = np.zeros((0, POSE_WIDTH))
+
+
+class World:
+    """The poses of a scene's frames and the posed, packed proximity geometry.
+
+    Poses go in through ``pose``, which only notes them; ``update``, or the compiled call that
+    answers a query, brings everything that hangs on a moved frame up to date and leaves the rest
+    alone. A frame that never had a pose *waits* for it, and whatever
+    hangs on it: where that is nobody knows, so queries leave it out.
+    """
+
+    def __init__(self, frames: FrameTable, geometries: GeometryTable) -> None:
+        """Make the world of frames that all wait for their first pose."""
+        count = len(frames.ids)
+        self.frames = frames
+        self.geometries = geometries
+        self._R_PFs = np.tile(np.eye(3), (count, 1, 1))
+        self._p_PFs = np.zeros((count, 3))
+        self.R_WFs = self._R_PFs.copy()
+        self.p_WFs = self._p_PFs.copy()
+        # What rounding did to X_WF: TURN and SHIFT, see ``pose_rounding``.
+        self._frame_roundings = np.zeros((count, 2))
+        self._order = np.argsort(frames.ids)
+        self._sorted_ids = frames.ids[self._order]
+        self._moved = np.ones(count, dtype=np.bool_)
+        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
+        self.given_for, self.given = _NOBODY, NO_POSES
+        self.is_stale = True  # world poses and bounds have to be brought up to date
+        self._posed = np.zeros(count, dtype=np.bool_)
+        self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
+        self._placings = np.zeros(1, dtype=np.int64)
+        self._allocate_geometries()
+        self._place(np.zeros(1, dtype=np.int64))
+
+    def _allocate_geometries(self) -> None:
+        """Make room for the posed geometry and compute what does not depend on poses."""
+        table = self.geometries
+        n = len(table.ids)
+        self.revision = 0  # of the world poses: grows with each update
+        self.stamps = np.zeros(n, dtype=np.int64)  # revision in which a geometry last moved
+        # How far any point of a geometry can have come since the first update, along the path
+        # [m], never less than the truth.
+        self.travels = np.zeros(n)
+        self.R_WGs = np.zeros((n, 3, 3))
+        self.p_WGs = np.zeros((n, 3))
+        # What rounding did to X_WG: RADIUS and TILT, see ``pose_rounding``.
+        self.roundings = np.zeros((n, 2))
+        # Of the box around Go, in World axes, that holds the body wherever rounding put it [m].
+        self.half_extents = np.zeros((n, 3))
+        self.shape_types = frozenset(table.types.tolist())
+        self.anchored = table.frames == 0
+        self.movable = np.flatnonzero(~self.anchored)
+        # Largest distance from Go and largest ball about Go that fits [m].
+        self.outer_radii, self.inner_radii = shape_radii(table.types, table.starts, table.pool)
+        # Of balls in the shapes, which need not be about Go: centres in G, and radii [m].
+        self.ball_centres, self.ball_radii = balls_inside(table.types, table.starts, table.pool)
+        levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
+        at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
+        # In one array (n, 5), for each that compiled code is given takes time: see ``posing``.
+        self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
+        self._hand_over()
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self.__dict__.update(state)
+        self._hand_over()  # the arrays of a copy are elsewhere
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_moment': None}  # results refer to this world, not to a copy
+
+    def _hand_over(self) -> None:
+        """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
+        table = self.geometries
+        # That of now, if there is a result that asked for it.
+        self._moment: ReferenceType[Moment] | None = None
+        self._posed_now = Posed(
+            ids=table.ids,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            frames=table.frames,
+            R_WGs=self.R_WGs,
+            frame_ids=self.frames.ids,
+            p_WFs=self.p_WFs,
+        )
+        arrays = WorldArrays(
+            placings=self._placings,
+            moved=self._moved,
+            parents=self.frames.parents,
+            R_PFs=self._R_PFs,
+            p_PFs=self._p_PFs,
+            R_WFs=self.R_WFs,
+            p_WFs=self.p_WFs,
+            frame_roundings=self._frame_roundings,
+            movable=self.movable,
+            ids=table.ids,
+            frames=table.frames,
+            waiting=self.waiting,
+            R_FGs=table.R_FGs,
+            p_FGs=table.p_FGs,
+            kept=self._kept,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            R_WGs=self.R_WGs,
+            p_WGs=self.p_WGs,
+            roundings=self.roundings,
+            half_extents=self.half_extents,
+            outer=self.outer_radii,
+            inner=self.inner_radii,
+            ball_centres=self.ball_centres,
+            ball_radii=self.ball_radii,
+            stamps=self.stamps,
+            travels=self.travels,
+        )
+        self.handle = handle_of(arrays)
+
+    @property
+    def placings(self) -> int:
+        """How often something got its first pose."""
+        return int(self._placings[0])
+
+    @property
+    def R_PFs(self) -> Floats:
+        """Orientations of the frames in their parents (nf, 3, 3)."""
+        self._take_given()
+        return self._R_PFs
+
+    @property
+    def p_PFs(self) -> Floats:
+        """Positions of the frames in their parents (nf, 3) [m]."""
+        self._take_given()
+        return self._p_PFs
+
+    @property
+    def paces(self) -> Floats:
+        """How far any point of each geometry came lately in one update (n,) [m], fading."""
+        return self._kept[:, PACE]
+
+    @property
+    def geometry_count(self) -> int:
+        """The number of geometries with the proximity role."""
+        return len(self.geometries.ids)
+
+    def copy(self) -> World:
+        """Return a world with poses of its own; the tables, which never change, are shared."""
+        self._take_given()
+        other = World.__new__(World)
+        other.__dict__.update(self.__dict__)
+        for name, value in self.__dict__.items():
+            if isinstance(value, np.ndarray):
+                setattr(other, name, value.copy())
+        other._hand_over()
+        return other
+
+    def rebuilt(self, frames: FrameTable, geometries: GeometryTable) -> World:
+        """Return a world of new tables in which every frame that was here keeps its pose."""
+        other = World(frames, geometries)
+        rows = {int(frame): row for row, frame in enumerate(self.frames.ids)}
+        pairs = [(k, rows[int(f)]) for k, f in enumerate(frames.ids) if int(f) in rows]
+        new, old = (np.array(side) for side in zip(*pairs, strict=True))
+        other._R_PFs[new], other._p_PFs[new] = self.R_PFs[old], self.p_PFs[old]
+        other._place(new[self._posed[old]])
+        return other
+
+    def has_frames(self, ids: Indices) -> NDArray[np.bool_]:
+        """Return which of the FrameId values are in this world and can be posed."""
+        at = np.searchsorted(self._sorted_ids, ids).clip(max=len(self._sorted_ids) - 1)
+        known: NDArray[np.bool_] = (self._sorted_ids[at] == ids) & (self._order[at] != 0)
+        return known
+
+    def frame_rows(self, ids: Indices) -> Indices:
+        """Return the rows of FrameId values, all of which are in this world."""
+        return self._order[np.searchsorted(self._sorted_ids, ids)]
+
+    def named(self, ids: Indices) -> Named | None:
+        """Return the frames of FrameId values (n,), or None when not all of them can be posed."""
+        return Named(ids.copy(), self.frame_rows(ids)) if self.has_frames(ids).all() else None
+
+    def _place(self, rows: Indices) -> None:
+        """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
+        self._posed[rows] = True
+        self.is_whole = bool(self._posed.all())  # nobody waits
+        self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
+        for row, parent in enumerate(self.frames.parents.tolist()):
+            self.placed[row] &= self.placed[parent]
+        self.waiting[:] = ~self.placed[self.geometries.frames]
+        self._placings += 1
+
+    def unposed_frames(self) -> Indices:
+        """Return the FrameId values of the frames that never had a pose, parents first."""
+        return self.frames.ids[~self._posed]
+
+    def unposed_on_way(self, row: int) -> list[int]:
+        """Return those of ``unposed_frames`` among a frame and all that it hangs on."""
+        found = []
+        while not self.placed[row]:
+            if not self._posed[row]:
+                found.append(int(self.frames.ids[row]))
+            row = int(self.frames.parents[row])
+        return found
+
+    def set_poses(self, rows: Indices, R_PFs: Floats, p_PFs: Floats) -> None:
+        """Set X_PF of the frames in ``rows`` (n,), as ``pose`` does."""
+        rows = np.asarray(rows, dtype=np.int64)
+        self.pose(Named(self.frames.ids[rows], rows), packed_poses(R_PFs, p_PFs))
+
+    def pose(self, named: Named, X_PFs: Floats) -> None:
+        """Take X_PF (n, POSE_WIDTH) of frames, which nobody changes any more, for the next update.
+
+        A pose that did not change is not a move.
+        """
+        if self.given_for is not named:
+            self._take_given()
+            self.given_for = named
+        if not self.is_whole and not self._posed[named.rows].all():
+            self._place(named.rows)
+        self.given, self.is_stale = X_PFs, True
+        # Results that are still there have to remember where things were.
+        if self._moment is not None:
+            moment, self._moment = self._moment(), None
+            if moment is not None:
+                moment.keep()
+
+    def _take_given(self) -> None:
+        """Have the poses that were given in ``_R_PFs`` and ``_p_PFs``, and their frames marked."""
+        given, self.given = self.given, NO_POSES
+        if len(given):
+            set_poses(self.given_for.rows, given, self.handle)
+
+    def update_shared(self) -> tuple[int, int]:
+        """Do what ``update`` does, by threads."""
+        if not self.is_stale:
+            return 0, 0
+        rows, given, revision = self.given_for.rows, self.given, self.revision + 1
+
+        def set_some(first: int, last: int) -> None:
+            set_poses(rows[first:last], given[first:last], self.handle)
+
+        def pose_some(first: int, last: int) -> int:
+            moved: int = update_geometries(self.handle, revision, first, last)
+            return moved
+
+        share(len(given), set_some)
+        frames = update_frames(self.handle)
+        is_new = bool(self._moved[0])
+        geometries = sum(share(self.geometry_count if is_new else len(self.movable), pose_some))
+        self._moved[:] = False
+        self.revision, self.given, self.is_stale = revision, NO_POSES, False
+        return frames, geometries
+
+    def moment(self) -> Moment:
+        """Return the moment of the last update, which no later one reaches."""
+        moment = None if self._moment is None else self._moment()
+        if moment is None:
+            moment = Moment(self._posed_now)
+            self._moment = ref(moment)
+        return moment
+
+    def update(self) -> tuple[int, int]:
+        """Bring world poses and bounds up to date; return how many frames, geometries moved."""
+        if not self.is_stale:
+            return 0, 0
+        self._take_given()
+        counts = update(self.handle, self.revision + 1)
+        self.revision, self.is_stale = self.revision + 1, False
+        return counts  # type: ignore[no-any-return]

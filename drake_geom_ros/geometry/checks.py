@@ -1,0 +1,44 @@
+"""Arguments as they come in: of the right type, a canonical name, a pose that is one."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+
+from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.tolerances import FARTHEST
+
+_T = TypeVar('_T')
+
+
+def canonical_name(name: str, what: str) -> str:
+    """Return the name trimmed of spaces and tabs; RuntimeError if nothing is left, or for NUL.
+
+    A string of a ROS message ends at its first NUL: two names that differ behind it would be one.
+    """
+    trimmed = checked_type(name, str, f'{what}: name').strip(' \t')
+    if not trimmed:
+        raise ArgumentError(f'{what}: the name {name!r} is empty once trimmed of spaces and tabs')
+    if '\0' in trimmed:
+        raise ArgumentError(f'{what}: the name {name!r} holds a NUL character')
+    return trimmed
+
+
+def checked_type(value: Any, kind: type[_T], what: str) -> _T:
+    """Return the value; RuntimeError (and TypeError), saying what it is, if of another kind."""
+    if not isinstance(value, kind):
+        raise ArgumentTypeError(f'{what} = {value!r} must be of type {kind.__name__}')
+    return value
+
+
+def checked_pose(X: RigidTransform, what: str) -> RigidTransform:
+    """Return a copy of the pose: one that the caller cannot change, and not beyond FARTHEST."""
+    pose = RigidTransform(checked_type(X, RigidTransform, what))
+    if (np.abs(pose.translation()) > FARTHEST).any():
+        raise ArgumentError(
+            f'{what} lies at {pose.translation().tolist()} m; no coordinate may be beyond '
+            f'{FARTHEST:.3g} m'
+        )
+    return pose

@@ -1,0 +1,49 @@
+"""The formats of mesh files, a list that is tested, and reading a file of one of them.
+
+Lengths are metres, up is what RViz takes for it: glTF is turned Z up, Collada's ``<unit>`` is
+applied and its ``<up_axis>`` is not, the others have neither.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from xml.etree.ElementTree import ParseError
+
+from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes._dae_file import parse_dae
+from drake_geom_ros.geometry.meshes._gltf_file import parse_gltf
+from drake_geom_ros.geometry.meshes._obj_file import parse_obj
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+from drake_geom_ros.geometry.meshes._ply_file import parse_ply
+from drake_geom_ros.geometry.meshes._stl_file import parse_stl
+
+_READERS: dict[str, Callable[[bytes], ParsedMesh]] = {
+    'dae': parse_dae,
+    'glb': parse_gltf,
+    'gltf': parse_gltf,
+    'ply': parse_ply,
+    'stl': parse_stl,
+}
+FORMATS = tuple(sorted({'obj', *_READERS}))  # the suffixes, in lower case
+
+
+def parse_mesh(data: bytes, kind: str, filename: str) -> ParsedMesh:
+    """Return the mesh in a file's content; ``kind`` is its suffix.
+
+    No other file is opened, whatever this one names. Raises MeshFileError for another format, and
+    for content that cannot be read whole.
+    """
+    if kind == 'obj':
+        return ParsedMesh(*parse_obj(data.decode('utf-8-sig', errors='replace'), filename))
+    if kind not in _READERS:
+        raise MeshFileError(
+            f'{filename!r}: mesh files of the formats {", ".join(FORMATS)} are read, by their '
+            f'suffix, and {kind!r} is none of them'
+        )
+    try:
+        return _READERS[kind](data)
+    except (ValueError, ParseError) as error:
+        raise MeshFileError(f'{filename!r} cannot be read: {error}') from None
+    except Exception as error:
+        # What a document of another structure leads to: errors of many kinds.
+        raise MeshFileError(f'{filename!r} holds no mesh that can be read: {error!r}') from None

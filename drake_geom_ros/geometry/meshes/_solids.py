@@ -1,0 +1,233 @@
+"""Meshes as solids: what a mesh must be for that, and the kernel parameters of those that are.
+
+A surface is taken for the boundary of a solid if every edge of a triangle is matched by one that
+runs the other way, no two triangles cross, and its pieces bound a body together: one within
+another is a cavity and turned the other way. Vertices in the same place are one; triangles that
+have two corners in one place are left out, and so are two that lie back to back; a mesh that is
+turned inside out as a whole is turned back.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import (
+    hull_parameters,
+    unlisted_parameters,
+)
+from drake_geom_ros.geometry._proximity.kernels.solids.crossings import first_crossing
+from drake_geom_ros.geometry._proximity.kernels.solids.packing import solid_parameters
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.tolerances import (
+    COPLANAR,
+    EPS,
+    NO_VOLUME,
+    SAME_VOLUME,
+)
+from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes._library import connected_pieces
+from drake_geom_ros.geometry.meshes.source import (
+    MeshGiven,
+    MeshKey,
+    hull_of,
+    mesh_source,
+    name_of,
+    triangles_of,
+    turned,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# Faces of the hull that are tried as ways out: each costs a look at all vertices of the hull.
+MOST_PLANES = 64
+_ADVICE = "without the property ('mesh', 'solid') a mesh counts as its convex hull"
+
+
+def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
+    """Return the type number and the kernel parameters of a mesh as a solid.
+
+    One that is convex counts as its hull. Raises MeshFileError for a mesh that bounds no solid.
+    """
+    return _solid(mesh_source(mesh), scale)
+
+
+@functools.lru_cache(maxsize=32)
+def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
+    name = name_of(source)
+    factors = np.array(scale)
+    hull_vertices, hull_triangles = hull_of(source)
+    hull_vertices, hull_triangles = hull_vertices * factors, turned(hull_triangles, factors)
+    vertices, triangles = triangles_of(source)
+    vertices, triangles = merged(vertices * factors, turned(triangles, factors))
+    check_closed(triangles, name)
+    corners = vertices[triangles]
+    if volume(corners) < 0.0:
+        triangles = triangles[:, ::-1]
+        corners = vertices[triangles]
+    size = float(np.ptp(vertices, axis=0).max())
+    if volume(corners) <= NO_VOLUME * size**3:
+        raise MeshFileError(f'{name}: its surface encloses no volume; {_ADVICE}')
+    pieces = connected_pieces(triangles, len(vertices))
+    full = volume(hull_vertices[hull_triangles])
+    same = len(pieces) == 1 and abs(volume(corners) - full) <= SAME_VOLUME * full
+    if same and is_convex(vertices, triangles, size):
+        return CONVEX, hull_parameters(hull_vertices, hull_triangles)
+    hull = unlisted_parameters(hull_vertices, hull_triangles)
+    planes = planes_of(hull_vertices, hull_triangles)
+    largest = largest_triangles(corners, pieces)
+    parameters, numbers = solid_parameters(hull, corners, largest, planes)
+    check_simple(parameters, numbers[largest], numbers[at_crowded_edges(triangles)], name)
+    parameters.flags.writeable = False
+    return SOLID, parameters
+
+
+def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
+    """Return a mesh with one vertex a place, without triangles that have two corners in one."""
+    rows = vertices + 0.0  # -0.0 is 0.0
+    order = np.lexsort(rows.T)
+    fresh = np.ones(len(rows), dtype=np.bool_)
+    fresh[1:] = (np.diff(rows[order], axis=0) != 0.0).any(axis=1)
+    names = np.empty(len(rows), dtype=np.int64)
+    names[order] = np.cumsum(fresh) - 1
+    triangles = names[triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    return rows[order[fresh]], without_walls(triangles)
+
+
+def without_walls(triangles: Indices) -> Indices:
+    """Return the triangles but those that lie back to back: the wall between two bodies."""
+    corners = np.sort(triangles, axis=1)
+    order = np.lexsort(corners.T)
+    fresh = np.ones(len(triangles), dtype=np.bool_)
+    fresh[1:] = (np.diff(corners[order], axis=0) != 0).any(axis=1)
+    of = np.empty(len(triangles), dtype=np.int64)
+    of[order] = np.cumsum(fresh) - 1
+    a, b, c = triangles.T
+    turn = np.where((a < b) ^ (b < c) ^ (c < a), 1.0, -1.0)
+    alone = (np.bincount(of) != 2) | (np.bincount(of, turn) != 0.0)
+    kept: Indices = triangles[alone[of]]
+    return kept
+
+
+def check_closed(triangles: Indices, name: str) -> None:
+    """Raise MeshFileError unless every edge is matched by one that runs the other way."""
+    if len(triangles) == 0:
+        raise MeshFileError(f'{name}: no triangles, so it bounds no solid')
+    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    codes = edges.min(axis=1) * (int(triangles.max()) + 1) + edges.max(axis=1)
+    _, at, counts = np.unique(codes, return_inverse=True, return_counts=True)
+    balance = np.bincount(at.ravel(), np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))
+    unmatched = balance != 0.0
+    if not unmatched.any():
+        return
+    opened = int((unmatched & (counts == 1)).sum())
+    along = int((unmatched & (counts == 2)).sum())
+    crowded = int((unmatched & (counts > 2)).sum())
+    raise MeshFileError(
+        f'{name} bounds no solid: of its edges {opened} are open (one triangle only: close the '
+        f'holes), {along} have two triangles that run the same way (turn one side of them '
+        f'around), {crowded} have three or more that do not pair up. {_ADVICE}'
+    )
+
+
+def volume(corners: Floats) -> float:
+    """Return the volume [m^3] within a closed surface of triangles (n, 3, 3)."""
+    a, b, c = (corners - corners[0, 0]).transpose(1, 0, 2)
+    return float((a * np.cross(b, c)).sum()) / 6.0
+
+
+def is_convex(vertices: Floats, triangles: Indices, size: float) -> bool:
+    """Return whether a closed surface of one piece is convex: at every edge, to rounding.
+
+    A closed surface that is convex everywhere about its points bounds a convex body (van
+    Heijenoort, Communications on Pure and Applied Mathematics 5 (3), 1952).
+    """
+    edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    codes = np.sort(edges, axis=1) @ np.array([len(vertices), 1])
+    order = np.argsort(codes, kind='stable')
+    if (np.unique(codes, return_counts=True)[1] != 2).any():
+        return False
+    first, second = order[::2], order[1::2]
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    apex = vertices[triangles[second // 3, (second % 3 + 2) % 3]]
+    rises = ((apex - vertices[edges[first, 0]]) * normals[first // 3]).sum(axis=1)
+    # Two flat sides back to back are level at their edges too: their normals differ.
+    folded = (normals[first // 3] * normals[second // 3]).sum(axis=1) <= -0.5
+    level = np.abs(rises) <= COPLANAR * EPS * size
+    return bool((rises <= COPLANAR * EPS * size).all() and not (folded & level).any())
+
+
+def planes_of(vertices: Floats, triangles: Indices) -> Floats:
+    """Return outward unit normal and offset [m] of the largest faces of a hull, (f, 4)."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1, keepdims=True)
+    largest = np.argsort(-areas[:, 0], kind='stable')[:MOST_PLANES]
+    normals, a = (normals / areas)[largest], a[largest]
+    return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
+
+
+def largest_triangles(corners: Floats, pieces: list[Indices]) -> Indices:
+    """Return the number (c,) of each piece's triangle of largest area, of corners (n, 3, 3)."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    return np.array([piece[np.argmax(areas[piece])] for piece in pieces], dtype=np.int64)
+
+
+def at_crowded_edges(triangles: Indices) -> Indices:
+    """Return the numbers of the triangles at edges that more than two have in common."""
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    codes = edges[:, 0] * (int(triangles.max()) + 1) + edges[:, 1]
+    _, at, counts = np.unique(codes, return_inverse=True, return_counts=True)
+    return np.flatnonzero((counts[at.ravel()] > 2).reshape(-1, 3).any(axis=1))
+
+
+def check_simple(parameters: Floats, pieces: Indices, crowded: Indices, name: str) -> None:
+    """Raise MeshFileError where triangles cross or pieces do not bound a body together.
+
+    ``pieces`` (c,) has a triangle of each piece. Two surfaces may cross along edges of one or of
+    both, where no triangle goes through another: of the triangles that touch others there, and of
+    the ``crowded`` ones (k,), some lie in a body then. All are named by their numbers in the
+    parameters.
+    """
+    crossing = np.empty((2, 3, 3))
+    touching = np.zeros(tree_of(SOLID, parameters).triangles, dtype=np.bool_)
+    if first_crossing(parameters, crossing, touching):
+        raise _crosses_itself(name, crossing)
+    astray = _astray(parameters, pieces)
+    if len(astray):
+        raise MeshFileError(
+            f'{name} bounds no solid: {len(astray)} of its {len(pieces)} closed surfaces '
+            'lie in another and are turned like a body, or in none and are turned like a cavity; '
+            f'leave out bodies within bodies, and turn cavities inside out. {_ADVICE}'
+        )
+    touching[crowded] = True
+    astray = _astray(parameters, np.flatnonzero(touching))
+    if len(astray):
+        at = tree_of(SOLID, parameters).corners + CORNERS * int(astray[0])
+        raise _crosses_itself(name, parameters[at : at + CORNERS].reshape(1, 3, 3))
+
+
+def _astray(parameters: Floats, triangles: Indices) -> Indices:
+    """Return which of the triangles have another body beneath them, or above."""
+    flags = np.empty(len(triangles), dtype=np.bool_)
+    find_astray(parameters, triangles, flags)
+    return triangles[flags]
+
+
+def _crosses_itself(name: str, crossing: Floats) -> MeshFileError:
+    where = crossing.mean(axis=(0, 1)).tolist()
+    return MeshFileError(
+        f'{name} bounds no solid: its surface crosses itself, at about {where}; unite the bodies '
+        f'or mend the surface (a boolean union does both). {_ADVICE}'
+    )

@@ -1,0 +1,64 @@
+"""STL files, binary and text. The format has no unit: numbers are metres, as in RViz and Drake."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+
+_HEADER = 84  # [bytes] a comment and the number of triangles
+_FACET = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('attribute', '<u2')])
+
+
+def parse_stl(data: bytes) -> ParsedMesh:
+    """Return the mesh in an STL file; raises ValueError for one that is truncated or none."""
+    told = int.from_bytes(data[80:_HEADER], 'little')
+    if len(data) == _HEADER + told * _FACET.itemsize and len(data) >= _HEADER:
+        corners = np.frombuffer(data, _FACET, told, _HEADER)['corners']
+    elif data.lstrip()[:5].lower() == b'solid' and b'\0' not in data:
+        corners = _corners_in(data.decode(errors='replace'))
+    elif len(data) < _HEADER:
+        raise ValueError(f'{len(data)} bytes are no STL file')
+    else:
+        found = (len(data) - _HEADER) // _FACET.itemsize
+        reason = 'it is truncated' if found < told else 'it is no STL file, or a damaged one'
+        raise ValueError(
+            f'its header tells of {told} triangles, and {found} are found in {len(data)} bytes: '
+            f'{reason}'
+        )
+    if not len(corners):
+        raise ValueError('it has no triangles')
+    vertices = corners.reshape(-1, 3).astype(np.float64)
+    return ParsedMesh(vertices, np.arange(len(vertices)).reshape(-1, 3))
+
+
+def _corners_in(text: str) -> NDArray[np.float64]:
+    """Return the corners (m, 3, 3) of the facets in a file of text."""
+    corners: list[list[float]] = []
+    facets = 0
+    inside = False  # a solid
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.split()
+        word = words[0].lower() if words else ''
+        if word == 'vertex':
+            try:
+                x, y, z = map(float, words[1:])
+            except ValueError:
+                raise ValueError(f'line {number}: {line.strip()!r} is no vertex') from None
+            corners.append([x, y, z])
+        elif word == 'endfacet':
+            facets += 1
+            if len(corners) != 3 * facets:
+                raise ValueError(
+                    f'line {number}: facet {facets} has {len(corners) - 3 * facets + 3} vertices'
+                )
+        elif word in ('solid', 'endsolid'):
+            if inside == (word == 'solid'):
+                raise ValueError(
+                    f'line {number}: {word!r} {"within" if inside else "without"} a solid'
+                )
+            inside = not inside
+    if inside or len(corners) != 3 * facets:
+        raise ValueError(f"it is truncated: {facets} triangles are found, and no 'endsolid'")
+    return np.array(corners, dtype=np.float64).reshape(-1, 3, 3)

@@ -1,0 +1,266 @@
+"""Meshes: files, in memory or numbers, each known by its content; surfaces and convex hulls."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry.errors import ArgumentError, MeshFileError
+from drake_geom_ros.geometry.meshes._formats import FORMATS, parse_mesh
+from drake_geom_ros.geometry.meshes._hull_polygons import united
+from drake_geom_ros.geometry.meshes._library import convex_hull
+from drake_geom_ros.geometry.meshes._parsed_mesh import ParsedMesh
+from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh
+from drake_geom_ros.math.tolerances import FARTHEST
+
+# A file is read whole, and its numbers need some ten times its size; a scan of 2 million triangles
+# as binary STL has 100 MB.
+MAX_MESH_BYTES = 200_000_000
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class MeshData:
+    """A mesh given by numbers, not by a file; it compares and hashes by its content.
+
+    ``vertices`` (n, 3) [m] and ``triangles`` (m, 3), indices of vertices, are not to be written
+    to. Raises ArgumentError for other shapes, numbers that are not finite and wrong indices.
+    """
+
+    __slots__ = ('_key', 'triangles', 'vertices')
+
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike = ()) -> None:
+        points = np.array(vertices, dtype=np.float64)
+        faces = np.array(triangles, dtype=np.int64)
+        faces = faces.reshape(-1, 3) if faces.size == 0 else faces
+        for name, array in (('vertices', points), ('triangles', faces)):
+            if array.ndim != 2 or array.shape[1] != 3:
+                raise ArgumentError(f'MeshData: {name} {array.shape} must be (n, 3)')
+        if not np.isfinite(points).all():
+            raise ArgumentError('MeshData: all vertices must be finite')
+        bad = np.flatnonzero(((faces < 0) | (faces >= len(points))).any(axis=1))
+        if bad.size:
+            raise ArgumentError(
+                f'MeshData: triangles[{bad[0]}] is {faces[bad[0]].tolist()}; there are '
+                f'{len(points)} vertices, counted from 0'
+            )
+        points.flags.writeable = faces.flags.writeable = False
+        self.vertices: Floats = points
+        self.triangles: Indices = faces
+        self._key = points.tobytes(), faces.tobytes()
+
+    def __eq__(self, other: object) -> bool:
+        return self._key == other._key if isinstance(other, MeshData) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __repr__(self) -> str:
+        return f'<MeshData of {len(self.vertices)} vertices, {len(self.triangles)} triangles>'
+
+
+class MeshFile:
+    """A mesh file in the state that it was found in: compared and hashed by its content.
+
+    Two paths of the same bytes are the same mesh, if their suffix names the same format. Raises
+    MeshFileError for a file that is missing or too large.
+    """
+
+    __slots__ = ('_key', 'filename')
+
+    def __init__(self, filename: str) -> None:
+        try:
+            status = os.stat(filename)
+            if status.st_size > MAX_MESH_BYTES:
+                raise MeshFileError(
+                    f'{filename!r} has {status.st_size} bytes; at most {MAX_MESH_BYTES} are read: '
+                    'collision geometry needs a simpler mesh'
+                )
+            digest = _digest(filename, status.st_mtime_ns, status.st_size)
+        except OSError as error:
+            raise MeshFileError(f'{filename!r} cannot be read: {error.strerror}') from None
+        self.filename = filename
+        self._key = digest, self.kind
+
+    @property
+    def kind(self) -> str:
+        """The format, by the suffix: lower case, without the dot."""
+        return os.path.splitext(self.filename)[1].lower().lstrip('.')
+
+    def content(self) -> bytes:
+        """Return the bytes; raises MeshFileError if they are others by now."""
+        data = Path(self.filename).read_bytes()
+        if hashlib.sha256(data).digest() != self._key[0]:
+            raise MeshFileError(f'{self.filename!r} changed while it was read')
+        return data
+
+    def __eq__(self, other: object) -> bool:
+        return self._key == other._key if isinstance(other, MeshFile) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __repr__(self) -> str:
+        return repr(self.filename)
+
+
+# What a shape holds, and what meshes are known by.
+MeshGiven = str | MeshData | InMemoryMesh
+MeshKey = MeshData | MeshFile | InMemoryMesh
+
+
+@functools.lru_cache(maxsize=1024)
+def _digest(filename: str, mtime_ns: int, size: int) -> bytes:
+    """Return the digest of a file in the state that its stamp and size tell."""
+    return hashlib.sha256(Path(filename).read_bytes()).digest()
+
+
+def mesh_source(mesh: MeshGiven) -> MeshKey:
+    """Return what a mesh is known by: numbers, a file in memory, or one on disk as it is."""
+    return MeshFile(mesh) if isinstance(mesh, str) else mesh
+
+
+def name_of(source: MeshKey) -> str:
+    """Return how messages name a mesh."""
+    if isinstance(source, InMemoryMesh):
+        return f'the mesh in memory {source.mesh_file.filename_hint()!r}'
+    return 'a mesh given as numbers' if isinstance(source, MeshData) else repr(source)
+
+
+def numbers_of(mesh: MeshData | InMemoryMesh) -> MeshData:
+    """Return a mesh in memory as numbers, unscaled."""
+    return mesh if isinstance(mesh, MeshData) else MeshData(*triangles_of(mesh))
+
+
+def check_extension(extension: str, name: str) -> None:
+    """Raise MeshFileError for an extension that no mesh file has."""
+    if extension.lstrip('.') not in FORMATS:
+        raise MeshFileError(
+            f'GetConvexHull: MakeConvexHull only applies to {", ".join(FORMATS)} files; '
+            f'{name!r} has the extension {extension!r}'
+        )
+
+
+def hull_vertices(mesh: MeshGiven, scale3: Floats) -> Floats:
+    """Return the vertices (n, 3) [m] of the convex hull of a mesh, scaled along x, y, z.
+
+    ``mesh`` is as a shape holds it. Raises MeshFileError for a file that is missing, holds no mesh
+    or numbers that are not finite, or where the hull has no volume.
+    """
+    source = mesh_source(mesh)
+    return _scaled(hull_of(source).vertices, scale3, source)
+
+
+def hull_surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
+    """Return ``hull_vertices`` and the hull's triangles (m, 3), counter-clockwise from outside."""
+    source = mesh_source(mesh)
+    vertices, triangles = hull_of(source)
+    return _scaled(vertices, scale3, source), turned(triangles, scale3)
+
+
+def surface(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, Indices]:
+    """Return vertices (n, 3) [m] and triangles (m, 3) of a mesh itself, scaled along x, y, z."""
+    source = mesh_source(mesh)
+    vertices, triangles = triangles_of(source)
+    return _scaled(vertices, scale3, source), turned(triangles, scale3)
+
+
+def _scaled(vertices: Floats, scale3: Floats, source: MeshKey) -> Floats:
+    """Return the vertices of a scaled mesh; raises MeshFileError for one beyond FARTHEST."""
+    with np.errstate(over='ignore'):
+        points = vertices * scale3
+    if (np.abs(points) > FARTHEST).any():
+        raise MeshFileError(
+            f'{name_of(source)}: scaled by {scale3.tolist()}, it reaches to '
+            f'{np.abs(points).max():g} m; no coordinate may be beyond {FARTHEST:.3g} m'
+        )
+    return points
+
+
+def turned(triangles: Indices, scale3: Floats) -> Indices:
+    """Return the triangles of a scaled mesh: a mirror image turns every one around."""
+    return triangles[:, ::-1] if np.prod(np.sign(scale3)) < 0.0 else triangles
+
+
+def _content(source: MeshFile | InMemoryMesh) -> tuple[bytes, str, str]:
+    """Return the bytes of a file, its format, and its name for messages."""
+    if isinstance(source, MeshFile):
+        return source.content(), source.kind, source.filename
+    file = source.mesh_file
+    return file.contents(), file.extension().lstrip('.'), file.filename_hint()
+
+
+class Triangles(NamedTuple):
+    """Vertices (n, 3) [m], and triangles (m, 3) of them."""
+
+    vertices: Floats
+    triangles: Indices
+
+
+@functools.lru_cache(maxsize=8)
+def _parsed(source: MeshFile | InMemoryMesh) -> ParsedMesh:
+    """Return what a file holds, not to be written to."""
+    parsed = parse_mesh(*_content(source))
+    count = len(parsed.vertices)
+    if count == 0 or not np.isfinite(parsed.vertices).all():
+        raise MeshFileError(f'{name_of(source)}: {count} vertices, and all must be finite')
+    for array in parsed[:3]:
+        if array is not None:
+            array.flags.writeable = False
+    return parsed
+
+
+def triangles_of(source: MeshKey) -> Triangles:
+    """Return vertices and triangles of a source, unscaled; not to be written to."""
+    mesh = source if isinstance(source, MeshData) else _parsed(source)
+    return Triangles(mesh.vertices, mesh.triangles)
+
+
+@functools.lru_cache(maxsize=32)
+def _colours_of(source: MeshKey) -> NDArray[np.float32] | None:
+    """Return the colours of a source's triangles, not to be written to, or None."""
+    return None if isinstance(source, MeshData) else _parsed(source).colours
+
+
+def facet_colours(mesh: MeshGiven) -> NDArray[np.float32] | None:
+    """Return the colours (m, 3) from 0 to 1 of a mesh's triangles, None where it has none.
+
+    Those of its faces, or the means of those of its vertices; materials and textures are left out.
+    """
+    return _colours_of(mesh_source(mesh))
+
+
+def remarks_on(mesh: MeshGiven) -> tuple[str, ...]:
+    """Return what was done to the numbers of a mesh file, and what was not, in words.
+
+    Such as ``'turned from y up to z up'``. Raises MeshFileError as ``hull_vertices``.
+    """
+    source = mesh_source(mesh)
+    return () if isinstance(source, MeshData) else _parsed(source).remarks
+
+
+@functools.lru_cache(maxsize=256)
+def hull_of(source: MeshKey) -> Triangles:
+    """Return vertices and triangles of the convex hull of a source, unscaled."""
+    return Triangles(*convex_hull(triangles_of(source).vertices, name_of(source)))
+
+
+@functools.lru_cache(maxsize=32)
+def _polygons_of(source: MeshKey) -> list[list[int]]:
+    """Return the polygons that bound the convex hull of a source, by its vertices."""
+    return united(*hull_of(source))
+
+
+def hull_polygons(mesh: MeshGiven, scale3: Floats) -> tuple[Floats, list[list[int]]]:
+    """Return vertices (n, 3) [m] and polygons, counter-clockwise, of the hull of a scaled mesh."""
+    source = mesh_source(mesh)
+    mirrored = np.prod(np.sign(scale3)) < 0.0
+    polygons = [polygon[:: -1 if mirrored else 1] for polygon in _polygons_of(source)]
+    return _scaled(hull_of(source).vertices, scale3, source), polygons

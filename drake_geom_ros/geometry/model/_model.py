@@ -1,0 +1,394 @@
+"""The topology of a scene and the rules of registering it: what is there, whose, and on what.
+
+No poses of frames and no filters: ``SceneGraphContext`` has the ones, ``FilterState`` the others.
+Every change checks all first, then commits all.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Collection
+
+from drake_geom_ros.geometry.checks import canonical_name, checked_pose, checked_type
+from drake_geom_ros.geometry.errors import (
+    ArgumentTypeError,
+    DuplicateError,
+    GeometryError,
+    OwnershipError,
+    RoleError,
+    UnknownIdError,
+)
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.model._records import (
+    INTERNAL_SOURCE_NAME,
+    ROLE_FIELDS,
+    ROLE_OF_PROPERTIES,
+    WORLD_FRAME_GROUP,
+    WORLD_FRAME_ID,
+    WORLD_NAME,
+    FrameRecord,
+    GeometryRecord,
+    Renderer,
+    Versions,
+    check_for_queries,
+    named,
+)
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+from drake_geom_ros.geometry.model.geometry_version import fresh_number
+from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign
+from drake_geom_ros.geometry.shapes.primitives import Shape
+from drake_geom_ros.math import RigidTransform
+
+
+class Model:
+    """Sources, frames and geometries, by id, with the names that are taken."""
+
+    def __init__(self) -> None:
+        internal = SourceId.get_new_id()
+        world = FrameRecord(
+            WORLD_FRAME_ID, WORLD_NAME, internal, WORLD_FRAME_ID, WORLD_FRAME_GROUP
+        )
+        self.world_frame_id = WORLD_FRAME_ID
+        self.sources: dict[SourceId, str] = {internal: INTERNAL_SOURCE_NAME}
+        self.frames: dict[FrameId, FrameRecord] = {WORLD_FRAME_ID: world}
+        self.geometries: dict[GeometryId, GeometryRecord] = {}
+        self.first_X_PFs: dict[FrameId, RigidTransform] = {}  # that contexts begin with
+        self.renderers: dict[str, Renderer] = {}
+        self.versions = Versions()
+        self._source_names = {INTERNAL_SOURCE_NAME}
+        self._frame_names = {(internal, WORLD_NAME)}
+        self._geometry_names: dict[tuple[FrameId, Role, str], GeometryId] = {}
+        self._children: dict[GeometryId, list[GeometryId]] = {}  # registered on a geometry
+
+    def copy(self) -> Model:
+        """Return a model that shares nothing that either could change."""
+        other = Model.__new__(Model)
+        other.world_frame_id = self.world_frame_id
+        other.sources = dict(self.sources)
+        other.frames = {
+            id: dataclasses.replace(frame, geometry_ids=dict(frame.geometry_ids))
+            for id, frame in self.frames.items()
+        }
+        other.geometries = dict(self.geometries)
+        other.first_X_PFs = dict(self.first_X_PFs)
+        other.renderers = dict(self.renderers)
+        other.versions = self.versions.copy()
+        other._source_names = set(self._source_names)
+        other._frame_names = set(self._frame_names)
+        other._geometry_names = dict(self._geometry_names)
+        other._children = {parent: list(children) for parent, children in self._children.items()}
+        return other
+
+    # Look-ups: each raises RuntimeError for an id of the wrong kind or one that is not here.
+
+    def source_name(self, source_id: SourceId) -> str:
+        """Return the name of a source."""
+        if checked_type(source_id, SourceId, 'source_id') not in self.sources:
+            raise UnknownIdError(f'{source_id!r} is not a source of this scene; {self._sources()}')
+        return self.sources[source_id]
+
+    def frame(self, frame_id: FrameId) -> FrameRecord:
+        """Return a frame."""
+        if checked_type(frame_id, FrameId, 'frame_id') not in self.frames:
+            raise UnknownIdError(
+                f'{frame_id!r} is not a frame of this scene, which has {len(self.frames)}; '
+                'see SceneGraphInspector.GetAllFrameIds'
+            )
+        return self.frames[frame_id]
+
+    def geometry(self, geometry_id: GeometryId) -> GeometryRecord:
+        """Return a geometry."""
+        if checked_type(geometry_id, GeometryId, 'geometry_id') not in self.geometries:
+            raise UnknownIdError(
+                f'Referenced geometry {geometry_id!r} is not a geometry of this scene, which has '
+                f'{len(self.geometries)}; see SceneGraphInspector.GetAllGeometryIds. It has not '
+                'been registered.'
+            )
+        return self.geometries[geometry_id]
+
+    def owned_frame(self, source_id: SourceId, frame_id: FrameId) -> FrameRecord:
+        """Return a frame of a source."""
+        self.source_name(source_id)
+        frame = self.frame(frame_id)
+        self._check_owner(source_id, frame)
+        return frame
+
+    def owned_geometry(self, source_id: SourceId, geometry_id: GeometryId) -> GeometryRecord:
+        """Return a geometry of a source."""
+        self.source_name(source_id)
+        geometry = self.geometry(geometry_id)
+        self._check_owner(source_id, geometry)
+        return geometry
+
+    def frames_of_source(self, source_id: SourceId) -> list[FrameId]:
+        """Return the frames of a source in the order of their registration."""
+        self.source_name(source_id)
+        return [frame.id for frame in self.frames.values() if frame.source_id == source_id]
+
+    def geometries_on(self, frame_id: FrameId) -> list[GeometryRecord]:
+        """Return the geometries on a frame in the order of their registration."""
+        return [self.geometries[id] for id in self.frame(frame_id).geometry_ids]
+
+    def resolve(self, geometry_set: GeometrySet, role: Role | None = None) -> list[GeometryId]:
+        """Return the geometries of a set, those on its frames included, ascending.
+
+        Only those with ``role``, when that is given; an id that is not here raises UnknownIdError.
+        """
+        checked_type(geometry_set, GeometrySet, 'geometry_set')
+        records = [self.geometry(id) for id in geometry_set._geometry_ids]
+        for frame_id in geometry_set._frame_ids:
+            records += self.geometries_on(frame_id)
+        return sorted({r.id for r in records if role is None or r.has_role(role)})
+
+    # Registration.
+
+    def register_source(self, name: str) -> SourceId:
+        """Add a source; without a name it becomes ``Source_<id>``."""
+        source_id = SourceId.get_new_id()
+        default = f'Source_{source_id.get_value()}'
+        new_name = canonical_name(name or default, 'RegisterSource')
+        if new_name in self._source_names:
+            raise DuplicateError(
+                f'RegisterSource: the name {new_name!r} is taken; {self._sources()}'
+            )
+        self.sources[source_id] = new_name
+        self._source_names.add(new_name)
+        self._changed()
+        return source_id
+
+    def register_frame(
+        self, source_id: SourceId, frame: GeometryFrame, parent_id: FrameId
+    ) -> FrameId:
+        """Add a frame to the world or to a frame of the same source."""
+        source = self.source_name(source_id)
+        checked_type(frame, GeometryFrame, 'RegisterFrame: frame')
+        if checked_type(parent_id, FrameId, 'RegisterFrame: parent_id') != WORLD_FRAME_ID:
+            self.owned_frame(source_id, parent_id)
+        if frame.id() in self.frames:
+            raise DuplicateError(
+                f"RegisterFrame: {frame.id()!r} '{frame.name()}' is registered already"
+            )
+        self._check_frame_name(source_id, frame.name(), f'RegisterFrame for source {source!r}')
+        self.frames[frame.id()] = FrameRecord(
+            frame.id(), frame.name(), source_id, parent_id, frame.frame_group()
+        )
+        self._frame_names.add((source_id, frame.name()))
+        self._changed(frames=True)
+        return frame.id()
+
+    def register_geometry(
+        self, source_id: SourceId, parent_id: FrameId | GeometryId, instance: GeometryInstance
+    ) -> GeometryRecord:
+        """Add a geometry to the world, or to a frame or a geometry of the same source."""
+        self.source_name(source_id)
+        checked_type(instance, GeometryInstance, 'RegisterGeometry: geometry')
+        if isinstance(parent_id, GeometryId):
+            parent = self.owned_geometry(source_id, parent_id)
+            frame_id, X_FG = parent.frame_id, parent.X_FG @ instance.pose()
+        else:
+            frame_id, X_FG = parent_id, instance.pose()
+            if checked_type(frame_id, FrameId, 'RegisterGeometry: frame_id') != WORLD_FRAME_ID:
+                self.owned_frame(source_id, frame_id)
+        if instance.id() in self.geometries:
+            raise DuplicateError(
+                f"RegisterGeometry: {instance.id()!r} '{instance.name()}' is registered already"
+            )
+        proximity = instance.proximity_properties()
+        illustration = instance.illustration_properties()
+        perception = instance.perception_properties()
+        record = GeometryRecord(
+            id=instance.id(),
+            name=instance.name(),
+            source_id=source_id,
+            frame_id=frame_id,
+            parent_id=parent_id if isinstance(parent_id, GeometryId) else None,
+            X_PG=instance.pose(),
+            X_FG=X_FG,
+            shape=instance.shape(),
+            proximity=proximity and proximity._frozen(),
+            illustration=illustration and illustration._frozen(),
+            perception=perception and perception._frozen(),
+        )
+        self._check_geometry_name(record, record.name, record.roles(), 'RegisterGeometry')
+        check_for_queries(record)
+        self.frames[frame_id].geometry_ids[record.id] = None
+        if record.parent_id is not None:
+            self._children.setdefault(record.parent_id, []).append(record.id)
+        self._store(record)
+        return record
+
+    def remove_geometry(
+        self, source_id: SourceId, geometry_id: GeometryId
+    ) -> list[GeometryRecord]:
+        """Remove a geometry, and all that was registered on it; return what was removed."""
+        removed = [self.owned_geometry(source_id, geometry_id)]
+        for parent in removed:
+            removed += [self.geometries[id] for id in self._children.get(parent.id, [])]
+        if removed[0].parent_id is not None:
+            self._children[removed[0].parent_id].remove(geometry_id)
+        for record in removed:
+            self._children.pop(record.id, None)
+            for role in record.roles():
+                del self._geometry_names[record.frame_id, role, record.name]
+            del self.frames[record.frame_id].geometry_ids[record.id]
+            del self.geometries[record.id]
+        self._changed(roles={role for record in removed for role in record.roles()})
+        return removed
+
+    # Changes.
+
+    def assign_role(
+        self,
+        source_id: SourceId,
+        geometry_id: GeometryId,
+        properties: GeometryProperties,
+        assign: RoleAssign,
+    ) -> GeometryRecord:
+        """Give a geometry a role, or replace the properties of one that it has."""
+        record = self.owned_geometry(source_id, geometry_id)
+        role = ROLE_OF_PROPERTIES.get(type(properties))
+        if role is None:
+            raise ArgumentTypeError(f'AssignRole: {properties!r} are not the properties of a role')
+        checked_type(assign, RoleAssign, 'AssignRole: assign')
+        if record.has_role(role) != (assign is RoleAssign.kReplace):
+            raise RoleError(
+                f'AssignRole: {named(record)} has the roles '
+                f'{[r.name for r in record.roles()]}; {role.name} can be given anew with '
+                'RoleAssign.kNew only if it is not there, with kReplace only if it is'
+            )
+        if assign is RoleAssign.kNew:
+            self._check_geometry_name(record, record.name, [role], 'AssignRole')
+        changed: dict[str, GeometryProperties] = {ROLE_FIELDS[role]: properties._frozen()}
+        record = record.changed(**changed)
+        if role is Role.kProximity:
+            check_for_queries(record)
+        self._store(record, roles=[role], names=assign is RoleAssign.kNew)
+        return record
+
+    def remove_role(
+        self, source_id: SourceId, of: FrameId | GeometryId, role: Role
+    ) -> list[GeometryRecord]:
+        """Take a role from a geometry or from a source's geometries on a frame; return these."""
+        if isinstance(of, GeometryId):
+            records = [self.owned_geometry(source_id, of)]
+        else:
+            self.source_name(source_id)
+            if of != WORLD_FRAME_ID:
+                self.owned_frame(source_id, of)
+            records = [r for r in self.geometries_on(of) if r.source_id == source_id]
+        losing = [record for record in records if record.properties(role) is not None]
+        for record in losing:
+            del self._geometry_names[record.frame_id, role, record.name]
+            changed: dict[str, None] = {ROLE_FIELDS[role]: None}
+            self.geometries[record.id] = record.changed(**changed)
+        if losing:
+            self._changed(roles=[role])
+        return losing
+
+    def change_shape(
+        self,
+        source_id: SourceId,
+        geometry_id: GeometryId,
+        shape: Shape,
+        X_FG: RigidTransform | None,
+    ) -> None:
+        """Give a geometry another shape, and another pose in its frame if that is given."""
+        record = self.owned_geometry(source_id, geometry_id)
+        checked_type(shape, Shape, 'ChangeShape: shape')
+        pose = record.X_FG if X_FG is None else checked_pose(X_FG, 'ChangeShape: X_FG')
+        record = record.changed(shape=shape)
+        check_for_queries(record)
+        self._store(record, names=False)
+        if X_FG is not None:
+            self._repose(self.geometries[geometry_id], pose)
+
+    def rename_frame(self, frame_id: FrameId, name: str) -> None:
+        """Give a frame another name."""
+        frame = self.frame(frame_id)
+        new_name = canonical_name(name, 'RenameFrame')
+        if frame_id == WORLD_FRAME_ID:
+            raise GeometryError(f'RenameFrame to {name!r}: the world frame keeps its name')
+        if new_name != frame.name:
+            self._check_frame_name(frame.source_id, new_name, f"RenameFrame of '{frame.name}'")
+            self._frame_names.remove((frame.source_id, frame.name))
+            self._frame_names.add((frame.source_id, new_name))
+            frame.name = new_name
+            self._changed(frames=True)
+
+    def rename_geometry(self, geometry_id: GeometryId, name: str) -> None:
+        """Give a geometry another name."""
+        record = self.geometry(geometry_id)
+        new_name = canonical_name(name, 'RenameGeometry')
+        if new_name != record.name:
+            self._check_geometry_name(record, new_name, record.roles(), 'RenameGeometry')
+            for role in record.roles():
+                del self._geometry_names[record.frame_id, role, record.name]
+            self._store(record.changed(name=new_name), roles=())
+
+    # Helpers.
+
+    def _store(
+        self, record: GeometryRecord, roles: Collection[Role] | None = None, names: bool = True
+    ) -> None:
+        """Keep a record and the names it takes; ``roles`` are those that change, None for all."""
+        self.geometries[record.id] = record
+        for role in record.roles():
+            self._geometry_names[record.frame_id, role, record.name] = record.id
+        self._changed(roles=record.roles() if roles is None else roles, names=names)
+
+    def _repose(self, record: GeometryRecord, X_FG: RigidTransform) -> None:
+        """Move a geometry in its frame; what was registered on it keeps its pose in it."""
+        X_PG = X_FG
+        if record.parent_id is not None:
+            X_PG = self.geometries[record.parent_id].X_FG.InvertAndCompose(X_FG)
+        self._store(record.changed(X_FG=X_FG, X_PG=X_PG), names=False)
+        for child_id in self._children.get(record.id, []):
+            self._repose(self.geometries[child_id], X_FG @ self.geometries[child_id].X_PG)
+
+    def _changed(
+        self, frames: bool = False, roles: Collection[Role] = (), names: bool = True
+    ) -> None:
+        """Count a change of frames, or of what has these roles; not of ``names``: of shapes."""
+        self.versions.any += 1
+        if names:
+            self.versions.names = self.versions.any
+        self.versions.frames += frames
+        self.versions.proximity += Role.kProximity in roles
+        self.versions.roles.update((role, fresh_number()) for role in roles)
+
+    def role_versions(self, filters: int) -> dict[Role, int]:
+        """Return the number of each role, given the version of the filters."""
+        if self.versions.filters != filters:
+            self.versions.filters = filters
+            self.versions.roles[Role.kProximity] = fresh_number()
+        return self.versions.roles
+
+    def _check_owner(self, source_id: SourceId, record: FrameRecord | GeometryRecord) -> None:
+        """Raise OwnershipError if a frame or a geometry belongs to another source."""
+        if record.source_id != source_id:
+            raise OwnershipError(
+                f"{named(record)} belongs to source '{self.sources[record.source_id]}' "
+                f"({record.source_id!r}), not to '{self.sources[source_id]}' ({source_id!r})"
+            )
+
+    def _check_frame_name(self, source_id: SourceId, name: str, what: str) -> None:
+        """Raise DuplicateError if a source has a frame of that name."""
+        if (source_id, name) in self._frame_names:
+            raise DuplicateError(f'{what}: the source has a frame of the name {name!r} already')
+
+    def _check_geometry_name(
+        self, record: GeometryRecord, name: str, roles: list[Role], what: str
+    ) -> None:
+        """Raise DuplicateError if the frame has a geometry of that name in any of the roles."""
+        for role in roles:
+            owner = self._geometry_names.get((record.frame_id, role, name))
+            if owner is not None:
+                raise DuplicateError(
+                    f"{what}: the frame '{self.frames[record.frame_id].name}' has a geometry of "
+                    f'the name {name!r} with the role {role.name} already: {owner!r}'
+                )
+
+    def _sources(self) -> str:
+        """Return the names of the sources, for messages."""
+        return f'there are {sorted(self._source_names)}'

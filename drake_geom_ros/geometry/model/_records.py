@@ -1,0 +1,164 @@
+"""What a model holds: one record a frame, one a geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.model.geometry_version import fresh_marks
+from drake_geom_ros.geometry.model.properties import (
+    GeometryProperties,
+    IllustrationProperties,
+    PerceptionProperties,
+    ProximityProperties,
+    Role,
+)
+from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+from drake_geom_ros.geometry.shapes.primitives import Shape
+from drake_geom_ros.math import RigidTransform
+
+Floats = NDArray[np.float64]
+
+# One world for all scenes of the process, as in Drake.
+WORLD_FRAME_ID = FrameId.get_new_id()
+WORLD_NAME = 'world'
+INTERNAL_SOURCE_NAME = 'SceneGraphInternal'  # the source that owns the world frame
+WORLD_FRAME_GROUP = -1  # no GeometryFrame can have it
+
+# The field of a GeometryRecord that holds the properties of a role.
+ROLE_FIELDS = {
+    Role.kProximity: 'proximity',
+    Role.kIllustration: 'illustration',
+    Role.kPerception: 'perception',
+}
+ROLE_OF_PROPERTIES = {
+    ProximityProperties: Role.kProximity,
+    IllustrationProperties: Role.kIllustration,
+    PerceptionProperties: Role.kPerception,
+}
+
+
+class Renderer(Protocol):
+    """What makes images of a model, which only keeps it by a name: a ``RenderEngine``."""
+
+    def Clone(self) -> Renderer:
+        """Return a renderer that does the same."""
+
+
+@dataclass
+class FrameRecord:
+    """A registered frame; the world is its own parent.
+
+    ``geometry_ids`` are its geometries in the order of their registration: a dictionary for the
+    sake of quick removal, of which only the keys count.
+    """
+
+    id: FrameId
+    name: str
+    source_id: SourceId
+    parent_id: FrameId
+    frame_group: int
+    geometry_ids: dict[GeometryId, None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class GeometryRecord:
+    """A registered geometry; a change makes a new record, so that models may share them.
+
+    ``parent_id`` is the geometry it was registered on, or None; ``X_PG`` its pose in that, or in
+    the frame.
+    """
+
+    id: GeometryId
+    name: str
+    source_id: SourceId
+    frame_id: FrameId
+    parent_id: GeometryId | None
+    X_PG: RigidTransform
+    X_FG: RigidTransform
+    shape: Shape
+    proximity: ProximityProperties | None = None
+    illustration: IllustrationProperties | None = None
+    perception: PerceptionProperties | None = None
+
+    @cached_property
+    def packed_shape(self) -> tuple[int, Floats]:
+        """The type number and the parameters of the shape, as queries take it.
+
+        A mesh counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
+        its surface encloses. Raises GeometryError where it is neither. They live as long as the
+        record: however many meshes a scene has, none is read again because another one came.
+        """
+        shape = self.shape
+        if not isinstance(shape, Mesh):
+            return shape._type_number(), shape._kernel_parameters()
+        if not is_solid(self):
+            return CONVEX, shape._kernel_parameters()
+        from drake_geom_ros.geometry.meshes._solids import solid_of
+
+        return solid_of(*shape._measures)
+
+    def changed(self, **fields: Any) -> GeometryRecord:
+        """Return the record with other values in some fields; the shape stays packed if it can."""
+        other = replace(self, **fields)
+        packed = vars(self).get('packed_shape')
+        same = other.shape is self.shape and is_solid(other) == is_solid(self)
+        if packed and same and other.proximity is not None:
+            vars(other)['packed_shape'] = packed
+        return other
+
+    def properties(self, role: Role) -> GeometryProperties | None:
+        """Return the properties of a role, or None."""
+        if role not in ROLE_FIELDS:
+            return None
+        properties: GeometryProperties | None = getattr(self, ROLE_FIELDS[role])
+        return properties
+
+    def roles(self) -> list[Role]:
+        """Return the roles that the geometry has; an empty list is what kUnassigned means."""
+        return [role for role in ROLE_FIELDS if self.properties(role) is not None]
+
+    def has_role(self, role: Role) -> bool:
+        """Return whether the geometry has a role, kUnassigned if it has no other."""
+        return role in (self.roles() or [Role.kUnassigned])
+
+
+@dataclass
+class Versions:
+    """Numbers that grow with every change of a kind."""
+
+    frames: int = 0  # a frame was registered or renamed
+    proximity: int = 0  # what takes part in proximity queries, its shape or its X_FG
+    any: int = 0
+    names: int = 0  # that of ``any`` when what is there, its name or its roles changed last
+    roles: dict[Role, int] = field(default_factory=fresh_marks)  # see GeometryVersion
+    filters: int = 0  # the version of the filters that ``roles`` know of
+
+    def copy(self) -> Versions:
+        """Return numbers that grow on their own."""
+        return replace(self, roles=dict(self.roles))
+
+
+def named(record: FrameRecord | GeometryRecord) -> str:
+    """Return kind, name and id, for messages."""
+    kind = 'frame' if isinstance(record, FrameRecord) else 'geometry'
+    return f"the {kind} '{record.name}' ({record.id!r})"
+
+
+def is_solid(record: GeometryRecord) -> bool:
+    """Return the property ('mesh', 'solid') of a Mesh; raises RuntimeError if it is no bool."""
+    if record.proximity is None or not isinstance(record.shape, Mesh):
+        return False
+    return bool(record.proximity.GetPropertyOrDefault('mesh', 'solid', False))
+
+
+def check_for_queries(record: GeometryRecord) -> None:
+    """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
+    if record.proximity is not None:
+        _ = record.packed_shape

@@ -1,0 +1,85 @@
+"""What is to be said about pairs: a list of statements, later ones win."""
+
+from __future__ import annotations
+
+import enum
+from typing import NamedTuple
+
+from drake_geom_ros.geometry._proximity.filters.log import (
+    ALLOW_BETWEEN,
+    ALLOW_WITHIN,
+    EXCLUDE_BETWEEN,
+    EXCLUDE_WITHIN,
+)
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.ids import FrameId
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+
+
+class CollisionFilterScope(enum.Enum):
+    """The geometries a declaration affects; without deformable ones both mean the same."""
+
+    kAll = 0
+    kOmitDeformable = 1
+
+
+class Given(NamedTuple):
+    """What a GeometrySet held when it was given, as plain numbers that need no hashing again."""
+
+    geometries: tuple[int, ...]  # ascending
+    frames: tuple[FrameId, ...]
+
+    @staticmethod
+    def of(geometry_set: GeometrySet, argument: str) -> Given:
+        """Return what a set holds; ArgumentTypeError for what is no GeometrySet."""
+        checked_type(geometry_set, GeometrySet, f'CollisionFilterDeclaration: {argument}')
+        values = sorted([geometry_id._value for geometry_id in geometry_set._geometry_ids])
+        return Given(tuple(values), tuple(geometry_set._frame_ids))
+
+
+class CollisionFilterDeclaration:
+    """A change of the candidate pairs C, for ``CollisionFilterManager`` to apply.
+
+    Its statements are taken in order. Sets are copied when they are given, and resolved against
+    a scene when the declaration is applied. Each method returns the declaration itself, so that
+    statements can be chained:
+
+        >>> from drake_geom_ros.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet
+        >>> hand, cup = GeometrySet(GeometryId(3)), GeometrySet(GeometryId(4))
+        >>> declaration = CollisionFilterDeclaration().ExcludeBetween(hand, cup)
+    """
+
+    __slots__ = ('_scope', '_statements')
+
+    def __init__(self, scope: CollisionFilterScope = CollisionFilterScope.kAll) -> None:
+        """Make a declaration that says nothing yet; RuntimeError for what is no scope."""
+        self._scope = checked_type(scope, CollisionFilterScope, 'scope')
+        self._statements: list[tuple[int, Given, Given]] = []
+
+    def AllowBetween(self, set_A: GeometrySet, set_B: GeometrySet) -> CollisionFilterDeclaration:
+        """Put the pairs (a, b) of the two sets into C, but for invariant ones; return self."""
+        return self._between(ALLOW_BETWEEN, set_A, set_B)
+
+    def AllowWithin(self, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
+        """Put all pairs of the set into C, but for invariant ones; return self."""
+        return self._within(ALLOW_WITHIN, geometry_set)
+
+    def ExcludeBetween(self, set_A: GeometrySet, set_B: GeometrySet) -> CollisionFilterDeclaration:
+        """Take the pairs (a, b) of the two sets out of C; return self."""
+        return self._between(EXCLUDE_BETWEEN, set_A, set_B)
+
+    def ExcludeWithin(self, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
+        """Take all pairs of the set out of C; return self."""
+        return self._within(EXCLUDE_WITHIN, geometry_set)
+
+    def _between(
+        self, operation: int, set_A: GeometrySet, set_B: GeometrySet
+    ) -> CollisionFilterDeclaration:
+        given = Given.of(set_A, 'set_A'), Given.of(set_B, 'set_B')
+        self._statements.append((operation, *given))
+        return self
+
+    def _within(self, operation: int, geometry_set: GeometrySet) -> CollisionFilterDeclaration:
+        given = Given.of(geometry_set, 'geometry_set')
+        self._statements.append((operation, given, given))
+        return self

@@ -1,0 +1,49 @@
+"""Telling whether the geometry of a role has changed."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+
+from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.model.properties import Role
+
+# Never the same number twice in a process, whatever scene or context takes it.
+_numbers = itertools.count(1)
+
+
+def fresh_number() -> int:
+    """Return a number that no version has."""
+    return next(_numbers)
+
+
+class GeometryVersion:
+    """The version of the geometry of each role at the time of ``geometry_version()``.
+
+    Marks are the same only while nothing of that role was registered, removed or changed (a new
+    name is no change; collision filters count for the proximity role). A context starts with the
+    marks of its scene. A mark that is made without a scene is the same as itself only.
+    """
+
+    __slots__ = ('_numbers',)
+
+    def __init__(self, other: GeometryVersion | None = None) -> None:
+        self._numbers: Mapping[Role, int] = other._numbers if other else fresh_marks()
+
+    @classmethod
+    def _of(cls, numbers: Mapping[Role, int]) -> GeometryVersion:
+        """Return the mark of these numbers."""
+        version = cls.__new__(cls)
+        version._numbers = dict(numbers)
+        return version
+
+    def IsSameAs(self, other: GeometryVersion, role: Role) -> bool:
+        """Return whether nothing of a role changed; raises RuntimeError for kUnassigned."""
+        if role not in self._numbers:
+            raise ArgumentError(f'IsSameAs: {role!r} has no versions; ask for one of the others')
+        return self._numbers[role] == other._numbers[role]
+
+
+def fresh_marks() -> dict[Role, int]:
+    """Return numbers of its own for each role."""
+    return {role: fresh_number() for role in Role if role is not Role.kUnassigned}

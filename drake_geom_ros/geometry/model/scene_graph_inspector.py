@@ -1,0 +1,312 @@
+"""What a scene consists of: everything about it that does not depend on poses of frames."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry.checks import canonical_name, checked_type
+from drake_geom_ros.geometry.errors import GeometryError, RoleError
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId, only_id
+from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import FrameRecord, GeometryRecord, named
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+from drake_geom_ros.geometry.model.geometry_version import GeometryVersion
+from drake_geom_ros.geometry.model.instances import GeometryInstance
+from drake_geom_ros.geometry.model.properties import (
+    GeometryProperties,
+    IllustrationProperties,
+    PerceptionProperties,
+    ProximityProperties,
+    Role,
+)
+from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.measures import CalcObb
+from drake_geom_ros.geometry.shapes.primitives import Shape
+from drake_geom_ros.math import RigidTransform
+
+
+class SceneGraphInspector:
+    """A view of a scene's model, or of a context's copy of it, which it always sees as it is now.
+
+    Comes from ``SceneGraph.model_inspector()`` or ``QueryObject.inspector()``. Lists of ids are in
+    ascending order. Every method raises RuntimeError for an id that the scene does not hold. Where
+    an id may be of several kinds it has a keyword for each kind, and ``id`` for any of them.
+    """
+
+    def __init__(self, model: Model, filters: FilterState) -> None:
+        self._model = model
+        self._filters = filters
+
+    # Sources.
+
+    def num_sources(self) -> int:
+        """Return how many sources there are, the scene's own included."""
+        return len(self._model.sources)
+
+    def GetAllSourceIds(self) -> list[SourceId]:
+        """Return the ids of all sources, the scene's own included."""
+        return sorted(self._model.sources)
+
+    def SourceIsRegistered(
+        self, source_id: SourceId | None = None, *, id: SourceId | None = None
+    ) -> bool:
+        """Return whether there is a source of that id."""
+        return only_id('SourceIsRegistered', source_id, id) in self._model.sources
+
+    def GetSourceName(
+        self, source_id: SourceId | None = None, *, id: SourceId | None = None
+    ) -> str:
+        """Return the name of a source, by the older name of ``GetName``."""
+        return self._model.source_name(only_id('GetSourceName', source_id, id))
+
+    def NumFramesForSource(self, source_id: SourceId) -> int:
+        """Return how many frames a source has."""
+        return len(self._model.frames_of_source(source_id))
+
+    def FramesForSource(self, source_id: SourceId) -> set[FrameId]:
+        """Return a source's frames."""
+        return set(self._model.frames_of_source(source_id))
+
+    def BelongsToSource(
+        self,
+        id: FrameId | GeometryId | None = None,
+        source_id: SourceId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> bool:
+        """Return whether a frame or a geometry belongs to a source."""
+        source: SourceId = only_id('BelongsToSource: source_id', source_id)
+        self._model.source_name(source)
+        asked = only_id('BelongsToSource', id, frame_id, geometry_id)
+        return self._record(asked).source_id == source
+
+    def GetOwningSourceId(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> SourceId:
+        """Return the source that a frame or a geometry belongs to."""
+        return self._record(only_id('GetOwningSourceId', id, frame_id, geometry_id)).source_id
+
+    def GetOwningSourceName(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> str:
+        """Return the name of the source that a frame or a geometry belongs to."""
+        asked = only_id('GetOwningSourceName', id, frame_id, geometry_id)
+        return self._model.source_name(self._record(asked).source_id)
+
+    # Frames.
+
+    def world_frame_id(self) -> FrameId:
+        """Return the id of the world frame."""
+        return self._model.world_frame_id
+
+    def num_frames(self) -> int:
+        """Return how many frames there are, the world included."""
+        return len(self._model.frames)
+
+    def GetAllFrameIds(self) -> list[FrameId]:
+        """Return the ids of all frames, the world included."""
+        return sorted(self._model.frames)
+
+    def all_frame_ids(self) -> list[FrameId]:
+        """Return ``GetAllFrameIds()``, by the older name."""
+        return self.GetAllFrameIds()
+
+    def GetParentFrame(self, frame_id: FrameId) -> FrameId:
+        """Return the frame that a frame was registered on; the world is its own."""
+        return self._model.frame(frame_id).parent_id
+
+    def GetFrameGroup(self, frame_id: FrameId) -> int:
+        """Return the group number of a frame, -1 for the world."""
+        return self._model.frame(frame_id).frame_group
+
+    def NumGeometriesForFrame(self, frame_id: FrameId) -> int:
+        """Return how many geometries are on a frame."""
+        return len(self._model.frame(frame_id).geometry_ids)
+
+    def NumGeometriesForFrameWithRole(self, frame_id: FrameId, role: Role) -> int:
+        """Return how many geometries with a role are on a frame."""
+        return len(self.GetGeometries(frame_id, role))
+
+    def GetGeometries(self, frame_id: FrameId, role: Role | None = None) -> list[GeometryId]:
+        """Return the geometries on a frame, those with a role when it is given."""
+        return _with_role(self._model.geometries_on(frame_id), role)
+
+    def GetGeometryIdByName(self, frame_id: FrameId, role: Role, name: str) -> GeometryId:
+        """Return the geometry of that name and role on a frame; the name is trimmed first.
+
+        Raises RuntimeError if there is none, or several, as there can be without any role.
+        """
+        frame = self._model.frame(frame_id)
+        wanted = canonical_name(name, 'GetGeometryIdByName')
+        records = [r for r in self._model.geometries_on(frame_id) if _has_role(r, role)]
+        found = [record.id for record in records if record.name == wanted]
+        if len(found) != 1:
+            raise GeometryError(
+                f"GetGeometryIdByName: the frame '{frame.name}' ({frame_id!r}) has {len(found)} "
+                f'geometries of the name {wanted!r} and the role {role.name}; the names with '
+                f'this role are {sorted(record.name for record in records)}'
+            )
+        return found[0]
+
+    # Geometries.
+
+    def num_geometries(self) -> int:
+        """Return how many geometries there are."""
+        return len(self._model.geometries)
+
+    def NumAnchoredGeometries(self) -> int:
+        """Return how many geometries are on the world frame."""
+        return self.NumGeometriesForFrame(self._model.world_frame_id)
+
+    def NumDynamicGeometries(self) -> int:
+        """Return how many geometries are on other frames than the world."""
+        return self.num_geometries() - self.NumAnchoredGeometries()
+
+    def NumGeometriesWithRole(self, role: Role) -> int:
+        """Return how many geometries have a role; of kUnassigned, how many have none."""
+        return len(self.GetAllGeometryIds(role))
+
+    def GetAllGeometryIds(self, role: Role | None = None) -> list[GeometryId]:
+        """Return the ids of all geometries, those with a role when it is given."""
+        return _with_role(self._model.geometries.values(), role)
+
+    def GetGeometryIds(
+        self, geometry_set: GeometrySet, role: Role | None = None
+    ) -> set[GeometryId]:
+        """Return the geometries that a GeometrySet means now, those with a role when given."""
+        return set(self._model.resolve(geometry_set, role))
+
+    def GetFrameId(self, geometry_id: GeometryId) -> FrameId:
+        """Return the frame that a geometry is on."""
+        return self._model.geometry(geometry_id).frame_id
+
+    def GetShape(self, geometry_id: GeometryId) -> Shape:
+        """Return the shape of a geometry."""
+        return self._model.geometry(geometry_id).shape
+
+    def GetConvexHull(self, geometry_id: GeometryId) -> PolygonSurfaceMesh | None:
+        """Return the convex hull of a Mesh or Convex, in G; None for another shape."""
+        shape = self._model.geometry(geometry_id).shape
+        return shape.GetConvexHull() if isinstance(shape, (Mesh, Convex)) else None
+
+    def GetObbInGeometryFrame(self, geometry_id: GeometryId) -> Obb | None:
+        """Return the oriented box around a geometry, in G; None for a half space."""
+        return CalcObb(self._model.geometry(geometry_id).shape)
+
+    def geometry_version(self) -> GeometryVersion:
+        """Return the mark of the geometries as they are now."""
+        return GeometryVersion._of(self._model.role_versions(self._filters.version))
+
+    def GetPoseInFrame(self, geometry_id: GeometryId) -> RigidTransform:
+        """Return X_FG, the pose of a geometry in its frame."""
+        return RigidTransform(self._model.geometry(geometry_id).X_FG)
+
+    def GetPoseInParent(self, geometry_id: GeometryId) -> RigidTransform:
+        """Return X_PG, the pose of a geometry in what it was registered on, frame or geometry."""
+        return RigidTransform(self._model.geometry(geometry_id).X_PG)
+
+    def GetProperties(self, geometry_id: GeometryId, role: Role) -> GeometryProperties | None:
+        """Return the properties of a geometry in a role, read only, or None without the role."""
+        checked_type(role, Role, 'GetProperties: role')
+        return self._model.geometry(geometry_id).properties(role)
+
+    def GetProximityProperties(self, geometry_id: GeometryId) -> ProximityProperties | None:
+        """Return the properties of the proximity role, read only, or None."""
+        return self._model.geometry(geometry_id).proximity
+
+    def GetIllustrationProperties(self, geometry_id: GeometryId) -> IllustrationProperties | None:
+        """Return the properties of the illustration role, read only, or None."""
+        return self._model.geometry(geometry_id).illustration
+
+    def GetPerceptionProperties(self, geometry_id: GeometryId) -> PerceptionProperties | None:
+        """Return the properties of the perception role, read only, or None."""
+        return self._model.geometry(geometry_id).perception
+
+    def CloneGeometryInstance(self, geometry_id: GeometryId) -> GeometryInstance:
+        """Return a new instance, of a new id, of a geometry's X_FG, shape, name and roles."""
+        record = self._model.geometry(geometry_id)
+        instance = GeometryInstance(record.X_FG, record.shape, record.name)
+        if record.proximity is not None:
+            instance.set_proximity_properties(record.proximity)
+        if record.illustration is not None:
+            instance.set_illustration_properties(record.illustration)
+        if record.perception is not None:
+            instance.set_perception_properties(record.perception)
+        return instance
+
+    # Frames, geometries and sources alike.
+
+    def GetName(
+        self,
+        id: SourceId | FrameId | GeometryId | None = None,
+        *,
+        source_id: SourceId | None = None,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> str:
+        """Return the name of a source, a frame or a geometry."""
+        asked = only_id('GetName', id, source_id, frame_id, geometry_id)
+        if isinstance(asked, SourceId):
+            return self._model.source_name(asked)
+        return self._record(asked).name
+
+    def GetNameByFrameId(self, frame_id: FrameId) -> str:
+        """Return the name of a frame, by the older name of ``GetName``."""
+        return self._model.frame(frame_id).name
+
+    def GetNameByGeometryId(self, geometry_id: GeometryId) -> str:
+        """Return the name of a geometry, by the older name of ``GetName``."""
+        return self._model.geometry(geometry_id).name
+
+    # Collision filters.
+
+    def CollisionFiltered(self, geometry_id1: GeometryId, geometry_id2: GeometryId) -> bool:
+        """Return whether a pair is left out of pairwise queries, for whatever reason.
+
+        Raises RuntimeError unless both have the proximity role.
+        """
+        keys = []
+        for geometry_id in (geometry_id1, geometry_id2):
+            record = self._model.geometry(geometry_id)
+            if record.proximity is None:
+                raise RoleError(f'CollisionFiltered: {named(record)} has no proximity role')
+            keys.append(geometry_id.get_value())
+        return self._filters.filtered(*keys)
+
+    def GetCollisionCandidates(self) -> set[tuple[GeometryId, GeometryId]]:
+        """Return the pairs (A, B), A < B, that pairwise queries consider."""
+        ids = self.GetAllGeometryIds(Role.kProximity)
+        slots = self._filters.slots(np.array([id.get_value() for id in ids], dtype=np.int64))
+        pairs: list[tuple[GeometryId, GeometryId]] = []
+        for i, id_A in enumerate(ids):
+            others = slots[i + 1 :]
+            reported = self._filters.mask(np.full_like(others, slots[i]), others)
+            pairs += ((id_A, ids[i + 1 + k]) for k in np.flatnonzero(reported).tolist())
+        return set(pairs)
+
+    def _record(self, id: FrameId | GeometryId) -> FrameRecord | GeometryRecord:
+        """Return the record of a frame or a geometry."""
+        return self._model.frame(id) if isinstance(id, FrameId) else self._model.geometry(id)
+
+
+def _has_role(record: GeometryRecord, role: Role) -> bool:
+    return record.has_role(checked_type(role, Role, 'role'))
+
+
+def _with_role(records: Any, role: Role | None) -> list[GeometryId]:
+    """Return the ids of those records that have a role, of all without one, ascending."""
+    return sorted(record.id for record in records if role is None or _has_role(record, role))

@@ -1,0 +1,175 @@
+"""The queries for images."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
+from drake_geom_ros.geometry.ids import FrameId, GeometryId
+from drake_geom_ros.geometry.render.camera_properties import (
+    Camera,
+    CameraProperties,
+    DepthCameraProperties,
+    core_of,
+)
+from drake_geom_ros.geometry.render.cameras import (
+    ColorRenderCamera,
+    DepthRenderCamera,
+    refuse_window,
+)
+from drake_geom_ros.geometry.render.render_engine import RenderedImages
+from drake_geom_ros.geometry.render.renderers import Renderers
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
+
+if TYPE_CHECKING:
+    from drake_geom_ros.geometry.queries.context import SceneGraphContext
+    from drake_geom_ros.geometry.render._packing import Packed
+    from drake_geom_ros.geometry.render.render_engine import RenderEngine
+
+_KINDS = frozenset(('color', 'depth', 'label'))
+
+
+class _Kept(NamedTuple):
+    """What was packed of a scene, and by what it is known whether that holds still."""
+
+    key: tuple[object, ...]
+    packed: Packed
+
+
+class ImageQueries:
+    """What a query object answers with images; it has all other queries too.
+
+    A camera's body C is posed by ``X_PC`` in a frame P. The camera looks along +z, x is to the
+    right and y down; see CameraInfo for which ray is a pixel's. Geometry with the perception role
+    is seen, if it accepts the camera's renderer: ``('renderer', 'accepting')``, a name or a set of
+    them.
+    """
+
+    if TYPE_CHECKING:
+
+        @property
+        def _context(self) -> SceneGraphContext: ...
+
+        def X_WF(self, id: FrameId) -> RigidTransform:
+            """Return the pose of a frame in the world."""
+
+    def RenderColorImage(
+        self,
+        camera: ColorRenderCamera | CameraProperties,
+        parent_frame: FrameId,
+        X_PC: RigidTransform,
+        show_window: bool = False,
+    ) -> ImageRgba8U:
+        """Return what the camera sees, in the colours ('phong', 'diffuse') or those of mesh files.
+
+        Raises GeometryError for a renderer or a frame that is not there, a camera that is none,
+        and ``show_window=True``.
+        """
+        refuse_window(show_window)
+        image = self.render_images(camera, parent_frame, X_PC, ('color',)).color
+        assert image is not None
+        return image
+
+    def RenderDepthImage(
+        self,
+        camera: DepthRenderCamera | DepthCameraProperties,
+        parent_frame: FrameId,
+        X_PC: RigidTransform,
+    ) -> ImageDepth32F:
+        """Return the depth [m] of what the camera sees: z in the sensor's frame.
+
+        0 below the camera's least depth, infinity above its largest and where nothing is. Raises
+        as RenderColorImage.
+        """
+        image = self.render_images(camera, parent_frame, X_PC, ('depth',)).depth
+        assert image is not None
+        return image
+
+    def RenderLabelImage(
+        self,
+        camera: ColorRenderCamera | CameraProperties,
+        parent_frame: FrameId,
+        X_PC: RigidTransform,
+        show_window: bool = False,
+    ) -> ImageLabel16I:
+        """Return the labels ('label', 'id') of what the camera sees; see RenderLabel.
+
+        Raises as RenderColorImage.
+        """
+        refuse_window(show_window)
+        image = self.render_images(camera, parent_frame, X_PC, ('label',)).label
+        assert image is not None
+        return image
+
+    def render_images(
+        self,
+        camera: Camera,
+        parent_frame: FrameId,
+        X_PC: RigidTransform,
+        want: Iterable[str] = ('color', 'depth', 'label'),
+    ) -> RenderedImages:
+        """Return several images of one camera, made in one pass: 'color', 'depth', 'label'.
+
+        A camera without a depth range tells all depths that it sees. Raises as RenderColorImage.
+        """
+        wanted = frozenset((want,) if isinstance(want, str) else want)
+        if not wanted <= _KINDS:
+            raise ArgumentError(
+                f'render_images: want = {sorted(wanted)} must be of {sorted(_KINDS)}'
+            )
+        if isinstance(camera, DepthCameraProperties):
+            camera = camera._depth_camera()
+        depth_range = camera.depth_range() if isinstance(camera, DepthRenderCamera) else None
+        if not isinstance(camera, CameraProperties | ColorRenderCamera | DepthRenderCamera):
+            raise ArgumentError(f'an image was asked for of {camera!r}, which is no camera')
+        checked_type(X_PC, RigidTransform, 'X_PC')
+        try:
+            core = core_of(camera)
+        except GeometryError:
+            raise
+        except RuntimeError as error:  # of the camera's intrinsics
+            raise ArgumentError(str(error)) from None
+        engine = Renderers(self._context._model).find(core.renderer_name(), 'an image')
+        X_WS = self.X_WF(parent_frame) @ X_PC @ core.sensor_pose_in_camera_body()
+        packed = self._packed(engine, core.renderer_name())
+        bodies = packed.placed_in(self._context._posed_world())
+        return engine._render(packed, bodies, core, X_WS, depth_range, wanted)
+
+    def _packed(self, engine: RenderEngine, renderer_name: str) -> Packed:
+        """Return what a renderer shows, packed once a version of the geometry."""
+        # Only here: who makes no images imports nothing that does.
+        from drake_geom_ros.geometry.render._packing import packed_of
+
+        context, shown = self._context, engine._shown()
+        versions = context._model.versions
+        key = renderer_name, engine, versions.frames, versions.roles[shown.role]
+        # A snapshot shares what was packed; nothing of it ever changes.
+        kept: _Kept | None = context._packed_scenes.get(renderer_name)
+        if kept is None or kept.key != key:
+            kept = _Kept(key, packed_of(context._model, shown, renderer_name))
+            context._packed_scenes[renderer_name] = kept
+        return kept.packed
+
+    def image_state(self) -> bytes:
+        """Return what differs whenever an image of anything here may: of poses and geometry."""
+        context = self._context
+        world = context._up_to_date_world()
+        world.update()
+        digest = hashlib.blake2b(str(context._model.versions.any).encode())
+        for part in (world.R_WFs, world.p_WFs, world.placed):
+            digest.update(part.tobytes())
+        return digest.digest()
+
+    def render_legend(self, renderer_name: str) -> dict[GeometryId, int]:
+        """Return the label of each geometry that a renderer shows; raises GeometryError for none.
+
+        Labels of geometry without one of its own are the renderer's business: the default, or,
+        numbered, one for each.
+        """
+        engine = Renderers(self._context._model).find(renderer_name, 'a legend')
+        packed = self._packed(engine, renderer_name)
+        return dict(zip(packed.ids, packed.bodies.labels.tolist(), strict=True))

@@ -1,0 +1,94 @@
+"""Trees of joints as arrays: forward kinematics of many configurations at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry._proximity.world.joint_poses import (
+    FIXED,
+    PRISMATIC,
+    REVOLUTE,
+    pose_links,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class JointKind(IntEnum):
+    """What a joint does along or about its axis."""
+
+    FIXED = FIXED
+    REVOLUTE = REVOLUTE
+    PRISMATIC = PRISMATIC
+
+
+@dataclass(frozen=True, eq=False)
+class JointTree:
+    """Links that joints hold together, parents before children; the first link is the root.
+
+    Joint j stands at ``multipliers[j] v + offsets[j]``, v being the value ``leaders[j]`` of a
+    configuration, or 0 where that is -1: a mimic joint has the leader of another one.
+    """
+
+    leaders: Indices  # (m,)
+    multipliers: Floats  # (m,)
+    offsets: Floats  # (m,) [rad] or [m]
+    kinds: Indices  # (m,) JointKind
+    axes: Floats  # (m, 3) unit
+    X_PJs: Floats  # (m, 7) x y z [m] qx qy qz qw, the joint in its parent link
+    parents: Indices  # (m,) rows of links
+    children: Indices  # (m,) rows of links
+
+    def link_poses(self, values: ArrayLike, X_WB: ArrayLike) -> Floats:
+        """Return X_WL (N, m + 1, 7), x y z [m] qx qy qz qw, for joint values (N, c).
+
+        ``X_WB`` (7,) is the pose of the root. Each row is computed alone: how many there are
+        changes no bit of one.
+        """
+        rows = np.ascontiguousarray(values, dtype=np.float64)
+        X_WLs = np.empty((len(rows), len(self.parents) + 1, 7))
+        self.put_poses(rows, X_WB, np.arange(X_WLs.shape[1]), X_WLs, 0)
+        return X_WLs
+
+    def put_poses(
+        self, values: Floats, X_WB: ArrayLike, links: Indices, X_WLs: Floats, first: int
+    ) -> None:
+        """Write the poses of some ``links`` (k,) to ``X_WLs`` (N, m, 7), from row ``first`` on."""
+        room = np.empty((len(self.parents) + 1, 7))
+        room[0] = X_WB
+        pose_links(
+            values,
+            self.leaders,
+            self.multipliers,
+            self.offsets,
+            self.kinds,
+            self.axes,
+            self.X_PJs,
+            self.parents,
+            self.children,
+            room,
+            links,
+            first,
+            X_WLs,
+        )
+
+    def driven_by(self, columns: Indices, at_rest: Floats) -> JointTree:
+        """Return the tree for configurations in which value v stands in column ``columns[v]``.
+
+        Where that is -1 the value stays at ``at_rest[v]``.
+        """
+        led = self.leaders >= 0
+        leaders, still = np.full_like(self.leaders, -1), np.zeros_like(self.offsets)
+        leaders[led] = columns[self.leaders[led]]
+        still[led] = at_rest[self.leaders[led]]
+        fixed = led & (leaders < 0)
+        return replace(
+            self,
+            leaders=leaders,
+            offsets=np.where(fixed, self.offsets + self.multipliers * still, self.offsets),
+        )

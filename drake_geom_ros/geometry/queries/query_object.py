@@ -1,0 +1,392 @@
+"""The queries: penetration, signed distance, candidates, and where things are."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.geometry._proximity.effects import Effects
+from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDIDATES, CONTACT
+from drake_geom_ros.geometry._proximity.kernels.pair_table import unsupported
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import PairBatch
+from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
+from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
+from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.queries.image_queries import ImageQueries
+from drake_geom_ros.geometry.queries.query_records import SignedDistancePair
+from drake_geom_ros.geometry.queries.query_results import (
+    PenetrationResults,
+    PointDistanceResults,
+    SignedDistanceResults,
+)
+from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.tolerances import FARTHEST
+
+
+class _NoScene:
+    """The context of a query object that has none: whatever is asked of it is refused."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith('__'):
+            raise AttributeError(name)
+        raise GeometryError(
+            'A default QueryObject was asked a query, and it belongs to no scene: take one '
+            'from scene_graph.get_query_output_port().Eval(context).'
+        )
+
+
+_NO_SCENE = cast(SceneGraphContext, _NoScene())
+
+
+class QueryObject(ImageQueries):
+    """Answers geometry queries about a context.
+
+    The one that a SceneGraph's query port gives is live: it sees later poses and changes of its
+    context. A copy of it (``copy.copy``) is baked: it keeps answering for the moment of the copy.
+    Queries raise PoseError, which names them, while frames never had a pose.
+
+    Each query takes ``accuracy``, one of ``bound``, ``fast``, ``balanced``, ``exact``; without it
+    the SceneGraph's default holds.
+    """
+
+    def __init__(self, context: SceneGraphContext | None = None) -> None:
+        self._context: SceneGraphContext = _NO_SCENE if context is None else context
+
+    def __copy__(self) -> QueryObject:
+        return QueryObject(self._context.copy())
+
+    def __deepcopy__(self, memo: dict[int, object]) -> QueryObject:
+        return self.__copy__()
+
+    def inspector(self) -> SceneGraphInspector:
+        """Return the inspector of this context's model."""
+        return SceneGraphInspector(self._context._model, self._context._filters)
+
+    def effects(self) -> Effects:
+        """Return what the last query did and what it skipped, with counts and seconds."""
+        return self._context._engine.effects
+
+    def cost_of_levels(
+        self, max_distance: float = math.inf, *, samples: int = 64, seed: int = 0
+    ) -> tuple[dict[str, float], int]:
+        """Return what a pair costs now at each accuracy level [s], and how many were sampled.
+
+        Measured on at most ``samples`` of the pairs for which a signed distance within
+        ``max_distance`` [m] would be computed, chosen by ``seed``, each as if it were seen for the
+        first time: a cycle that knows the last answer starts from it and is faster. Empty and 0
+        where no pair is near. Nothing is carried over to later queries. Raises ArgumentError for a
+        max_distance that is NaN.
+        """
+        reach = _checked_distance('max_distance', max_distance)
+        context = self._context
+        world = context._posed_world()
+        return seconds_a_pair(world, context._filters, reach, samples, seed)
+
+    # Where things are.
+
+    def GetPoseInWorld(
+        self,
+        id: FrameId | GeometryId | None = None,
+        *,
+        frame_id: FrameId | None = None,
+        geometry_id: GeometryId | None = None,
+    ) -> RigidTransform:
+        """Return X_WF of a frame or X_WG of a geometry; raises for an id that is not here."""
+        asked = only_id('GetPoseInWorld', id, frame_id, geometry_id)
+        return self.X_WG(asked) if isinstance(asked, GeometryId) else self.X_WF(asked)
+
+    def GetPoseInParent(self, frame_id: FrameId) -> RigidTransform:
+        """Return X_PF, the pose of a frame in its parent; raises for an id that is not here."""
+        return self.X_PF(frame_id)
+
+    def X_WF(self, id: FrameId) -> RigidTransform:
+        """Return the pose of a frame in the world; raises for an id that is not here."""
+        world, row = self._context._placed_frame(id)
+        world.update()
+        return _transform(world.R_WFs[row], world.p_WFs[row])
+
+    def X_PF(self, id: FrameId) -> RigidTransform:
+        """Return the pose of a frame in its parent; raises for an id that is not here."""
+        world, row = self._context._placed_frame(id, in_world=False)
+        return _transform(world.R_PFs[row], world.p_PFs[row])
+
+    def X_WG(self, id: GeometryId) -> RigidTransform:
+        """Return the pose of a geometry in the world; raises for an id that is not here."""
+        record = self._context._model.geometry(id)
+        return self.X_WF(record.frame_id) @ record.X_FG
+
+    def ComputeObbInWorld(self, geometry_id: GeometryId) -> Obb | None:
+        """Return the oriented box around a geometry, in World; None for a half space."""
+        obb = self.inspector().GetObbInGeometryFrame(geometry_id)
+        return obb and Obb(self.X_WG(geometry_id) @ obb.pose(), obb.half_width())
+
+    # What waits for its first pose: while anything does, other contexts refuse all queries, and
+    # partial ones leave it out.
+
+    def waiting_frames(self) -> list[FrameId]:
+        """Return the frames that never had a pose, parents first."""
+        return [FrameId(v) for v in self._context._up_to_date_world().unposed_frames().tolist()]
+
+    def is_placed(self, id: FrameId | GeometryId) -> bool:
+        """Return whether a frame, or that of a geometry, and all its parents have a pose."""
+        model, world = self._context._model, self._context._up_to_date_world()
+        frame = model.geometry(id).frame_id if isinstance(id, GeometryId) else model.frame(id).id
+        return bool(world.placed[world.frame_rows(np.array([frame.get_value()]))[0]])
+
+    def num_waiting_pairs(self) -> int:
+        """Return how many unfiltered pairs have a geometry that is not placed: at any distance."""
+        return self._context._count_waiting_pairs()
+
+    def num_waiting_geometries(self) -> int:
+        """Return how many geometries with the proximity role are not placed."""
+        return int(np.count_nonzero(self._context._up_to_date_world().waiting))
+
+    def X_WGs(self, ids: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return R_WG (k, 3, 3) and p_WG (k, 3) [m] of geometries by the values (k,) of their ids.
+
+        For many at once: ``X_WG`` of one takes a hundred times as long. Raises RoleError for what
+        has no proximity role here.
+        """
+        world = self._context._up_to_date_world()
+        world.update()
+        values, known = np.asarray(ids, dtype=np.int64), world.geometries.ids
+        if unknown := np.setdiff1d(values, known).tolist():
+            raise RoleError(
+                f'these ids belong to no geometry with the proximity role: {unknown[:5]}'
+            )
+        rows = np.searchsorted(known, values)
+        return world.R_WGs[rows], world.p_WGs[rows]
+
+    # Pairs.
+
+    def ComputePointPairPenetration(
+        self, *, accuracy: str | None = None, time_budget: float | None = None
+    ) -> PenetrationResults:
+        """Return the unfiltered pairs that overlap, with depth and witness points.
+
+        Touching is not penetrating: the depth must exceed ``TOUCHING_DEPTH`` times the pair's
+        size, see ``_proximity/tolerances.py``. Sorted by (id_A, id_B), and ``id_A < id_B``.
+
+        Pairs that were answered from bounds alone (method BOUND_ONLY: by the level, or left by
+        the ``time_budget``) are reported where they may overlap: none that does is missing. Where
+        they may be apart, too, the depth is half of the largest possible one, and the error bound
+        so wide that minus the signed distance is within it of the depth.
+
+        ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
+        """
+        context = self._context
+        query = context._query(accuracy, 0.0, True, ANSWERS)
+        world = context._world
+        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
+        batch = context._engine.answer_of(query, world, budget)
+        # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
+        unsure = query.is_bound or budget > 0.0
+        if unsure:
+            batch = PairBatch(*batch).penetrating()
+        return PenetrationResults(batch, world.moment())
+
+    def HasCollisions(self, *, accuracy: str | None = None) -> bool:
+        """Return whether ComputePointPairPenetration would report a pair; stops at the first.
+
+        Where sizes, distances or coordinates are so large, from about 1e11 m on, that rounding
+        hides contacts deeper than a millimetre, a pair counts as colliding when the certified
+        interval of its distance reaches below 0: there a contact is possible.
+        """
+        context = self._context
+        query = context._query(accuracy, 0.0, True, CONTACT)
+        return context._engine.finds_overlap(query, context._world)
+
+    def ComputeSignedDistancePairwiseClosestPoints(
+        self,
+        max_distance: float = math.inf,
+        *,
+        accuracy: str | None = None,
+        time_budget: float | None = None,
+    ) -> SignedDistanceResults:
+        """Return the unfiltered pairs no farther apart than ``max_distance`` [m].
+
+        Overlapping pairs have the negative of the penetration depth as distance. Sorted by
+        (id_A, id_B), and ``id_A < id_B``. Two half spaces have no distance and are left out.
+
+        ``time_budget`` [s] limits the narrow phase (None or 0: no limit). Every near pair is
+        bounded first; then kernels answer the nearest pairs, by these bounds, while time lasts,
+        and at least a few. The rest keep their certified bounds, with method BOUND_ONLY and the
+        half width of the interval as ``error_bound``: asked again, they are refined. Of pairs
+        answered from bounds, by the budget or by the level, all are reported that may be near
+        enough.
+
+        Raises ArgumentError for a max_distance that is NaN and a time_budget that is negative or
+        NaN.
+        """
+        reach = _checked_distance('max_distance', max_distance)
+        context = self._context
+        query = context._query(accuracy, reach, False, ANSWERS)
+        world = context._world
+        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
+        batch = context._engine.answer_of(query, world, budget)
+        return SignedDistanceResults(batch, world.moment())
+
+    def ComputeSignedDistancePairClosestPoints(
+        self,
+        geometry_id_A: GeometryId | None = None,
+        geometry_id_B: GeometryId | None = None,
+        *,
+        accuracy: str | None = None,
+        id_A: GeometryId | None = None,
+        id_B: GeometryId | None = None,
+    ) -> SignedDistancePair:
+        """Return the signed distance of two geometries, with ``id_A < id_B`` in the answer.
+
+        ``id_A`` and ``id_B`` are older names of the arguments.
+
+        Raises GeometryError for an id that is not here, a geometry without the proximity role, a
+        filtered pair, and two half spaces.
+        """
+        first = only_id('geometry_id_A', geometry_id_A, id_A)
+        second = only_id('geometry_id_B', geometry_id_B, id_B)
+        return self.signed_distance_of_pair(first, second, accuracy=accuracy)[0]
+
+    def signed_distance_of_pair(
+        self,
+        geometry_id_A: GeometryId,
+        geometry_id_B: GeometryId,
+        *,
+        accuracy: str | None = None,
+        hint: ArrayLike | None = None,
+    ) -> SignedDistanceResults:
+        """Return ComputeSignedDistancePairClosestPoints as a result sequence of one pair.
+
+        ``hint`` (3,) is the nhat_BA_W from which an iteration starts, of an earlier answer with
+        the ids in ascending order. A good one saves time; the certificate holds whatever it is.
+        """
+        context = self._context
+        records = [context._model.geometry(g) for g in (geometry_id_A, geometry_id_B)]
+        records.sort(key=lambda record: record.id)
+        asked = 'The signed distance of ' + ' and '.join(f"'{r.name}' ({r.id!r})" for r in records)
+        for record in records:
+            if record.proximity is None:
+                raise RoleError(
+                    f"{asked} was asked for, but '{record.name}' has no proximity role: "
+                    'assign it with SceneGraph.AssignRole.'
+                )
+        keys = [record.id.get_value() for record in records]
+        if reasons := context._filters.explain(keys[0], keys[1]):
+            raise FilterError(
+                f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
+                'See CollisionFilterManager for how to allow it.'
+            )
+        for record in records:
+            context._placed_frame(record.frame_id)
+        world = context._posed_world()
+        pair = np.searchsorted(world.geometries.ids, keys)[None, :].astype(np.int64)
+        start = None if hint is None else _checked_hint(hint)
+        batch = context._engine.distance_of_pair(world, pair, self._level(accuracy), start)
+        if not len(batch.ids):
+            types = world.geometries.types[pair[0]]
+            why = unsupported(int(types[0]), int(types[1]))
+            raise GeometryError(f'{asked} was asked for: {why}.')
+        return SignedDistanceResults(batch, world.moment())
+
+    def FindCollisionCandidates(
+        self, *, accuracy: str | None = None
+    ) -> list[tuple[GeometryId, GeometryId]]:
+        """Return the unfiltered pairs that bounds alone do not keep apart, sorted by ids.
+
+        They are the same at each ``accuracy``; a name that is none raises ArgumentError.
+        """
+        self._level(accuracy)
+        ids_A, ids_B = self.collision_candidates().T.tolist()
+        return [(GeometryId(a), GeometryId(b)) for a, b in zip(ids_A, ids_B, strict=True)]
+
+    def collision_candidates(self) -> NDArray[np.int64]:
+        """Return FindCollisionCandidates as an array of id values (k, 2)."""
+        context = self._context
+        query = context._query('bound', 0.0, False, CANDIDATES)
+        world = context._world
+        return world.geometries.ids[context._engine.candidates_of(query, world)]
+
+    # Points.
+
+    def ComputeSignedDistanceToPoint(
+        self, p_WQ: ArrayLike, threshold: float = math.inf, *, accuracy: str | None = None
+    ) -> PointDistanceResults:
+        """Return the signed distances from all geometries to a point, or to points (m, 3).
+
+        A point is (3,), or a column (3, 1).
+        Geometries farther than ``threshold`` [m] are left out. Filters do not apply. Sorted by
+        (point_index, id_G). Every shape's answer is a closed form, exact at each accuracy level.
+        On an edge or a corner of a box and on a rim of a cylinder, within rounding, the gradient
+        is the mean of the outward normals that adjoin there, at unit length.
+        Raises ArgumentError for points that are not finite, not of these shapes or beyond 1e302 m,
+        and for a threshold that is NaN.
+        """
+        reach = _checked_distance('threshold', threshold)
+        self._level(accuracy)
+        p_WQs = np.array(p_WQ, dtype=np.float64, order='C', ndmin=2)  # the results keep it
+        if p_WQs.shape == (3, 1):
+            p_WQs = p_WQs.reshape(1, 3)
+        if p_WQs.ndim != 2 or p_WQs.shape[1] != 3:
+            raise ArgumentError(
+                f'ComputeSignedDistanceToPoint was given p_WQ of shape {np.shape(p_WQ)}; '
+                'it must be one point (3,) or points (m, 3), in metres.'
+            )
+        if not are_allowed(p_WQs):
+            raise ArgumentError(_why_refused(p_WQs))
+        context = self._context
+        world = context._posed_world()
+        batch = context._engine.point_distances(world, p_WQs, reach)
+        return PointDistanceResults(batch, world.moment(), p_WQs)
+
+    def _level(self, accuracy: str | None) -> str:
+        """Return the accuracy level to use."""
+        return self._context._accuracy if accuracy is None else checked_accuracy(accuracy)
+
+
+def _checked_distance(name: str, value: float) -> float:
+    """Return a distance as a float: kernels know no whole numbers."""
+    if math.isnan(value):
+        raise ArgumentError(f'{name} must be a distance in metres or infinity, but is NaN.')
+    return float(value)
+
+
+def _checked_budget(seconds: float | None) -> float:
+    if seconds is None:
+        return 0.0
+    if not seconds >= 0.0:
+        raise ArgumentError(
+            f'time_budget={seconds} was asked for; it must be seconds >= 0, and 0 or None is no '
+            'limit.'
+        )
+    return float(seconds)
+
+
+def _checked_hint(hint: ArrayLike) -> NDArray[np.float64]:
+    nhat_BA_W = np.asarray(hint, dtype=np.float64)
+    if nhat_BA_W.shape != (3,):
+        raise ArgumentError(f'hint has the shape {nhat_BA_W.shape}; it must be a normal (3,).')
+    return nhat_BA_W
+
+
+def _transform(R: NDArray[np.float64], p: NDArray[np.float64]) -> RigidTransform:
+    return RigidTransform(RotationMatrix(R.copy()), p.copy())
+
+
+def _why_refused(p_WQs: NDArray[np.float64]) -> str:
+    """Return why points are refused, one of which is not finite or beyond FARTHEST."""
+    finite = np.isfinite(p_WQs).all(axis=-1)
+    if not finite.all():
+        return (
+            'ComputeSignedDistanceToPoint was given a point that is not finite: '
+            f'{p_WQs[~finite][:1].tolist()}.'
+        )
+    return (
+        'ComputeSignedDistanceToPoint was given a point with the coordinate '
+        f'{p_WQs[np.abs(p_WQs) > FARTHEST][0]:.3g} m; none may be beyond {FARTHEST:.3g} m.'
+    )

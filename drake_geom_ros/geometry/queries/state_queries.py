@@ -1,0 +1,226 @@
+"""Queries about many states of a scene: what is asked, the scene as arrays, and who answers."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.derivatives.gradients import gradients_of_rows
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
+from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
+from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
+from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.ids import FrameId
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.query_results import (
+    PointDistanceResults,
+    SignedDistanceResults,
+)
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+# Found pairs or points of a block of states: how many each state has (N,), and all of them.
+Found = tuple[Indices, SignedDistanceResults | PointDistanceResults]
+
+
+@dataclass(frozen=True, eq=False)
+class PackedScene:
+    """The proximity geometry of a context as arrays, which may go to another process.
+
+    Frames and geometries are known by their place; ids, which no other process shares, are left
+    out. So two scenes of the same content have the same ``digest``, whoever made them.
+    """
+
+    parents: Indices  # (nf,) of the frames; the first is the world
+    R_PFs: Floats  # (nf, 3, 3) poses of the frames that no state moves
+    p_PFs: Floats  # (nf, 3) [m]
+    frames: Indices  # (n,) of the geometries
+    R_FGs: Floats  # (n, 3, 3)
+    p_FGs: Floats  # (n, 3) [m]
+    roundings: Floats  # (n, 2) of X_FG
+    types: Indices  # (n,)
+    starts: Indices  # (n + 1,) of the shapes' parameters
+    pool: Floats
+    pairs: Indices  # (k, 2) that no filter leaves out
+    moved: Indices  # the frames whose poses make a state
+
+    @classmethod
+    def of(cls, context: SceneGraphContext, frame_ids: Indices) -> tuple[PackedScene, Indices]:
+        """Return a context's scene of now, and its geometries' id values (n,) by their place.
+
+        ``frame_ids`` are values of the frames that states pose. Raises PoseError for one that is
+        not there or is there twice, and for other frames that never had a pose.
+        """
+        world = context._up_to_date_world().copy()
+        named = world.named(frame_ids)
+        if named is None or len(np.unique(frame_ids)) < len(frame_ids):
+            known = world.has_frames(frame_ids)
+            bad = frame_ids[~known].tolist() or sorted(frame_ids.tolist())
+            problem = 'are not in this scene' if not known.all() else 'are not all different'
+            raise PoseError(f'States were refused: these frames {problem}: {_few(context, bad)}.')
+        rows = named.rows
+        world.set_poses(rows, world.R_PFs[rows], world.p_PFs[rows])
+        if waiting := world.unposed_frames().tolist():
+            raise PoseError(
+                'States were refused: these frames, which they do not name, never had a pose: '
+                f'{_few(context, waiting)}.'
+            )
+        world.update()
+        near = NeighbourList(world)
+        near.bring_up_to_date(world, _unwelded(context, frame_ids), math.inf)
+        table = world.geometries
+        # What no state keeps is no part of the content.
+        R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
+        R_PFs[rows], p_PFs[rows] = np.eye(3), 0.0
+        scene = cls(
+            parents=world.frames.parents,
+            R_PFs=R_PFs,
+            p_PFs=p_PFs,
+            frames=table.frames,
+            R_FGs=table.R_FGs,
+            p_FGs=table.p_FGs,
+            roundings=table.roundings,
+            types=table.types,
+            starts=table.starts,
+            pool=table.pool,
+            pairs=near.pairs,
+            moved=rows,
+        )
+        return scene, table.ids
+
+    @property
+    def digest(self) -> str:
+        """A name for the content: the SHA-256 of all arrays."""
+        found = hashlib.sha256()
+        for field in fields(self):
+            array = getattr(self, field.name)
+            found.update(f'{field.name} {array.dtype.str} {array.shape}\n'.encode())
+            found.update(np.ascontiguousarray(array).tobytes())
+        return found.hexdigest()
+
+    def _world(self) -> World:
+        """Return a world of its own, all frames with a pose."""
+        count = len(self.parents)
+        world = World(
+            FrameTable(np.arange(count), self.parents.copy()),
+            GeometryTable(
+                ids=np.arange(len(self.types)),
+                frames=self.frames.copy(),
+                R_FGs=self.R_FGs.copy(),
+                p_FGs=self.p_FGs.copy(),
+                roundings=self.roundings.copy(),
+                types=self.types.copy(),
+                starts=self.starts.copy(),
+                pool=self.pool.copy(),
+            ),
+        )
+        rows = np.arange(1, count)
+        world.set_poses(rows, self.R_PFs[1:].copy(), self.p_PFs[1:].copy())
+        return world
+
+
+def default_accuracy(context: SceneGraphContext) -> str:
+    """Return the accuracy of queries of a context that name none."""
+    return context._accuracy
+
+
+def _few(context: SceneGraphContext, values: list[int]) -> str:
+    return context._describe(values)
+
+
+class StateQueries:
+    """Answers about states of a packed scene, without the GIL; each thread takes one of its own.
+
+    A state is the pose X_PF, x y z [m] qx qy qz qw, of each frame that the scene has as moved.
+    What is found names geometries by their place in the scene. Every answer is, to the bit, that
+    of a QueryObject of a context that was never asked before. ``stop`` (1,) set to another number
+    than 0, by another thread, ends a call early: it raises InterruptedError then.
+    """
+
+    def __init__(self, scene: PackedScene) -> None:
+        self._loops = StateLoops(scene._world(), scene.pairs.copy(), scene.moved.copy())
+
+    def has_collisions(
+        self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
+    ) -> NDArray[np.bool_]:
+        """Return HasCollisions of each state (N, n, 7); with a margin [m] whether a pair is in it.
+
+        That is so unless every pair is certified to be farther apart than the margin.
+        """
+        if margin is None:
+            done, found = self._loops.overlaps(poses, _gap(accuracy), stop)
+        else:
+            done, found = self._loops.near(poses, _gap(accuracy), margin, stop)
+        _check_done(done, poses, stop)
+        return found
+
+    def nearest(
+        self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
+    ) -> Found:
+        """Return the pairs of the least lower bounds of each state (N, n, 7), at most so many.
+
+        In their order, a lower bound being distance minus error bound. Left out is what has a
+        higher one than the last of so many, or one above ``max_distance`` [m].
+        """
+        done, counts, batch = self._loops.nearest(poses, _gap(accuracy), max_distance, most, stop)
+        _check_done(done, poses, stop)
+        return counts, SignedDistanceResults(batch)
+
+    def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
+        """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
+        done, counts, batch = self._loops.within(poses, _gap(accuracy), max_distance, stop)
+        _check_done(done, poses, stop)
+        return counts, SignedDistanceResults(batch)
+
+    def points(self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices) -> Found:
+        """Return ComputeSignedDistanceToPoint of points (m, 3) in each state (N, n, 7)."""
+        done, counts, batch = self._loops.points(poses, p_WQs, threshold, stop)
+        _check_done(done, poses, stop)
+        return counts, PointDistanceResults(batch)
+
+
+def pose_gradients(results: SignedDistanceResults) -> Floats:
+    """Return the gradients (k, 12) of distances as ``SignedDistanceResults`` of one state does."""
+    return gradients_of_rows(results._rows)
+
+
+def _gap(accuracy: str) -> float:
+    return math.inf if accuracy == 'bound' else LEVEL_GAPS[accuracy]
+
+
+def _check_done(done: int, poses: Floats, stop: Indices) -> None:
+    """Raise InterruptedError where states were left out, StateError where one has no pose."""
+    if done == len(poses):
+        return
+    if stop[0]:
+        raise InterruptedError(f'stopped after {done} of {len(poses)} states')
+    raise StateError(
+        'a pose is x y z [m] and a unit quaternion qx qy qz qw, all finite; '
+        f'there are {poses[done].tolist()}',
+        done,
+    )
+
+
+class StateError(PoseError):
+    """A state that is none; ``number`` is which one."""
+
+    def __init__(self, reason: str, number: int) -> None:
+        super().__init__(reason)
+        self.number = number
+
+
+def _unwelded(context: SceneGraphContext, frame_ids: Indices) -> FilterState:
+    """Return the filters where none of the frames is welded to the world, for states move them."""
+    filters = context._filters
+    if moved := filters.welded.keys() & set(frame_ids.tolist()):
+        filters = filters.copy()
+        for frame in moved:
+            on_it = context._model.geometries_on(FrameId(frame))
+            filters.unweld(frame, [g.id.get_value() for g in on_it if g.proximity is not None])
+    return filters

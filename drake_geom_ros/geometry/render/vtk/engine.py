@@ -1,0 +1,187 @@
+"""The renderer of a graphics library: textures, glTF and light, by VTK, an extra."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.model.rgba import Rgba
+from drake_geom_ros.geometry.render.cameras import DepthRange, RenderCameraCore
+from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
+from drake_geom_ros.geometry.render.render_engine import RenderedImages, RenderEngine
+from drake_geom_ros.geometry.render.render_label import RenderLabel
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.sensors import ImageDepth32F, ImageLabel16I, ImageRgba8U
+
+if TYPE_CHECKING:
+    from drake_geom_ros.geometry.render._packing import Packed, PlacedBodies
+    from drake_geom_ros.geometry.render.vtk.stage import Stage
+
+_MOST_STAGES = 4  # scenes whose actors are kept, each with a context of its own
+_LARGEST = 16384  # [pixels] a side, beyond which no driver has images
+
+
+@dataclass(frozen=True)
+class RenderEngineVtkParams:
+    """How a renderer by VTK shows a scene: the geometry with the perception role.
+
+    - ``default_label``: of geometry without ('label', 'id'); kUnspecified refuses such geometry.
+    - ``default_diffuse``: the colour of what names none.
+    - ``default_clear_color``: that of nothing.
+    """
+
+    default_label: RenderLabel = RenderLabel.kDontCare
+    default_diffuse: Rgba = field(default_factory=lambda: Rgba(0.9, 0.7, 0.2))
+    default_clear_color: Rgba = field(default_factory=lambda: Rgba(0.8, 0.9, 1.0))
+
+    def __post_init__(self) -> None:
+        self._shown()
+
+    def _shown(self) -> RenderEngineExactParams:
+        """Return what says which geometry is shown, and how it is named."""
+        return RenderEngineExactParams(
+            default_label=self.default_label,
+            default_diffuse=self.default_diffuse,
+            default_clear_color=self.default_clear_color,
+        )
+
+
+def MakeRenderEngineVtk(params: RenderEngineVtkParams | None = None) -> RenderEngineVtk:
+    """Return a renderer by VTK, which shows textures and glTF materials.
+
+    Raises GeometryError, naming what to install, where VTK is missing or cannot draw.
+    """
+    # Only here: who makes no images imports nothing that does.
+    from drake_geom_ros.geometry.render.vtk.probing import why_not
+
+    if reason := why_not():
+        raise GeometryError(f'MakeRenderEngineVtk: {reason}')
+    return RenderEngineVtk(params or RenderEngineVtkParams())
+
+
+class RenderEngineVtk(RenderEngine):
+    """Draws triangles by OpenGL, on a graphics card or without one.
+
+    Round shapes are tessellated, by 1.2e-3 of a radius; half spaces are plates of 100 m.
+    Colours are lit from the camera; a mesh has the materials of its glTF or .obj file, the texture
+    ('phong', 'diffuse_map'), or that of an image of its name beside it. Depth comes in steps of
+    6e-8 of the farthest surface. One thread owns OpenGL's context; who asks waits for it.
+    """
+
+    def __init__(self, params: RenderEngineVtkParams) -> None:
+        self._params = params
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix='vtk')
+        self._stages: list[Stage] = []  # used by that thread only, the latest last
+        self._closing = weakref.finalize(self, _close, self._thread, self._stages)
+        # At the end of the process all of it goes anyway.
+        self._closing.atexit = False
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[Any, ...]]:
+        return RenderEngineVtk, (self._params,)
+
+    def parameters(self) -> RenderEngineVtkParams:
+        """Return what the engine was made with."""
+        return self._params
+
+    def default_render_label(self) -> RenderLabel:
+        """Return the label of geometry that has none of its own."""
+        return self._params.default_label
+
+    def _shown(self) -> RenderEngineExactParams:
+        return self._params._shown()
+
+    def _render(
+        self,
+        packed: Packed,
+        bodies: PlacedBodies,
+        core: RenderCameraCore,
+        X_WS: RigidTransform,
+        depth_range: DepthRange | None,
+        want: frozenset[str],
+    ) -> RenderedImages:
+        """Return the images whose names are in ``want``."""
+        size = core.intrinsics().width(), core.intrinsics().height()
+        if max(size) > _LARGEST:
+            raise GeometryError(
+                f'an image of {size[0]} x {size[1]} was asked of VTK, which draws at most '
+                f'{_LARGEST} pixels a side; MakeRenderEngineExact has no such limit'
+            )
+        R_SW = X_WS.rotation().matrix().T
+        posed = (
+            R_SW @ bodies.R_WGs,
+            (bodies.p_WGs - X_WS.translation()) @ R_SW.T,
+            bodies.placed,
+        )
+        drawing = self._thread.submit(self._draw, packed, posed, core, depth_range, want)
+        return drawing.result()
+
+    def _draw(
+        self,
+        packed: Packed,
+        posed: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]],
+        core: RenderCameraCore,
+        depth_range: DepthRange | None,
+        want: frozenset[str],
+    ) -> RenderedImages:
+        """Draw images, in the thread that owns the context."""
+        from drake_geom_ros.geometry.render.vtk.stage import View
+
+        stage = self._stage(packed)
+        intrinsics, clipping = core.intrinsics(), core.clipping()
+        near = clipping.near()
+        # What is seen ends where the last body does, so that depths come in fine steps.
+        far = min(clipping.far(), max(1.001 * stage.pose(*posed), 1.001 * near))
+        view = View(
+            intrinsics.width(),
+            intrinsics.height(),
+            (intrinsics.focal_x(), intrinsics.focal_y()),
+            (intrinsics.center_x(), intrinsics.center_y()),
+            near,
+            far,
+        )
+        color = ImageRgba8U.of(stage.color(view)) if 'color' in want else None
+        depth = label = None
+        if 'depth' in want:
+            low, high = near, clipping.far()
+            if depth_range is not None:
+                low, high = depth_range.min_depth(), depth_range.max_depth()
+            depths = stage.depth(view)
+            depths[depths > high] = np.inf
+            depths[depths < low] = 0.0
+            depth = ImageDepth32F.of(depths.astype(np.float32)[..., None])
+        if 'label' in want:
+            label = ImageLabel16I.of(stage.label(view, int(RenderLabel.kEmpty))[..., None])
+        return RenderedImages(color, depth, label)
+
+    def _stage(self, packed: Packed) -> Stage:
+        """Return the actors of a packed scene, made where it is not among the latest."""
+        from drake_geom_ros.geometry.render.vtk.stage import Stage
+
+        for stage in self._stages:
+            if stage.packed is packed:
+                self._stages.remove(stage)
+                break
+        else:
+            stage = Stage(packed, self._params.default_clear_color.rgba[:3])
+        self._stages.append(stage)
+        while len(self._stages) > _MOST_STAGES:
+            self._stages.pop(0).close()
+        return stage
+
+
+def _close(thread: ThreadPoolExecutor, stages: list[Stage]) -> None:
+    """Give the contexts of an engine back that nobody has any more."""
+
+    def close() -> None:
+        while stages:
+            stages.pop().close()
+
+    thread.submit(close)
+    thread.shutdown(wait=False)

@@ -1,0 +1,53 @@
+"""Methods of a scene graph that act on its model, or on a context's copy of it."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, cast, overload
+
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+
+_Scene = TypeVar('_Scene')  # the scene graph's class, which stands above this file
+_P = ParamSpec('_P')
+_R = TypeVar('_R', covariant=True)
+
+
+class _WithOrWithoutContext(Protocol[_P, _R]):
+    """A method of a scene graph as callers see it: its arguments, a context before them or not."""
+
+    @overload
+    def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R: ...
+
+    @overload
+    def __call__(
+        self, context: SceneGraphContext | None, *args: _P.args, **kwargs: _P.kwargs
+    ) -> _R: ...
+
+
+def or_on_context(
+    method: Callable[Concatenate[_Scene, _Scene | SceneGraphContext, _P], _R],
+) -> _WithOrWithoutContext[_P, _R]:
+    """Let a method be called with or without a context before its arguments.
+
+    The method gets whoever holds the model and the filters to change: the context if one is
+    given, else the scene graph itself.
+    """
+
+    @functools.wraps(method)
+    def call(self: _Scene, *args: Any, **kwargs: Any) -> _R:
+        if args and isinstance(args[0], SceneGraphContext):
+            return method(self, args[0], *args[1:], **kwargs)
+        context = kwargs.pop('context', None)
+        if context is not None:
+            checked_type(context, SceneGraphContext, f'{method.__name__}: context')
+        return method(self, context or self, *args, **kwargs)
+
+    # What help() shows: the arguments that callers give.
+    shown = inspect.signature(method)
+    given = [p for name, p in shown.parameters.items() if name != 'on']
+    given.append(inspect.Parameter('context', inspect.Parameter.KEYWORD_ONLY, default=None))
+    call.__signature__ = shown.replace(parameters=given)  # type: ignore[attr-defined]
+    return cast('_WithOrWithoutContext[_P, _R]', call)

@@ -1,0 +1,86 @@
+"""Compiling before anybody waits for it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.engine.warm_up import compile_everything
+from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER, Tell, compilation
+from drake_geom_ros.geometry.meshes.source import MeshData
+from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.model.properties import PerceptionProperties, ProximityProperties
+from drake_geom_ros.geometry.queries.joint_trees import JointTree
+from drake_geom_ros.geometry.queries.state_queries import PackedScene, StateQueries
+from drake_geom_ros.geometry.render.camera_properties import CameraProperties
+from drake_geom_ros.geometry.render.exact import MakeRenderEngineExact
+from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
+from drake_geom_ros.geometry.scene.scene_graph import SceneGraph
+from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+from drake_geom_ros.geometry.shapes.primitives import Sphere
+from drake_geom_ros.math import RigidTransform
+
+_FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]  # of a tetrahedron, from outside
+
+
+def compile_all_kernels(tell: Tell | None = None) -> list[str]:
+    """Compile what queries of any scene run, or load it from the cache; return the kernels.
+
+    Takes minutes the first time and about a second from then on. ``tell(name, number, last)`` is
+    called before each part that the cache does not have.
+    ``SceneGraphContext.compile_kernels`` does it for one scene.
+    """
+    kernels = compile_everything(tell)
+    with compilation(tell, 'images', 1, 1):
+        _take_an_image()
+    with compilation(tell, 'batches of states', 1, 1):
+        _answer_for_states()
+    return kernels
+
+
+def _take_an_image() -> None:
+    """Take images of one pixel of a mesh, which runs all of the renderer that is compiled."""
+    scene_graph = SceneGraph()
+    for samples in (1, 2):
+        params = RenderEngineExactParams(color_samples=samples)
+        scene_graph.AddRenderer(str(samples), MakeRenderEngineExact(params))
+    tetrahedron = MeshData(np.vstack((np.zeros(3), np.eye(3))), _FACES)
+    instance = GeometryInstance(RigidTransform(), Mesh.FromMeshData(tetrahedron), 'tetrahedron')
+    instance.set_perception_properties(PerceptionProperties())
+    scene_graph.RegisterAnchoredGeometry(scene_graph.RegisterSource('images'), instance)
+    query = scene_graph.get_query_output_port().Eval(scene_graph.CreateDefaultContext())
+    for renderer in ('1', '2'):
+        camera = CameraProperties(1, 1, 1.0, renderer)
+        query.render_images(camera, scene_graph.world_frame_id(), RigidTransform())
+
+
+def _answer_for_states() -> None:
+    """Ask all that can be asked about one state of two balls, which runs all loops over states."""
+    scene_graph, ids = SceneGraph(), []
+    source = scene_graph.RegisterSource('balls')
+    for name in 'ab':
+        frame = scene_graph.RegisterFrame(source, GeometryFrame(name))
+        ball = GeometryInstance(RigidTransform(), Sphere(1.0), name)
+        ball.set_proximity_properties(ProximityProperties())
+        scene_graph.RegisterGeometry(source, frame, ball)
+        ids.append(frame.get_value())
+    scene, _ = PackedScene.of(scene_graph.CreateDefaultContext(), np.array(ids, dtype=np.int64))
+    queries, stop = StateQueries(scene), np.zeros(1, dtype=np.int64)
+    poses = np.zeros((1, 2, 7))
+    none, links = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    tree = JointTree(
+        *(none, np.zeros(0), np.zeros(0), none, np.zeros((0, 3)), np.zeros((0, 7)), none, none)
+    )
+    for frame_row in range(2):
+        X_WB = np.array([3.0 * frame_row, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+        tree.put_poses(np.zeros((1, 0)), X_WB, links, poses, frame_row)
+    queries.has_collisions(poses, 'exact', stop)
+    queries.within(poses, 'exact', math.inf, stop)
+    queries.nearest(poses, 'exact', math.inf, 1, stop)
+    queries.points(poses, np.zeros((1, 3)), math.inf, stop)
+
+
+def kernel_cache() -> str:
+    """Return the folder that keeps compiled kernels; empty where none can be written."""
+    return CACHE_FOLDER

@@ -1,0 +1,370 @@
+"""SceneGraph: where sources register what there is, and where queries start."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_geom_ros.autodiffutils import AutoDiffXd
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import PoseError
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import WORLD_FRAME_ID, GeometryRecord
+from drake_geom_ros.geometry.model.collision_filter_declaration import CollisionFilterDeclaration
+from drake_geom_ros.geometry.model.collision_filter_manager import CollisionFilterManager
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
+from drake_geom_ros.geometry.model.properties import (
+    GeometryProperties,
+    ProximityProperties,
+    Role,
+    RoleAssign,
+)
+from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
+from drake_geom_ros.geometry.render.render_engine import RenderEngine
+from drake_geom_ros.geometry.render.renderers import Renderers
+from drake_geom_ros.geometry.scene._or_on_context import or_on_context
+from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
+from drake_geom_ros.geometry.shapes.primitives import Shape
+from drake_geom_ros.math import RigidTransform, ScalarTemplate
+
+
+class SceneGraph:
+    """The scene: geometry sources, their frames, the geometries on them, and collision filters.
+
+    A source registers frames, which move, and geometries on them, or on the world, where they are
+    anchored. Who registered something owns it: the source's id is asked for to change it. A
+    geometry takes part in proximity queries when it has the proximity role.
+
+    Methods that register or change something act on this scene's model, or, with a context before
+    their other arguments, on that context's copy of it. A context is a copy: changes of the model
+    do not reach contexts that exist, nor the reverse. A method that raises RuntimeError has
+    changed nothing.
+
+        >>> scene_graph = SceneGraph()
+        >>> source_id = scene_graph.RegisterSource('robot')
+        >>> frame_id = scene_graph.RegisterFrame(source_id, GeometryFrame('hand'))
+        >>> ball = GeometryInstance(RigidTransform(), Sphere(0.1), 'ball')
+        >>> ball.set_proximity_properties(ProximityProperties())
+        >>> ball_id = scene_graph.RegisterGeometry(source_id, frame_id, ball)
+        >>> context = scene_graph.CreateDefaultContext()
+        >>> poses = FramePoseVector({frame_id: RigidTransform([0, 0, 1])})
+        >>> scene_graph.get_source_pose_port(source_id).FixValue(context, poses)
+        >>> query_object = scene_graph.get_query_output_port().Eval(context)
+        >>> query_object.GetPoseInWorld(ball_id).translation().tolist()
+        [0.0, 0.0, 1.0]
+    """
+
+    _context_type = SceneGraphContext
+
+    def __init__(self, *, accuracy: str = 'exact') -> None:
+        """``accuracy`` is that of queries which name none: bound, fast, balanced or exact."""
+        self._model = Model()
+        self._filters = FilterState()
+        self.set_default_accuracy(accuracy)
+
+    # Registration.
+
+    @or_on_context
+    def RegisterSource(self, on: _Holder, name: str = '') -> SourceId:
+        """Register a source and return its id; unnamed it becomes ``Source_<id>``.
+
+        Raises RuntimeError if the name is taken.
+        """
+        return on._model.register_source(name)
+
+    @or_on_context
+    def RegisterFrame(
+        self,
+        on: _Holder,
+        source_id: SourceId,
+        parent_id: FrameId | GeometryFrame | None = None,
+        frame: GeometryFrame | None = None,
+    ) -> FrameId:
+        """Register ``(source_id, frame)`` on the world or ``(source_id, parent_id, frame)``.
+
+        Returns the frame's id. Its pose X_PF is that in the parent. Raises RuntimeError if the
+        source is not registered, the parent is not its own, or the frame's id or name is taken.
+        """
+        if isinstance(parent_id, GeometryFrame) and frame is None:
+            parent_id, frame = None, parent_id
+        parent: Any = WORLD_FRAME_ID if parent_id is None else parent_id
+        definition = checked_type(frame, GeometryFrame, 'RegisterFrame: frame')
+        return on._model.register_frame(source_id, definition, parent)
+
+    @or_on_context
+    def RegisterGeometry(
+        self,
+        on: _Holder,
+        source_id: SourceId,
+        frame_id: FrameId | GeometryId | None = None,
+        geometry: GeometryInstance | None = None,
+        *,
+        geometry_id: GeometryId | None = None,
+    ) -> GeometryId:
+        """Register a geometry on a frame, on the world frame, or on a geometry; return its id.
+
+        Its pose X_PG is that in this parent, and it stays fixed. It gets the roles whose
+        properties the instance has. Raises RuntimeError if the source is not registered, the
+        parent is not its own, the id is registered already, or the name is taken for one of the
+        roles on that frame.
+        """
+        parent: Any = geometry_id if frame_id is None else frame_id
+        instance = checked_type(geometry, GeometryInstance, 'RegisterGeometry: geometry')
+        return _register_geometry(on, source_id, parent, instance)
+
+    @or_on_context
+    def RegisterAnchoredGeometry(
+        self, on: _Holder, source_id: SourceId, geometry: GeometryInstance
+    ) -> GeometryId:
+        """Register a geometry on the world, where it stays; see ``RegisterGeometry``."""
+        instance = checked_type(geometry, GeometryInstance, 'RegisterAnchoredGeometry: geometry')
+        return _register_geometry(on, source_id, WORLD_FRAME_ID, instance)
+
+    @or_on_context
+    def RemoveGeometry(self, on: _Holder, source_id: SourceId, geometry_id: GeometryId) -> None:
+        """Remove a geometry, and those that were registered on it.
+
+        Raises RuntimeError if it is not the source's.
+        """
+        for record in on._model.remove_geometry(source_id, geometry_id):
+            if record.proximity is not None:
+                on._filters.remove(record.id.get_value())
+
+    # Changes.
+
+    @or_on_context
+    def AssignRole(
+        self,
+        on: _Holder,
+        source_id: SourceId,
+        geometry_id: GeometryId,
+        properties: GeometryProperties,
+        assign: RoleAssign = RoleAssign.kNew,
+    ) -> None:
+        """Give a geometry the role of ``properties``, or replace those that it has in it.
+
+        Raises RuntimeError if the geometry is not the source's, it has the role already (kNew) or
+        has it not yet (kReplace), or its name is taken for that role on its frame.
+        """
+        record = on._model.assign_role(source_id, geometry_id, properties, assign)
+        if assign is RoleAssign.kNew and isinstance(properties, ProximityProperties):
+            _add_to_filters(on, record)
+
+    @or_on_context
+    def RemoveRole(
+        self,
+        on: _Holder,
+        source_id: SourceId,
+        geometry_id: GeometryId | FrameId | None = None,
+        role: Role | None = None,
+        *,
+        frame_id: FrameId | None = None,
+    ) -> int:
+        """Take a role from a geometry, or from all of the source's geometries on a frame.
+
+        Returns how many had it. Raises RuntimeError if geometry or frame is not the source's.
+        """
+        of: Any = frame_id if geometry_id is None else geometry_id
+        losing = on._model.remove_role(source_id, of, checked_type(role, Role, 'RemoveRole: role'))
+        if role is Role.kProximity:
+            for record in losing:
+                on._filters.remove(record.id.get_value())
+        return len(losing)
+
+    @or_on_context
+    def ChangeShape(
+        self,
+        on: _Holder,
+        source_id: SourceId,
+        geometry_id: GeometryId,
+        shape: Shape,
+        X_FG: RigidTransform | None = None,
+    ) -> None:
+        """Give a geometry another shape and, with ``X_FG``, another pose in its frame.
+
+        Roles and filters stay. What was registered on the geometry keeps its pose in it. Raises
+        RuntimeError if it is not the source's.
+        """
+        on._model.change_shape(source_id, geometry_id, shape, X_FG)
+
+    @or_on_context
+    def RenameFrame(self, on: _Holder, frame_id: FrameId, name: str) -> None:
+        """Rename a frame; raises RuntimeError if its source has a frame of that name."""
+        on._model.rename_frame(frame_id, name)
+
+    @or_on_context
+    def RenameGeometry(self, on: _Holder, geometry_id: GeometryId, name: str) -> None:
+        """Rename a geometry; raises RuntimeError if the name is taken for one of its roles."""
+        on._model.rename_geometry(geometry_id, name)
+
+    # Collision filters.
+
+    def collision_filter_manager(
+        self, context: SceneGraphContext | None = None
+    ) -> CollisionFilterManager:
+        """Return the manager of the collision filters of the model, or of a context."""
+        on: _Holder = self
+        if context is not None:
+            on = checked_type(context, SceneGraphContext, 'collision_filter_manager: context')
+        return CollisionFilterManager(on._model, on._filters)
+
+    @or_on_context
+    def ExcludeCollisionsWithin(self, on: _Holder, set: GeometrySet) -> None:
+        """Exclude all pairs within a set; the older form of a persistent declaration."""
+        declaration = CollisionFilterDeclaration().ExcludeWithin(set)
+        CollisionFilterManager(on._model, on._filters).Apply(declaration)
+
+    @or_on_context
+    def ExcludeCollisionsBetween(self, on: _Holder, setA: GeometrySet, setB: GeometrySet) -> None:
+        """Exclude all pairs between two sets; the older form of a persistent declaration."""
+        declaration = CollisionFilterDeclaration().ExcludeBetween(setA, setB)
+        CollisionFilterManager(on._model, on._filters).Apply(declaration)
+
+    # Renderers.
+
+    @or_on_context
+    def AddRenderer(self, on: _Holder, name: str, renderer: RenderEngine) -> None:
+        """Let cameras ask a renderer by this name; raises RuntimeError if it is taken."""
+        Renderers(on._model).add(name, renderer)
+
+    @or_on_context
+    def HasRenderer(self, on: _Holder, name: str) -> bool:
+        """Return whether there is a renderer of this name."""
+        return name in on._model.renderers
+
+    @or_on_context
+    def RendererCount(self, on: _Holder) -> int:
+        """Return how many renderers there are."""
+        return len(on._model.renderers)
+
+    @or_on_context
+    def RegisteredRendererNames(self, on: _Holder) -> list[str]:
+        """Return the names of the renderers."""
+        return list(on._model.renderers)
+
+    @or_on_context
+    def GetRendererTypeName(self, on: _Holder, name: str) -> str:
+        """Return the class of a renderer by its name, or nothing where there is none such."""
+        renderer = on._model.renderers.get(name)
+        return '' if renderer is None else type(renderer).__name__
+
+    @or_on_context
+    def RemoveRenderer(self, on: _Holder, name: str) -> None:
+        """Forget a renderer; raises RuntimeError where there is none of this name."""
+        Renderers(on._model).remove(name)
+
+    # Looking, and asking.
+
+    @staticmethod
+    def world_frame_id() -> FrameId:
+        """Return the id of the world frame, the same for all scenes."""
+        return WORLD_FRAME_ID
+
+    def model_inspector(self) -> SceneGraphInspector:
+        """Return the inspector of this scene's model; a context's comes from its query object."""
+        return SceneGraphInspector(self._model, self._filters)
+
+    def model_version(self) -> int:
+        """Return a number that grows with every change of sources, frames and geometries."""
+        return self._model.versions.any
+
+    def names_version(self) -> int:
+        """Return the model_version() since which nothing came, went, or changed name or roles.
+
+        Shapes, their properties and where they are on their frames may have changed since.
+        """
+        return self._model.versions.names
+
+    def default_accuracy(self) -> str:
+        """Return the accuracy that contexts get for queries which name none."""
+        return self._default_accuracy
+
+    def set_default_accuracy(self, accuracy: str) -> None:
+        """Set the accuracy that later contexts get: bound, fast, balanced or exact."""
+        self._default_accuracy = checked_accuracy(accuracy)
+
+    def SetFirstPoses(self, poses: FramePoseVector) -> None:
+        """Set the poses X_PF that some frames have in contexts which are made later.
+
+        What a scene file says of frames comes in this way. Raises RuntimeError for a frame that is
+        not here and for the world, and nothing has changed then.
+        """
+        checked_type(poses, FramePoseVector, 'SetFirstPoses: poses')
+        first = {self._model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
+        if WORLD_FRAME_ID in first:
+            raise PoseError('SetFirstPoses: the world frame has no pose')
+        self._model.first_X_PFs |= first
+
+    def CreateDefaultContext(self) -> SceneGraphContext:
+        """Return a context: a copy of the model and its filters.
+
+        Its frames have the poses of ``SetFirstPoses``, which those of a scene file are, or none:
+        queries raise PoseError, which names the frames, until each frame was given one.
+        """
+        model, filters = self._model.copy(), self._filters.copy()
+        return self._context_type(model, filters, self._default_accuracy)
+
+    def Clone(self) -> SceneGraph:
+        """Return a scene of its own, with the same ids, filters and default accuracy."""
+        return self._copied_to(type(self))
+
+    def ToAutoDiffXd(self) -> SceneGraph:
+        """Return a scene of its own for poses of AutoDiffXd, with the same ids and filters."""
+        return self._copied_to(SceneGraph_[AutoDiffXd])
+
+    def _copied_to(self, kind: type[SceneGraph]) -> SceneGraph:
+        other = kind(accuracy=self._default_accuracy)
+        other._model, other._filters = self._model.copy(), self._filters.copy()
+        return other
+
+    def CreateSharedContext(self, *, partial: bool = False) -> SceneGraphContext:
+        """Return a context of this very model and its filters, which sees their later changes.
+
+        For a program whose one scene lives and changes, as a ROS node: nothing is copied. With
+        ``partial`` queries answer while frames wait for their first pose, and leave out what hangs
+        on these: see ``QueryObject.waiting_frames`` and ``QueryObject.num_waiting_pairs``.
+        """
+        return self._context_type(self._model, self._filters, self._default_accuracy, partial)
+
+    def get_source_pose_port(self, source_id: SourceId) -> SourcePosePort:
+        """Return the port that takes the poses of a source's frames.
+
+        Raises RuntimeError if the source is not registered.
+        """
+        self._model.source_name(source_id)
+        return SourcePosePort(source_id)
+
+    def get_query_output_port(self) -> QueryPort:
+        """Return the port that gives the query object of a context."""
+        return QueryPort()
+
+    def get_pose_bundle_output_port(self) -> PoseBundlePort:
+        """Return the port that gives the poses of a context's frames, for a visualiser."""
+        return PoseBundlePort()
+
+
+_Holder = SceneGraph | SceneGraphContext
+
+
+def _register_geometry(
+    on: _Holder, source_id: SourceId, parent: FrameId | GeometryId, instance: GeometryInstance
+) -> GeometryId:
+    """Register a geometry in a model, and with its filters if it has the proximity role."""
+    record = on._model.register_geometry(source_id, parent, instance)
+    if record.proximity is not None:
+        _add_to_filters(on, record)
+    return record.id
+
+
+def _add_to_filters(on: _Holder, record: GeometryRecord) -> None:
+    """Make a geometry that has got the proximity role known to the filters."""
+    key, frame = record.id.get_value(), record.frame_id
+    on._filters.add(key, frame.get_value(), anchored=frame == WORLD_FRAME_ID)
+
+
+# ``scalar_templates`` adds what it is of AutoDiffXd.
+SceneGraph_ = ScalarTemplate(SceneGraph)

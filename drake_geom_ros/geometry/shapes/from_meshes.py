@@ -1,0 +1,227 @@
+"""The shapes that a mesh describes: Convex and Mesh."""
+
+from __future__ import annotations
+
+import os
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.common import MemoryFile
+from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
+from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
+from drake_geom_ros.geometry.meshes._obj_file import obj_text
+from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh, MeshSource
+from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
+from drake_geom_ros.geometry.meshes.source import (
+    MeshData,
+    MeshGiven,
+    check_extension,
+    hull_polygons,
+    hull_surface,
+    numbers_of,
+    surface,
+)
+from drake_geom_ros.geometry.shapes.primitives import Shape
+
+Floats = NDArray[np.float64]
+_M = TypeVar('_M', bound='_FromMesh')
+
+
+class _FromMesh(Shape):
+    """A shape that a mesh describes: a file, a file in memory, or numbers (``FromMeshData``)."""
+
+    __slots__ = ()
+    _NAMES = ('filename', 'scale3')
+
+    def __init__(
+        self,
+        filename: str | os.PathLike[str] | InMemoryMesh | MeshSource | None = None,
+        scale: ArrayLike = 1.0,
+        *,
+        scale3: ArrayLike | None = None,
+        mesh_data: InMemoryMesh | None = None,
+        source: MeshSource | None = None,
+        absolute_filename: str | os.PathLike[str] | None = None,
+    ) -> None:
+        kind = type(self).__name__
+        values = (filename, mesh_data, source, absolute_filename)
+        given = [value for value in values if value is not None]
+        if len(given) != 1:
+            raise ArgumentTypeError(f'{kind}: give one of filename, mesh_data, source')
+        mesh = _mesh_of(kind, given[0])
+        self._measures = mesh, _scales(kind, scale if scale3 is None else scale3)
+
+    @classmethod
+    def FromMeshData(cls: type[_M], data: MeshData, scale: ArrayLike = 1.0) -> _M:
+        """Return the shape of a mesh that is given by numbers."""
+        shape = cls.__new__(cls)
+        shape._measures = data, _scales(cls.__name__, scale)
+        return shape
+
+    def __repr__(self) -> str:
+        mesh, scales = self._measures
+        if isinstance(mesh, MeshData):
+            return f'{type(self).__name__}.FromMeshData({mesh!r}, {list(scales)})'
+        name = 'filename' if isinstance(mesh, str) else 'mesh_data'
+        return f'{type(self).__name__}({name}={mesh!r}, scale3={list(scales)})'
+
+    @property
+    def _mesh(self) -> MeshGiven:
+        """What the shape was made of."""
+        mesh: MeshGiven = self._measures[0]
+        return mesh
+
+    @property
+    def _scales(self) -> tuple[float, ...]:
+        """The scale [-] along x, y and z."""
+        scales: tuple[float, ...] = self._measures[1]
+        return scales
+
+    def source(self) -> MeshSource:
+        """Return where the mesh comes from; numbers are an .obj file in memory."""
+        mesh = self._mesh
+        if isinstance(mesh, MeshData):
+            text = obj_text(mesh.vertices, mesh.triangles)
+            mesh = InMemoryMesh(mesh_file=MemoryFile(text, '.obj', ''))
+        return MeshSource(mesh)
+
+    def mesh_data(self) -> MeshData | None:
+        """Return the numbers, unscaled, of a mesh that is in memory; None where it is a file."""
+        mesh = self._mesh
+        return None if isinstance(mesh, str) else numbers_of(mesh)
+
+    def filename(self) -> str:
+        """Return the absolute path of the file; raises RuntimeError where there is none."""
+        mesh = self._mesh
+        if not isinstance(mesh, str):
+            raise GeometryError(f'{type(self).__name__}: not made of a file; see mesh_data()')
+        return mesh
+
+    def extension(self) -> str:
+        """Return the extension of the file's name in lower case, such as ``.obj``."""
+        return self.source().extension()
+
+    def scale(self) -> float:
+        """Return the scale [-]; raises RuntimeError when it differs between the axes."""
+        if len(set(self._scales)) > 1:
+            raise GeometryError(
+                f'{type(self).__name__}: scale() of {list(self._scales)}, which is not '
+                'uniform; see scale3()'
+            )
+        return float(self._scales[0])
+
+    def scale3(self) -> Floats:
+        """Return the scale (3,) [-] along x, y and z."""
+        return np.array(self._scales)
+
+    def hull_surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) of the convex hull, as queries see it.
+
+        Triangles are indices of vertices, counter-clockwise from outside. Raises MeshFileError
+        for a file that is not a mesh with a volume.
+        """
+        return hull_surface(self._mesh, self.scale3())
+
+    def GetConvexHull(self) -> PolygonSurfaceMesh:
+        """Return the convex hull, scaled, as polygons: triangles in one plane are united.
+
+        Raises MeshFileError for a file that is not a mesh with a volume.
+        """
+        check_extension(self.extension(), self.source().description())
+        vertices, polygons = hull_polygons(self._mesh, self.scale3())
+        return PolygonSurfaceMesh.FromPolygons(polygons, vertices)
+
+    def _kernel_parameters(self) -> Floats:
+        return hull_parameters(*self.hull_surface())
+
+
+class Convex(_FromMesh):
+    """The convex hull of a mesh, scaled by ``scale``: one number, or one for each axis.
+
+    The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. Of ``points``
+    (3, n) [m] with a ``label`` of one line, for messages, a file in memory is made.
+    """
+
+    __slots__ = ()
+    _TYPE = CONVEX
+
+    def __init__(
+        self,
+        filename: str | os.PathLike[str] | InMemoryMesh | MeshSource | None = None,
+        scale: ArrayLike = 1.0,
+        *,
+        scale3: ArrayLike | None = None,
+        mesh_data: InMemoryMesh | None = None,
+        source: MeshSource | None = None,
+        absolute_filename: str | os.PathLike[str] | None = None,
+        points: ArrayLike | None = None,
+        label: str | None = None,
+    ) -> None:
+        if points is not None:
+            if mesh_data is not None:
+                raise ArgumentTypeError('Convex: give one of points, mesh_data')
+            mesh_data = _of_points(points, label)
+        super().__init__(
+            filename,
+            scale,
+            scale3=scale3,
+            mesh_data=mesh_data,
+            source=source,
+            absolute_filename=absolute_filename,
+        )
+
+
+class Mesh(_FromMesh):
+    """The triangle mesh in a file, scaled by ``scale``: one number, or one for each axis.
+
+    The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. In proximity
+    queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
+    its surface encloses.
+    """
+
+    __slots__ = ()
+    _TYPE = SOLID
+
+    def surface(self) -> tuple[Floats, NDArray[np.int64]]:
+        """Return vertices (n, 3) [m] and triangles (m, 3) of the mesh itself, scaled.
+
+        Triangles are indices of vertices, turned as in the file. Raises MeshFileError for a file
+        that is not a mesh.
+        """
+        return surface(self._mesh, self.scale3())
+
+
+def _mesh_of(kind: str, given: object) -> MeshGiven:
+    """Return the absolute path or the mesh in memory of what a shape was made of."""
+    if isinstance(given, MeshSource):
+        given = given.path() if given.is_path() else given.in_memory()
+    if isinstance(given, InMemoryMesh):
+        return given
+    if not isinstance(given, (str, os.PathLike)) or not given:
+        raise ArgumentTypeError(f'{kind}: filename = {given!r} is not the path of a file')
+    return os.path.abspath(given)
+
+
+def _of_points(points: ArrayLike, label: str | None) -> InMemoryMesh:
+    """Return points (3, n) as an .obj file in memory, named by a label."""
+    if not isinstance(label, str) or '\n' in label:
+        raise ArgumentTypeError(f'Convex: label = {label!r} must be text of one line')
+    p_GVs = np.asarray(points, dtype=np.float64)
+    if p_GVs.ndim != 2 or len(p_GVs) != 3 or not np.isfinite(p_GVs).all():
+        raise ArgumentError(f'Convex: points {p_GVs.shape} must be finite, (3, n)')
+    return InMemoryMesh(mesh_file=MemoryFile(obj_text(p_GVs.T), '.obj', label))
+
+
+def _scales(kind: str, scale: ArrayLike) -> tuple[float, ...]:
+    """Return the scale along x, y and z, or raise an error that names it."""
+    factors = np.broadcast_to(np.asarray(scale, float), 3)
+    if not (np.abs(factors) >= SMALLEST_SCALE).all() or not np.isfinite(factors).all():
+        raise ArgumentError(
+            f'{kind}: |scale| must be finite and >= {SMALLEST_SCALE:g} on every axis, '
+            f'given {factors.tolist()}'
+        )
+    return tuple(factors.tolist())

@@ -1,0 +1,122 @@
+"""Volume and oriented box of a shape."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import ArgumentError
+from drake_geom_ros.geometry.meshes._library import tight_box
+from drake_geom_ros.geometry.meshes.surface_mesh import TriangleSurfaceMesh
+from drake_geom_ros.geometry.shapes.bounding_boxes import Aabb, Obb
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+from drake_geom_ros.geometry.shapes.primitives import (
+    Box,
+    Capsule,
+    Cylinder,
+    Ellipsoid,
+    HalfSpace,
+    MeshcatCone,
+    Shape,
+    Sphere,
+)
+from drake_geom_ros.math import RigidTransform, RotationMatrix
+
+Floats = NDArray[np.float64]
+
+
+def CalcVolume(shape: Shape) -> float:
+    """Return the volume [m^3] of a shape: infinite for a half space, of a Convex its hull's.
+
+    For a Mesh, it is the volume that a closed surface encloses; an open one has none. Raises
+    MeshFileError for a file that cannot be read.
+
+        >>> CalcVolume(Box(1, 2, 3))
+        6.0
+    """
+    checked_type(shape, Shape, 'CalcVolume: shape')
+    if isinstance(shape, (Mesh, Convex)):
+        from drake_geom_ros.geometry.meshes._solids import volume
+
+        vertices, triangles = shape.surface() if isinstance(shape, Mesh) else shape.hull_surface()
+        return volume(vertices[triangles])
+    if isinstance(shape, HalfSpace):
+        return math.inf
+    ball = 4.0 / 3.0 * math.pi
+    if isinstance(shape, Sphere):
+        return ball * shape.radius() ** 3
+    if isinstance(shape, Box):
+        return float(shape.size().prod())
+    if isinstance(shape, Ellipsoid):
+        return ball * shape.a() * shape.b() * shape.c()
+    if isinstance(shape, MeshcatCone):
+        return math.pi / 3.0 * shape.a() * shape.b() * shape.height()
+    assert isinstance(shape, (Cylinder, Capsule))
+    caps = ball * shape.radius() ** 3 if isinstance(shape, Capsule) else 0.0
+    return math.pi * shape.radius() ** 2 * shape.length() + caps
+
+
+def CalcObb(shape: Shape) -> Obb | None:
+    """Return the oriented box around a shape, in its frame; None for a half space.
+
+    That of a Mesh or a Convex has a side in a face of the hull, and is the smallest such. Raises
+    MeshFileError for a file that cannot be read.
+    """
+    checked_type(shape, Shape, 'CalcObb: shape')
+    if isinstance(shape, HalfSpace):
+        return None
+    if isinstance(shape, (Mesh, Convex)):
+        mesh = shape.surface() if isinstance(shape, Mesh) else shape.hull_surface()
+        return _around(mesh[0])
+    centre = [0.0, 0.0, 0.0]
+    if isinstance(shape, Sphere):
+        half = np.full(3, shape.radius())
+    elif isinstance(shape, Box):
+        half = 0.5 * shape.size()
+    elif isinstance(shape, Ellipsoid):
+        half = np.array([shape.a(), shape.b(), shape.c()])
+    elif isinstance(shape, MeshcatCone):
+        half = np.array([shape.a(), shape.b(), 0.5 * shape.height()])
+        centre[2] = half[2]
+    else:
+        assert isinstance(shape, (Cylinder, Capsule))
+        radius = shape.radius()
+        ends = radius if isinstance(shape, Capsule) else 0.0
+        half = np.array([radius, radius, 0.5 * shape.length() + ends])
+    return Obb(RigidTransform(centre), half)
+
+
+def ComputeAabbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Aabb:
+    """Return the box along M's axes around some vertices of a mesh, by their indices."""
+    p_MVs = _some(mesh_M, vertices)
+    low, high = p_MVs.min(axis=0), p_MVs.max(axis=0)
+    return Aabb(0.5 * (low + high), 0.5 * (high - low))
+
+
+def ComputeObbForTriangleMesh(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Obb:
+    """Return a smallest oriented box around some vertices of a mesh, by their indices."""
+    return _around(_some(mesh_M, vertices))
+
+
+def _some(mesh_M: TriangleSurfaceMesh, vertices: Iterable[int]) -> Floats:
+    """Return the positions (n, 3) [m] of vertices; ArgumentError for none, or an unknown one."""
+    indices = sorted(vertices)
+    if not indices:
+        raise ArgumentError('a box around vertices was asked for, and no vertex was given')
+    return np.array([mesh_M.vertex(index) for index in indices])
+
+
+def _around(p_GVs: Floats) -> Obb:
+    """Return a smallest box around points (n, 3) [m], wide enough for rounding."""
+    R_GB = RotationMatrix.ProjectToRotationMatrix(tight_box(p_GVs))
+    p_BVs = p_GVs @ R_GB.matrix()
+    low, high = p_BVs.min(axis=0), p_BVs.max(axis=0)
+    # Three products and their sums, and as many again for who turns the points back.
+    rounding = 16.0 * EPS * float(np.abs(p_GVs).max())
+    X_GB = RigidTransform(R_GB, R_GB @ (0.5 * (low + high)))
+    return Obb(X_GB, 0.5 * (high - low) + rounding)

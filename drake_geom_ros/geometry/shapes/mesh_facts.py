@@ -1,0 +1,43 @@
+"""What a mesh turned out to be: how large, whether closed, and what was done to its numbers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry.errors import MeshFileError
+from drake_geom_ros.geometry.meshes._solids import check_closed, merged
+from drake_geom_ros.geometry.meshes.source import remarks_on, surface
+from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
+
+Floats = NDArray[np.float64]
+
+
+class MeshFacts(NamedTuple):
+    """Facts of a mesh as scaled: the corners (3,) [m] of the box around it, and more.
+
+    It is closed if its triangles meet along every edge; ``remarks`` are those of its file.
+    """
+
+    low: Floats
+    high: Floats
+    num_triangles: int
+    is_closed: bool
+    remarks: tuple[str, ...]
+
+
+def mesh_facts(shape: Convex | Mesh) -> MeshFacts:
+    """Return the facts of the mesh that a shape was made of, not of its hull.
+
+    Raises MeshFileError for a file that cannot be read.
+    """
+    vertices, triangles = surface(shape._mesh, shape.scale3())
+    is_closed = True
+    try:
+        check_closed(merged(vertices, triangles)[1], '')
+    except MeshFileError:
+        is_closed = False
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    return MeshFacts(low, high, len(triangles), is_closed, remarks_on(shape._mesh))

@@ -1,0 +1,155 @@
+"""Drake's visualiser by LCM, without the systems framework: load messages and draw messages."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+from drake_geom_ros.geometry.checks import checked_type
+from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
+from drake_geom_ros.geometry.model.links import links_of
+from drake_geom_ros.geometry.model.properties import Role
+from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.query_object import QueryObject
+from drake_geom_ros.geometry.scene._ports import PoseBundlePort
+from drake_geom_ros.geometry.scene.scene_graph import SceneGraph
+from drake_geom_ros.geometry.visualizer._messages import draw_messages, load_message
+
+_LOAD, _DRAW = 'DRAKE_VIEWER_LOAD_ROBOT', 'DRAKE_VIEWER_DRAW'
+_PERIOD = 1.0 / 60.0  # [s]
+
+
+def DispatchLoadMessage(
+    scene_graph: SceneGraph, lcm: Any, role: Role = Role.kIllustration
+) -> None:
+    """Send the geometry with a role to Drake's visualiser, on DRAKE_VIEWER_LOAD_ROBOT.
+
+    ``lcm`` is an ``lcm.LCM`` of the library, a ``pydrake.lcm.DrakeLcm``, or whatever publishes
+    bytes on a channel. What cannot be drawn as it is is told as a warning.
+    """
+    checked_type(scene_graph, SceneGraph, 'DispatchLoadMessage: scene_graph')
+    checked_type(role, Role, 'DispatchLoadMessage: role')
+    send_load(scene_graph.model_inspector(), lcm, role)
+
+
+def send_load(inspector: SceneGraphInspector, lcm: Any, role: Role) -> None:
+    """Send what DispatchLoadMessage sends, of the model that an inspector sees."""
+    message, told = load_message(inspector, role)
+    for text in told:
+        warnings.warn(text, stacklevel=3)
+    _publish(lcm, _LOAD, message)
+
+
+class DrakeVisualizerPublisher:
+    """Sends a scene to Drake's visualiser; comes from ``ConnectDrakeVisualizer``."""
+
+    def __init__(self, lcm: Any, role: Role) -> None:
+        self._lcm = lcm
+        self._role = role
+        self._period = _PERIOD
+        self._next = -math.inf
+        self._loaded: _Loaded | None = None
+
+    def set_publish_period(self, period: float) -> None:
+        """Set the least simulated time [s] between two draws; 0: each call draws."""
+        if not period >= 0.0:
+            raise ArgumentError(f'set_publish_period: period = {period} must be seconds >= 0')
+        self._period = float(period)
+
+    def Publish(self, context: SceneGraphContext, time: float) -> bool:
+        """Draw a context as it is at a simulated time [s], if that is due, and return whether.
+
+        The scene is loaded first where it has not been since it changed, and again where time has
+        gone back: a simulation begins anew.
+        """
+        checked_type(context, SceneGraphContext, 'Publish: context')
+        query = QueryObject(context)
+        inspector = query.inspector()
+        again = time < self._next - self._period
+        loaded = self._loaded
+        if again or loaded is None or not loaded.is_of(inspector):
+            send_load(inspector, self._lcm, self._role)
+            loaded = self._loaded = _Loaded(inspector, self._role)
+            self._next = -math.inf
+        if time < self._next:
+            return False
+        for message in draw_messages(query, loaded.links, time):
+            _publish(self._lcm, _DRAW, message)
+        self._next = time + self._period
+        return True
+
+
+class _Loaded:
+    """What the visualiser was told of a scene."""
+
+    def __init__(self, inspector: SceneGraphInspector, role: Role) -> None:
+        self._version = inspector._model.versions.any
+        self.links = links_of(inspector, role)
+
+    def is_of(self, inspector: SceneGraphInspector) -> bool:
+        """Return whether nothing has changed since; filters do not count."""
+        return self._version == inspector._model.versions.any
+
+
+def ConnectDrakeVisualizer(
+    builder: None = None,
+    scene_graph: SceneGraph | None = None,
+    *args: Any,
+    lcm: Any = None,
+    role: Role = Role.kIllustration,
+    pose_bundle_output_port: PoseBundlePort | None = None,
+) -> DrakeVisualizerPublisher:
+    """Return what sends a scene to Drake's visualiser each time its ``Publish`` is called.
+
+    ``builder`` must be None: there is no diagram here, and so nobody who calls by itself. After
+    ``scene_graph`` follow, as in pydrake, ``lcm`` (None: one of the library ``lcm``, with its
+    default network) and ``role``, or before them the ``pose_bundle_output_port`` of the scene
+    graph. Raises GeometryError for a builder, and where ``lcm`` is needed and not installed.
+    """
+    if builder is not None:
+        raise GeometryError(
+            f'ConnectDrakeVisualizer: builder = {builder!r} was given, and there is no systems '
+            'framework here. Give None, and call Publish(context, time) of what is returned '
+            'after each step'
+        )
+    checked_type(scene_graph, SceneGraph, 'ConnectDrakeVisualizer: scene_graph')
+    given = list(args)
+    if given and isinstance(given[0], PoseBundlePort):
+        pose_bundle_output_port = given.pop(0)
+    if pose_bundle_output_port is not None:
+        checked_type(pose_bundle_output_port, PoseBundlePort, 'pose_bundle_output_port')
+    if len(given) > 2:
+        raise ArgumentTypeError(f'ConnectDrakeVisualizer: {len(args) + 2} arguments are too many')
+    lcm = given[0] if given else lcm
+    role = checked_type(given[1] if len(given) > 1 else role, Role, 'role')
+    return DrakeVisualizerPublisher(open_lcm() if lcm is None else lcm, role)
+
+
+def open_lcm(url: str = '') -> Any:
+    """Return an ``lcm.LCM`` of a URL (empty: the library's default).
+
+    Raises GeometryError where the library is not installed or the network cannot be used.
+    """
+    try:
+        import lcm
+    except ImportError as error:
+        raise GeometryError(
+            f"Drake's visualiser takes the library lcm, which cannot be imported ({error}): "
+            "pip install lcm, or this package with its extra 'lcm'"
+        ) from None
+    try:
+        return lcm.LCM(url) if url else lcm.LCM()
+    except (OSError, RuntimeError) as error:
+        raise GeometryError(
+            f'LCM cannot be opened at {url or "its default address"}: {error}. Is there a route '
+            'for multicast? On one machine: ip link set lo multicast on; '
+            'ip route add 224.0.0.0/4 dev lo'
+        ) from None
+
+
+def _publish(lcm: Any, channel: str, message: bytes) -> None:
+    """Send by the library lcm, or by pydrake's DrakeLcm."""
+    send = lcm.publish if hasattr(lcm, 'publish') else lcm.Publish
+    send(channel, message)

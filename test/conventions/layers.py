@@ -1,0 +1,191 @@
+"""The rooms of the house from the ground up: what each may import of ours, and of others."""
+
+_K = 'geometry/_proximity/kernels'
+_GROUND = ('math', 'geometry/_proximity', 'geometry/_proximity/runtime')
+_SHAPES = (*_GROUND, _K, f'{_K}/shapes')
+_CALLING = (*_SHAPES, f'{_K}/calling')
+_CORES = (*_CALLING, f'{_K}/closed_forms', f'{_K}/cores')
+_WORLD = (*_SHAPES, 'geometry/_proximity/world')
+_NEAR = (*_WORLD, 'geometry/_proximity/filters', 'geometry/_proximity/near')
+_REPORT = (*_WORLD, f'{_K}/addresses', 'geometry/_proximity/report')
+_PAIRS = (*_NEAR, *_REPORT, f'{_K}/calling', 'geometry/_proximity/pairs')
+_POINTS = (*_PAIRS, 'geometry/_proximity/points')
+
+# A question each, and imports only downwards: see the ``__init__`` of each room.
+PROXIMITY_ROOMS = {
+    'geometry/_proximity': (('math', 'geometry/_proximity'), ()),
+    'geometry/_proximity/runtime': (_GROUND, ('numpy', 'numba', 'llvmlite')),
+    'geometry/_proximity/filters': ((*_GROUND, 'geometry/_proximity/filters'), ('numpy',)),
+    _K: ((*_GROUND, _K), ('numpy',)),
+    f'{_K}/shapes': (_SHAPES, ('numpy', 'numba', 'llvmlite')),
+    f'{_K}/trees': ((*_GROUND, _K, f'{_K}/trees'), ('numpy',)),
+    f'{_K}/calling': (_CALLING, ('numpy', 'numba')),
+    f'{_K}/addresses': ((*_CALLING, f'{_K}/addresses'), ('numpy',)),
+    f'{_K}/closed_forms': ((*_CALLING, f'{_K}/closed_forms'), ('numpy',)),
+    f'{_K}/cores': (_CORES, ('numpy',)),
+    f'{_K}/revolution': ((*_CORES, f'{_K}/revolution'), ('numpy',)),
+    f'{_K}/solids': ((*_CORES, f'{_K}/trees', f'{_K}/solids'), ('numpy',)),
+    f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
+    'geometry/_proximity/world': (_WORLD, ('numpy',)),
+    'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),
+    'geometry/_proximity/report': (_REPORT, ('numpy',)),
+    'geometry/_proximity/pairs': (_PAIRS, ('numpy',)),
+    'geometry/_proximity/points': (_POINTS, ('numpy', 'numba')),
+    'geometry/_proximity/derivatives': (
+        (*_PAIRS, f'{_K}/solids', 'geometry/_proximity/derivatives'),
+        ('numpy',),
+    ),
+    'geometry/_proximity/states': ((*_POINTS, 'geometry/_proximity/states'), ('numpy',)),
+    'geometry/_proximity/engine': (
+        (*_POINTS, 'geometry/_proximity/derivatives', 'geometry/_proximity/engine'),
+        ('numpy', 'numba'),
+    ),
+    'geometry/_rendering': ((*_GROUND, 'geometry/_rendering'), ('numpy', 'numba')),
+}
+
+_ANSWERING = tuple(room for room in PROXIMITY_ROOMS if room != 'geometry/_rendering')
+_MESHES = ('math', 'common', 'geometry', 'geometry/meshes')
+_PUBLIC_SHAPES = (*_MESHES, 'geometry/shapes')
+_MODEL = (*_PUBLIC_SHAPES, 'geometry/model')
+_RENDER = (*_MODEL, 'sensors', 'geometry/render')
+_QUERIES = (*_RENDER, 'geometry/queries')
+_SCENE = (*_QUERIES, 'autodiffutils', 'geometry/scene')
+
+GEOMETRY_ROOMS = {
+    'geometry': (('math', 'geometry'), ('numpy',)),
+    'geometry/meshes': (
+        (*_MESHES, *_SHAPES, f'{_K}/trees', f'{_K}/solids'),
+        ('numpy',),
+    ),
+    'geometry/shapes': ((*_PUBLIC_SHAPES, *_SHAPES), ('numpy',)),
+    'geometry/model': ((*_MODEL, *_WORLD, 'geometry/_proximity/filters'), ('numpy',)),
+    'geometry/render': ((*_RENDER, *_WORLD, 'geometry/_rendering'), ('numpy',)),
+    'geometry/render/vtk': (
+        (*_MODEL, 'sensors', 'geometry/render', 'geometry/render/vtk'),
+        ('numpy', 'vtkmodules'),
+    ),
+    'geometry/queries': ((*_QUERIES, *_ANSWERING), ('numpy',)),
+    'geometry/scene': ((*_SCENE, *_ANSWERING), ('numpy',)),
+    'geometry/autodiff': ((*_SCENE, *_ANSWERING, 'geometry/autodiff'), ('numpy',)),
+    'geometry/visualizer': ((*_SCENE, 'geometry/visualizer'), ('numpy',)),
+    # What users import: names of all rooms, and nothing else.
+    'geometry/__init__': (
+        (
+            *(*_SCENE, *_ANSWERING, 'geometry/render/vtk', 'geometry/autodiff'),
+            'geometry/visualizer',
+        ),
+        (),
+    ),
+}
+
+# What the rooms of the node may import of ours beside one another, and of others beside NumPy.
+_CORE = ('math', 'common', 'sensors', 'geometry', 'scene_files')
+_HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
+ROS_ROOMS = {
+    'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
+    'ros/scene': ((*_HELD, 'geometry/render'), ('numpy',)),
+    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
+    'ros/outputs': (
+        (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
+        ('numpy', 'ROS'),
+    ),
+    'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/viewer': (
+        (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
+        ('numpy', 'ROS'),
+    ),
+    'ros/demo': (
+        (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
+        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
+    ),
+    'ros': (
+        (
+            *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),
+            *('ros/services', 'ros'),
+        ),
+        ('numpy', 'ROS'),
+    ),
+}
+
+_EVIDENCE = ('math', 'geometry', 'evidence', 'evidence/peers')
+_JUDGED = (*_EVIDENCE, 'evidence/bodies', 'evidence/truth', 'evidence/judging')
+EVIDENCE_ROOMS = {
+    'evidence/peers': (
+        ('math', 'geometry', 'evidence/peers'),
+        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
+    ),
+    'evidence': (_EVIDENCE, ('numpy', 'scipy', 'mpmath', 'matplotlib')),
+    'evidence/bodies': ((*_EVIDENCE, 'evidence/bodies'), ('numpy', 'scipy')),
+    'evidence/truth': (
+        (*_EVIDENCE, 'evidence/bodies', 'evidence/truth'),
+        ('numpy', 'scipy', 'mpmath'),
+    ),
+    'evidence/judging': (_JUDGED, ('numpy', 'scipy')),
+    'evidence/hard_cases': ((*_JUDGED, 'evidence/hard_cases'), ('numpy',)),
+    'evidence/accuracy': (
+        (*_JUDGED, 'common', 'evidence/hard_cases', 'evidence/accuracy'),
+        ('numpy', 'scipy', 'matplotlib'),
+    ),
+}
+
+# Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
+LAYERS = {
+    '': (('command_line',), ()),
+    'math': (('math',), ('numpy',)),
+    'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
+    'common': (('math', 'common'), ('numpy',)),
+    'sensors': (('math', 'sensors'), ('numpy',)),
+    **PROXIMITY_ROOMS,
+    **GEOMETRY_ROOMS,
+    'scene_files': (
+        ('math', 'common', 'sensors', 'geometry', 'scene_files'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema'),
+    ),
+    'trajectories': (
+        ('math', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
+        ('numpy', 'yaml', 'yourdfpy'),
+    ),
+    'batch': (
+        ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
+        ('numpy', 'distributed', 'matplotlib', 'pyarrow'),
+    ),
+    'replay': (('math', 'common', 'geometry', 'scene_files', 'replay'), ()),
+    'cross_check': (
+        ('math', 'common', 'geometry', 'replay', 'cross_check', *EVIDENCE_ROOMS),
+        ('numpy',),
+    ),
+    **EVIDENCE_ROOMS,
+    # What is shown, without a library that shows it; and the page, which one draws.
+    'viewing': (
+        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
+        ('numpy', 'yaml'),
+    ),
+    'viewing/page': (
+        ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),
+        ('numpy', 'viser', 'imageio', 'websockets'),
+    ),
+    'command_line': (
+        (
+            *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
+            *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
+            *EVIDENCE_ROOMS,
+            *('viewing', 'viewing/page'),
+        ),
+        ('numpy', 'PIL', 'matplotlib'),
+    ),
+    # What asks a node is no part of it.
+    'client': (('math', 'common', 'client'), ('numpy', 'ROS')),
+    **ROS_ROOMS,
+}
+# One file for what nobody else may touch.
+EXCEPTIONS = {
+    'geometry/meshes/_library.py': 'trimesh',
+    'geometry/visualizer/drake_visualizer.py': 'lcm',
+}
+
+
+def room_of(path):
+    """Return the innermost room of the table that holds a path relative to the package."""
+    path = path.removesuffix('.py')
+    rooms = [room for room in LAYERS if not room or f'{path}/'.startswith(f'{room}/')]
+    return max(rooms, key=len)

@@ -1,0 +1,240 @@
+"""The cache of compiled code: used again, never stale, and not needed."""
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from numba import config
+from numba.core import event
+
+import drake_geom_ros
+from drake_geom_ros.geometry._proximity.runtime import compiled
+from drake_geom_ros.geometry._rendering import compiled as rendering
+
+ROOT = Path(drake_geom_ros.__file__).parents[2]
+SCRIPT = """
+import math
+from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot
+assert dot((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)) == 32.0
+stats = dot.stats
+print(CACHE_FOLDER, sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+"""
+
+
+def run(**environment):
+    """Run SCRIPT in a fresh interpreter; return cache folder, hits and misses."""
+    env = {k: v for k, v in os.environ.items() if not k.startswith('NUMBA_')}
+    env.update(PYTHONPATH=str(ROOT), **environment)
+    out = subprocess.run([sys.executable, '-c', SCRIPT], env=env, capture_output=True, text=True)
+    assert out.returncode == 0, out.stderr
+    *folder, hits, misses = out.stdout.split(' ')
+    return ' '.join(folder), int(hits), int(misses)
+
+
+def test_a_second_process_finds_what_the_first_compiled(tmp_path):
+    folder, hits, misses = run(XDG_CACHE_HOME=str(tmp_path))
+    assert folder.startswith(str(tmp_path / 'drake_geom_ros'))
+    assert (hits, misses) == (0, 1)
+    assert run(XDG_CACHE_HOME=str(tmp_path)) == (folder, 1, 0)
+    assert run(NUMBA_CACHE_DIR=str(tmp_path / 'mine'))[0].startswith(str(tmp_path / 'mine'))
+
+
+def test_no_place_for_a_cache_is_no_obstacle(tmp_path):
+    blocked = tmp_path / 'a file'
+    blocked.write_text('')
+    folder = run(XDG_CACHE_HOME=str(blocked), TMPDIR=str(tmp_path))[0]
+    assert folder.startswith(str(tmp_path))
+    assert run(NUMBA_CACHE_DIR=str(blocked))[:2] == ('', 0)
+
+
+def test_nobody_else_can_reach_into_the_folder_of_a_cache(tmp_path):
+    """Who can write to it can have us run his code."""
+    before = os.umask(0)
+    try:
+        assert compiled._own_folder(tmp_path / 'ours')
+    finally:
+        os.umask(before)
+    assert (tmp_path / 'ours').stat().st_mode & 0o777 == 0o700
+    assert compiled._own_folder(tmp_path / 'ours')
+
+
+READING = """
+import numpy as np
+from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER
+from drake_geom_ros.geometry._proximity.world.pose_rows import read_poses
+from drake_geom_ros.geometry._rendering.compiled import cache_folder
+count = read_poses(np.array([[0, 0, 0, 0, 0, 0, 1.01]]), np.empty((1, 12)))
+print(count, CACHE_FOLDER, cache_folder())
+"""
+
+
+@pytest.fixture
+def copied(tmp_path):
+    """Return a copy of the package, and what reads a quaternion of length 1.01 in it."""
+    package = tmp_path / 'drake_geom_ros'
+    shutil.copytree(ROOT / 'drake_geom_ros', package, ignore=shutil.ignore_patterns('__pycache__'))
+    env = {**os.environ, 'PYTHONPATH': str(tmp_path), 'NUMBA_CACHE_DIR': str(tmp_path / 'cache')}
+
+    def read():
+        told = subprocess.check_output(
+            [sys.executable, '-c', READING], env=env, cwd=tmp_path, text=True
+        )
+        count, folder, images = told.split()
+        return int(count), folder, images
+
+    return package, read
+
+
+def test_what_was_compiled_with_another_tolerance_is_not_used(copied):
+    """A tolerance outside the folder of the kernels is compiled in like those beside them."""
+    package, read = copied
+    before = read()
+    assert read() == before
+    tolerances = package / 'math/tolerances.py'
+    text = tolerances.read_text()
+    tolerances.write_text(re.sub('QUATERNION_NORM = .*', 'QUATERNION_NORM = 5e-2', text))
+    after = read()
+    assert (before[0], after[0]) == (0, 1)
+    if not config.DISABLE_JIT:
+        assert before[1] != after[1]
+        assert not after[2].startswith(before[1])
+
+
+@pytest.mark.parametrize('of_images', [False, True])
+def test_another_source_is_another_cache(copied, of_images):
+    package, read = copied
+    before = read()
+    room = '_rendering/kernels/windows.py' if of_images else '_proximity/kernels/vectors.py'
+    source = package / 'geometry' / room
+    source.write_text(source.read_text() + '\n')
+    after = read()
+    assert before[2] != after[2]
+    assert (before[1] == after[1]) is of_images
+
+
+@pytest.mark.parametrize(
+    ('folder', 'sources'),
+    [
+        ('_proximity', compiled.SOURCES),
+        ('_rendering', (*compiled.SOURCES, *rendering.SOURCES)),
+    ],
+)
+def test_all_that_compiled_code_imports_is_looked_at(folder, sources):
+    """Whatever of ours a file of kernels imports may be compiled in."""
+    room = ROOT / 'drake_geom_ros/geometry' / folder
+    unseen = set()
+    for path in room.rglob('*.py'):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith('drake_geom_ros.'):
+                place = ROOT / node.module.replace('.', '/')
+                names = [place / f'{alias.name}.py' for alias in node.names]
+                files = [place.with_suffix('.py')] if not place.is_dir() else names
+                unseen |= {
+                    str(file.relative_to(ROOT))
+                    for file in files
+                    if not any(file.is_relative_to(source) for source in sources)
+                }
+    assert not unseen
+
+
+def version(base, k):
+    """Make the cache folder of the k-th of some older sources, and return it."""
+    folder = base / f'kernels-{k:016x}'
+    folder.mkdir(parents=True)
+    os.utime(folder, (k, k))
+    return folder
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_old_versions_are_removed_when_something_is_compiled(tmp_path):
+    base = tmp_path / 'drake_geom_ros'
+    old = [version(base, k) for k in range(8)]
+    mine = Path(run(XDG_CACHE_HOME=str(tmp_path))[0])
+    assert set(base.iterdir()) == {mine, *old[4:]}
+    more = [version(base, k) for k in range(10, 18)]
+    assert run(XDG_CACHE_HOME=str(tmp_path))[1:] == (1, 0)
+    assert set(base.iterdir()) == {mine, *old[4:], *more}
+
+
+def test_what_others_keep_in_the_folder_stays(tmp_path):
+    theirs = [tmp_path / f'{k:016x}' for k in range(8)]
+    theirs += [tmp_path / 'drake_geom_ros' / f'{k:016x}' for k in range(8)]
+    for folder in theirs:
+        folder.mkdir(parents=True)
+    mine = Path(run(NUMBA_CACHE_DIR=str(tmp_path))[0])
+    assert mine.parent == tmp_path / 'drake_geom_ros'
+    assert all(folder.is_dir() for folder in theirs)
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_a_constant_makes_no_version_of_its_own():
+    @compiled.compiled
+    def product(x, k):
+        return x * k
+
+    @compiled.compiled
+    def several(x):
+        return product(x, 1) + product(x, k=2) + product(x, len((x, x, x)))
+
+    with event.install_recorder('numba:compile') as recorder:
+        assert several(1.0) == 6.0
+    ended = [e.data['dispatcher'].py_func for _, e in recorder.buffer if e.is_end]
+    assert ended.count(product.py_func) == 1
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+@pytest.mark.parametrize('decorator', [compiled.compiled, compiled.inlined, compiled.allocating])
+def test_what_compiled_code_calls_has_no_version_for_python_until_that_calls_it(decorator):
+    @decorator
+    def inner(x):
+        return x * x
+
+    @compiled.allocating
+    def outer(x):
+        return inner(x) + inner(x + 1.0)
+
+    assert outer(2.0) == 13.0
+    assert inner.signatures == []
+    assert inner(3.0) == 9.0
+    assert len(inner.signatures) == 1
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_another_numba_compiles_in_its_own_way(monkeypatch):
+    monkeypatch.setattr(compiled, 'intermediate', None)
+
+    @compiled.compiled
+    def inner(x, k):
+        return x * k
+
+    @compiled.compiled
+    def outer(x):
+        return inner(x, 2) + inner(x, k=3)
+
+    assert outer(2.0) == 10.0
+    assert inner.signatures  # one for each constant
+
+
+@pytest.mark.skipif(config.DISABLE_JIT, reason='nothing is compiled')
+def test_what_has_to_be_compiled_is_told_once_and_what_is_there_is_not():
+    @compiled.compiled
+    def double(x):
+        return x + x
+
+    @compiled.compiled
+    def quadruple(x):
+        return double(double(x))
+
+    told = []
+    for _ in range(2):
+        with compiled.compilation(lambda *what: told.append(what), 'quadruple', 3, 4):
+            assert quadruple(1.0) == 4.0
+    assert told == [('quadruple', 3, 4)]
+    with compiled.compilation(None, 'nobody is told', 1, 1):
+        assert quadruple(1) == 4

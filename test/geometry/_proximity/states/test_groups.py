@@ -1,0 +1,99 @@
+"""Bounds and groups of many states: never above the truth, and no near pair is missed."""
+
+import math
+
+import numpy as np
+import pytest
+from numba import njit
+
+from drake_geom_ros.evidence.bodies.random_bodies import random_rotations
+from drake_geom_ros.geometry._proximity.engine.engine import Engine
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
+from drake_geom_ros.geometry._proximity.states.groups import (
+    Groups,
+    collect,
+    groups_of,
+    least_possible,
+    put_boxes,
+)
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
+
+SIZES = {SPHERE: 1, BOX: 3, CAPSULE: 2, CYLINDER: 2, ELLIPSOID: 3}
+
+
+@njit
+def _bound(i, j, world):
+    places = world_of(world)
+    return least_possible(
+        i,
+        j,
+        places.types,
+        places.R_WGs,
+        places.p_WGs,
+        places.roundings,
+        places.half_extents,
+        places.outer,
+    )
+
+
+@njit
+def _collected(groups, most, pairs, world, order, bounds):
+    places = world_of(world)
+    put_boxes(groups, places)
+    whole = (0, groups.gaps.size, -1, most)
+    return collect(groups, *whole, pairs, places, order, bounds)
+
+
+@pytest.fixture(scope='module')
+def crowd():
+    """Return a world of thirty bodies that overlap, its pairs, and their exact distances."""
+    rng = np.random.default_rng(9)
+    types = np.array([*SIZES] * 6, dtype=np.int64)
+    n = len(types)
+    shapes = [rng.uniform(0.2, 1.0, SIZES[kind]) for kind in types.tolist()]
+    frames = FrameTable(np.arange(n + 1), np.zeros(n + 1, dtype=np.int64))
+    table = GeometryTable(
+        ids=np.arange(n),
+        frames=np.arange(1, n + 1),
+        R_FGs=np.tile(np.eye(3), (n, 1, 1)),
+        p_FGs=np.zeros((n, 3)),
+        roundings=np.zeros((n, 2)),
+        types=types,
+        starts=np.cumsum([0, *map(len, shapes)], dtype=np.int64),
+        pool=np.concatenate(shapes),
+    )
+    world, filters = World(frames, table), FilterState()
+    for key in range(n):
+        filters.add(key, key + 1, False)
+    world.set_poses(np.arange(1, n + 1), random_rotations(rng, n), rng.uniform(-2, 2, (n, 3)))
+    batch = Engine().signed_distances(world, filters, 'exact', math.inf)
+    return world, batch.ids, batch.rows[:, 0] + batch.rows[:, 10]
+
+
+def test_the_bound_is_never_above_the_distance(crowd):
+    world, pairs, most = crowd
+    bounds = np.array([_bound(i, j, world.handle) for i, j in pairs.tolist()])
+    assert (bounds <= most).all()
+    deep = most < -0.1
+    assert deep.sum() > 10
+    # It tells something of bodies that overlap, too.
+    assert (bounds[deep] > -2.0).all()
+
+
+@pytest.mark.parametrize('most', [-0.2, 0.0, 0.5, math.inf])
+def test_no_pair_within_reach_is_missed(crowd, most):
+    world, pairs, largest = crowd
+    some = np.random.default_rng(1).integers(0, 9, world.geometry_count)
+    groups = groups_of(some, pairs)
+    assert isinstance(groups, Groups)
+    order, bounds = np.empty(len(pairs), dtype=np.int64), np.empty(len(pairs))
+    count = _collected(groups, most, pairs, world.handle, order, bounds)
+    assert len(set(order[:count].tolist())) == count
+    wanted = np.flatnonzero(largest <= most)
+    assert set(wanted.tolist()) <= set(order[:count].tolist())
+    assert most < 1.0 or count == len(pairs)
+    by_bound = [k for k in range(len(pairs)) if _bound(*pairs[k], world.handle) <= most]
+    # Groups leave out pairs by their boxes only: none that its own bound leaves in.
+    assert sorted(order[:count].tolist()) == by_bound

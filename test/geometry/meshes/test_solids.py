@@ -1,0 +1,159 @@
+"""What counts as a solid, and what is refused, with the reason."""
+
+import numpy as np
+import pytest
+import trimesh
+from oracles.solids import surface_of
+
+from drake_geom_ros.evidence.bodies.grids import surface
+from drake_geom_ros.geometry import (
+    Box,
+    GeometryInstance,
+    Mesh,
+    MeshData,
+    MeshFileError,
+    ProximityProperties,
+    SceneGraph,
+)
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
+from drake_geom_ros.geometry.meshes._solids import solid_of
+from drake_geom_ros.math import RigidTransform
+
+ONES = (1.0, 1.0, 1.0)
+CORNERS = np.array(list(np.ndindex(2, 2, 2)), dtype=float)
+QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+CUBE = np.array([t for a, b, c, d in QUADS for t in ((a, b, c), (a, c, d))])
+L = surface_of('L')
+
+
+def two(vertices, triangles, *, turned=False):
+    """A cube and another one of these vertices."""
+    other = triangles[:, ::-1] if turned else triangles
+    return MeshData(np.vstack((CORNERS, vertices)), np.vstack((CUBE, other + 8)))
+
+
+def two_grids():
+    """Cubes of 2 m, cut into squares of 1 m, the second a metre on along x, y and z."""
+    vertices, triangles = (np.array(x) for x in surface(np.ndindex(2, 2, 2), [np.arange(3.0)] * 3))
+    second = len(vertices) + triangles
+    return MeshData(np.vstack((vertices, vertices + 1.0)), np.vstack((triangles, second)))
+
+
+def bad_meshes():
+    open_, flipped = np.array(L.triangles), np.array(L.triangles)
+    flipped[0] = flipped[0][::-1]
+    many = np.vstack((L.triangles, L.triangles[:1]))
+    twice = np.vstack((L.triangles, L.triangles))
+    return {
+        'open': (MeshData(L.vertices, open_[1:]), '3 are open'),
+        'one triangle turned': (MeshData(L.vertices, flipped), '3 have two triangles that run'),
+        'one triangle too many': (MeshData(L.vertices, many), '3 have three or more'),
+        'everything twice': (MeshData(L.vertices, twice), 'crosses itself'),
+        'two that cross': (two(np.add(CORNERS, [0.5, 0.3, 0.2]), CUBE), 'crosses itself'),
+        'two that cross in edges': (two(np.add(CORNERS, [0.5, 0.5, 0.5]), CUBE), 'crosses itself'),
+        'two that cross along edges of both': (two_grids(), 'crosses itself'),
+        'flush, not face on face': (two(np.add(0.5 * CORNERS, [1, 0, 0]), CUBE), 'crosses itself'),
+        'a body within a body': (two(0.5 * CORNERS + 0.25, CUBE), 'closed surfaces'),
+        'a cavity in nothing': (two(0.5 * CORNERS + 3, CUBE, turned=True), 'closed surfaces'),
+        'no triangles': (MeshData(CORNERS), 'no triangles'),
+        'flat': (MeshData(L.vertices * [1, 1, 0], L.triangles), 'lie in a plane'),
+        'a folded sheet': (
+            MeshData([[0, 0, 0], [1, 0, 0], [0, 1, 1], [1, 1, 0]],
+                     [[0, 1, 2], [0, 2, 1], [1, 3, 2], [1, 2, 3]]),
+            'no triangles|no volume',
+        ),
+    }  # fmt: skip
+
+
+BAD = bad_meshes()
+
+
+@pytest.mark.parametrize('name', BAD)
+def test_what_bounds_no_solid_is_refused_with_the_reason(name):
+    mesh, words = BAD[name]
+    with pytest.raises(MeshFileError, match=words):
+        solid_of(mesh, ONES)
+
+
+@pytest.mark.parametrize('name', ['open', 'two that cross'])
+def test_a_refused_role_changes_nothing(name):
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    instance = GeometryInstance(RigidTransform(), Mesh.FromMeshData(BAD[name][0]), 'm')
+    geometry = scene_graph.RegisterAnchoredGeometry(source, instance)
+    properties = ProximityProperties()
+    properties.AddProperty('mesh', 'solid', True)
+    with pytest.raises(MeshFileError, match='counts as its convex hull'):
+        scene_graph.AssignRole(source, geometry, properties)
+    assert scene_graph.model_inspector().GetProximityProperties(geometry) is None
+    scene_graph.AssignRole(source, geometry, ProximityProperties())  # as a hull it is well
+
+
+@pytest.mark.parametrize('shape', [Mesh.FromMeshData(L), Box(1, 1, 1)])
+def test_the_property_is_a_bool_and_matters_to_meshes_only(shape):
+    scene_graph = SceneGraph()
+    source = scene_graph.RegisterSource('s')
+    instance = GeometryInstance(RigidTransform(), shape, 'm')
+    geometry = scene_graph.RegisterAnchoredGeometry(source, instance)
+    properties = ProximityProperties()
+    properties.AddProperty('mesh', 'solid', 'yes')
+    if isinstance(shape, Mesh):
+        with pytest.raises(RuntimeError, match=r"'solid'.*bool"):
+            scene_graph.AssignRole(source, geometry, properties)
+    else:
+        scene_graph.AssignRole(source, geometry, properties)
+
+
+def test_what_is_convex_counts_as_its_hull():
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    fine = surface_of('L', cuts=3)  # its cells in a row, without the one beside
+    for mesh in (
+        MeshData(CORNERS, CUBE),
+        MeshData(CORNERS, CUBE[:, ::-1]),
+        MeshData(ball.vertices, ball.faces),
+        two(np.add(CORNERS, [1, 0, 0]), CUBE),  # face on face: one body
+    ):
+        kind, parameters = solid_of(mesh, ONES)
+        assert kind == CONVEX
+        assert len(parameters) >= 1 + 3 * int(parameters[0])
+    assert solid_of(fine, ONES)[0] == SOLID
+
+
+def dented(depth):
+    """A cube whose top has a small pit of a depth, the four triangles of which meet in a point."""
+    ring = [[0.4, 0.4, 1], [0.6, 0.4, 1], [0.6, 0.6, 1], [0.4, 0.6, 1]]
+    vertices = np.vstack((CORNERS, ring, [[0.5, 0.5, 1 - depth]]))
+    sides = [t for t in CUBE.tolist() if not CORNERS[t][:, 2].all()]
+    border, pit = [1, 5, 7, 3], [8, 9, 10, 11]
+    top = []
+    for k in range(4):
+        m = (k + 1) % 4
+        top += [[border[k], border[m], pit[m]], [border[k], pit[m], pit[k]], [pit[k], pit[m], 12]]
+    return MeshData(vertices, sides + top)
+
+
+@pytest.mark.parametrize('depth', [0.5, 1e-3, 1e-9, 1e-12])
+def test_the_smallest_dent_makes_a_solid(depth):
+    assert solid_of(dented(depth), ONES)[0] == SOLID
+
+
+@pytest.mark.parametrize(
+    'mesh',
+    [
+        MeshData(L.vertices, L.triangles[:, ::-1]),
+        MeshData(np.vstack((L.vertices, [[9, 9, 9]])), np.vstack((L.triangles, [[0, 0, 1]]))),
+        two(np.add(CORNERS, [5, 0, 0]), CUBE),
+        two(np.add(CORNERS, [1, 1, 0]), CUBE),  # they share an edge
+        two(np.add(CORNERS, [1, 1, 1]), CUBE),  # they share a corner
+        two(0.5 * CORNERS + 0.25, CUBE, turned=True),  # a cavity
+    ],
+    ids=['inverted', 'idle parts', 'two bodies', 'an edge', 'a corner', 'a cavity'],
+)
+def test_what_has_an_answer_is_taken(mesh):
+    assert solid_of(mesh, ONES)[0] == SOLID
+
+
+def test_scales_and_mirror_images():
+    for scale in ((2.0, 3.0, 0.5), (-1.0, 1.0, 1.0), (-1.0, -2.0, -3.0)):
+        assert solid_of(MeshData(L.vertices, L.triangles), scale)[0] == SOLID
+    assert solid_of(L, ONES)[1] is solid_of(surface_of('L'), ONES)[1]  # by content
