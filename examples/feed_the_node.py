@@ -48,7 +48,7 @@ def main():
         clouds = client.node.create_publisher(PointCloud2, '/scene_graph/query_points', 10)
 
         description.publish(String(data=PROBE))
-        client.wait_for(lambda: len(client.scene().ids('probe')), 'the robot')
+        client.wait_for(lambda: client.scene().has('probe'), 'the robot')
         names = sorted(g.short_name for g in client.scene().geometries.values())
         print('the scene holds', ', '.join(names))
 

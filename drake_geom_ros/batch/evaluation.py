@@ -26,7 +26,7 @@ from drake_geom_ros.batch.running import (
     size_for_all,
 )
 from drake_geom_ros.geometry import ArgumentError, FrameId, SceneGraph, SceneGraphContext
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
+from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 
 Progress = Callable[[int, int], None]  # states done, and all
 _SECONDS = 1.0  # between two lines of progress
@@ -89,8 +89,7 @@ def evaluate(
         None if points is None else np.atleast_2d(np.asarray(points, dtype=np.float64)),
     )
     rows, ids, arms = _states(frame_ids, poses, states, joints)
-    scene, geometry_ids = PackedScene.of(context, ids)
-    job = Job(scene, question, arms)
+    job, geometry_ids = Job.of(context, question, ids, arms)
     found = Gathered(want, len(rows), geometry_ids)
     local = size_for_all(len(rows), threads, LOCAL_BLOCK, LEAST_BLOCK)
     size = block_size or (local if executor is None else REMOTE_BLOCK)

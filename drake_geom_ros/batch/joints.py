@@ -100,6 +100,16 @@ class Joints:
         return cls(chosen, lower, upper, np.array(ids, dtype=np.int64), tuple(arms))
 
 
+def still_poses(arms: tuple[Arm, ...], ids: Indices) -> dict[int, Floats]:
+    """Return the poses (7,) of those frames, of ``ids`` (n,) of the arms, that no state moves."""
+    if not arms:
+        return {}
+    columns = 1 + max((int(arm.tree.leaders.max(initial=-1)) for arm in arms), default=-1)
+    (poses,) = poses_of_arms(arms, np.zeros((1, columns)))
+    still = np.concatenate([arm.tree.still_links()[arm.links] for arm in arms])
+    return {int(id): pose for id, pose in zip(ids[still], poses[still], strict=True)}
+
+
 def poses_of_arms(arms: tuple[Arm, ...], states: Floats) -> Floats:
     """Return the poses (N, n, 7) of all links that are frames, for joint values (N, q)."""
     values = np.ascontiguousarray(states, dtype=np.float64)

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.batch.joints import Arm, poses_of_arms
+from drake_geom_ros.batch.joints import Arm, poses_of_arms, still_poses
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     ArgumentError,
     PointDistanceResults,
     PoseError,
+    SceneGraphContext,
 )
 from drake_geom_ros.geometry.queries.state_queries import (
     Found,
@@ -98,6 +99,22 @@ class Job:
     scene: PackedScene
     question: Question
     arms: tuple[Arm, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        context: SceneGraphContext,
+        question: Question,
+        ids: NDArray[np.int64],
+        arms: tuple[Arm, ...] = (),
+    ) -> tuple[Job, NDArray[np.int64]]:
+        """Return a job about a context's scene, and its geometries' id values by their place.
+
+        ``ids`` (n,) are values of the frames that states pose, those of the arms if there are any.
+        Raises PoseError as ``PackedScene.of`` does.
+        """
+        scene, geometry_ids = PackedScene.of(context, ids, still_poses(arms, ids))
+        return cls(scene, question, arms), geometry_ids
 
     @cached_property
     def digest(self) -> str:

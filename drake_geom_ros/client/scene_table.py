@@ -149,6 +149,10 @@ class SceneTable:
     def __contains__(self, geometry_id: int) -> bool:
         return int(geometry_id) in self.geometries
 
+    def has(self, pattern: str) -> bool:
+        """Return whether a name or a pattern matches any geometry, see ``Geometry.matches``."""
+        return any(geometry.matches(pattern) for geometry in self.geometries.values())
+
     def ids(self, pattern: str) -> NDArray[np.int64]:
         """Return the ids of the geometries that a name or a pattern matches, ascending.
 

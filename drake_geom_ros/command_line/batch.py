@@ -24,7 +24,6 @@ from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
-from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
@@ -150,9 +149,9 @@ def _job(
                 '<states>',
             )
         ids, arms = joints.id_values, joints.arms
-    scene, geometry_ids = PackedScene.of(scene_graph.CreateDefaultContext(), ids)
+    job, geometry_ids = Job.of(scene_graph.CreateDefaultContext(), question, ids, arms)
     named = {
         id.get_value(): f'{source}::{frame}/{name}'
         for (source, frame, name), id in loaded.geometries.items()
     }
-    return Job(scene, question, arms), [named[id] for id in geometry_ids.tolist()]
+    return job, [named[id] for id in geometry_ids.tolist()]

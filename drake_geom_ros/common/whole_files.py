@@ -28,7 +28,10 @@ def whole_file(path: str | Path, mode: str = 'w', newline: str | None = None) ->
         with target.open(mode, newline=newline, encoding=encoding) as file:
             yield file
         return
-    folder = os.open(target.parent, _ONLY_FOLDERS)
+    try:
+        folder = os.open(target.parent, _ONLY_FOLDERS)
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, str(path)) from None
     try:
         with replaced(folder, target.name, mode, newline) as file:
             yield file

@@ -53,6 +53,7 @@ def test_a_hint_and_numbers_that_are_none_are_shown(path, capsys):
     replay = read(path)
     question = dataclasses.replace(replay.question, hint=(0.0, 0.0, 1.0))
     answer = dataclasses.replace(replay.answer, distance=math.nan)
+    path.unlink()
     write(dataclasses.replace(replay, question=question, answer=answer), path)
     assert main(['replay', str(path)]) == 0
     output = capsys.readouterr().out
@@ -81,6 +82,7 @@ def test_no_file_at_all(tmp_path, capsys):
 )
 def test_another_opinion_is_compared_with_the_answer_of_now(path, capsys, distance, code, told):
     replay = dataclasses.replace(read(path), opinion=Opinion('FCL 1', distance, 1e-4))
+    path.unlink()
     write(replay, path)
     assert main(['replay', str(path)]) == code
     assert capsys.readouterr().out.splitlines()[-1] == f'{told} within 0.0001 m'

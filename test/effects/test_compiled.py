@@ -55,16 +55,8 @@ def test_a_scene_of_spheres_compiles_only_kernels_of_spheres(compiled):
     modules = {m.removeprefix(KERNELS) for m, _ in functions if m.startswith(KERNELS)}
     # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert modules == {
-        *(
-            'bounds',
-            'side_by_side',
-            'summit',
-            'vectors',
-            'calling.extremes',
-            'calling.pairs',
-            'cores.hulls',
-            'cores.supports',
-        ),
+        *('addresses', 'vectors', 'calling.extremes', 'calling.pairs'),
+        *(f'shapes.{name}' for name in ('bounds', 'hulls', 'summit', 'supports')),
         *('closed_forms.points', 'closed_forms.spheres'),
     }
     names = {name for module, name in functions if module == f'{KERNELS}closed_forms.spheres'}

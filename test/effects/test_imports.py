@@ -69,26 +69,15 @@ def test_a_scene_of_spheres_imports_no_other_kernels():
     kernels = {name.removeprefix(KERNELS) for name in found if name.startswith(KERNELS)}
     # Bounds are computed by one function for all shapes, and so are pairs of extreme sizes.
     assert kernels == {
-        *(
-            'bounds',
-            'side_by_side',
-            'summit',
-            'vectors',
-            'larger',
-            'closed_forms',
-            'calling',
-            'cores',
-            'cores.hulls',
-            'cores.supports',
-            # Imported, and not compiled before somebody asks for derivatives.
-            'features',
-            'feature_borders',
-        ),
+        *('addresses', 'pair_table', 'vectors', 'calling', 'closed_forms', 'shapes'),
+        *(f'calling.{name}' for name in ('pairs', 'points', 'extremes')),
         *(
             f'closed_forms.{name}'
             for name in ('spheres', 'points', 'ellipsoid_point', 'to_points')
         ),
-        *(f'calling.{name}' for name in ('pairs', 'points', 'extremes', 'views')),
+        *(f'shapes.{name}' for name in ('bounds', 'hull_packing', 'hulls', 'summit', 'supports')),
+        # Imported, and not compiled before somebody asks for derivatives.
+        *('shapes.features', 'shapes.feature_borders'),
     }
 
 

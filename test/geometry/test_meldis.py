@@ -13,7 +13,7 @@ import urllib.error
 import urllib.request
 
 import pytest
-from geometry.test_drake_visualizer import SHAPES, scene_of
+from geometry.visualizer.test_drake_visualizer import SHAPES, scene_of
 
 from drake_geom_ros.geometry import ConnectDrakeVisualizer, FramePoseVector, GeometryError
 from drake_geom_ros.geometry.visualizer import drake_visualizer

@@ -44,6 +44,14 @@ class JointTree:
     parents: Indices  # (m,) rows of links
     children: Indices  # (m,) rows of links
 
+    def still_links(self) -> NDArray[np.bool_]:
+        """Return which links (m + 1,) no joint value moves against the root."""
+        still = np.ones(len(self.parents) + 1, dtype=np.bool_)
+        held = (self.kinds == JointKind.FIXED) | (self.leaders < 0)
+        for parent, child, is_held in zip(self.parents, self.children, held, strict=True):
+            still[child] = still[parent] and is_held
+        return still
+
     def link_poses(self, values: ArrayLike, X_WB: ArrayLike) -> Floats:
         """Return X_WL (N, m + 1, 7), x y z [m] qx qy qz qw, for joint values (N, c).
 

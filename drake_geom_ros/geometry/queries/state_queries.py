@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -17,11 +18,13 @@ from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.query_results import (
     PointDistanceResults,
     SignedDistanceResults,
 )
+from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -51,10 +54,17 @@ class PackedScene:
     moved: Indices  # the frames whose poses make a state
 
     @classmethod
-    def of(cls, context: SceneGraphContext, frame_ids: Indices) -> tuple[PackedScene, Indices]:
+    def of(
+        cls,
+        context: SceneGraphContext,
+        frame_ids: Indices,
+        still: Mapping[int, Floats] | None = None,
+    ) -> tuple[PackedScene, Indices]:
         """Return a context's scene of now, and its geometries' id values (n,) by their place.
 
-        ``frame_ids`` are values of the frames that states pose. Raises PoseError for one that is
+        ``frame_ids`` are values of the frames that states pose, ``still`` the poses X_PF (7,) of
+        those among them that have the same in each state: what is welded to the world stays so
+        there, and nowhere else. Raises PoseError for one that is
         not there or is there twice, and for other frames that never had a pose.
         """
         world = context._up_to_date_world().copy()
@@ -73,7 +83,7 @@ class PackedScene:
             )
         world.update()
         near = NeighbourList(world)
-        near.bring_up_to_date(world, _unwelded(context, frame_ids), math.inf)
+        near.bring_up_to_date(world, _unwelded(context, frame_ids, still or {}), math.inf)
         table = world.geometries
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
@@ -215,12 +225,27 @@ class StateError(PoseError):
         self.number = number
 
 
-def _unwelded(context: SceneGraphContext, frame_ids: Indices) -> FilterState:
-    """Return the filters where none of the frames is welded to the world, for states move them."""
+def _unwelded(
+    context: SceneGraphContext, frame_ids: Indices, still: Mapping[int, Floats]
+) -> FilterState:
+    """Return the filters where no frame that states move from its place is welded to the world."""
     filters = context._filters
-    if moved := filters.welded.keys() & set(frame_ids.tolist()):
+    moved = [
+        frame
+        for frame in filters.welded.keys() & set(frame_ids.tolist())
+        if not _stays_welded(filters.welded[frame], still.get(frame))
+    ]
+    if moved:
         filters = filters.copy()
         for frame in moved:
             on_it = context._model.geometries_on(FrameId(frame))
             filters.unweld(frame, [g.id.get_value() for g in on_it if g.proximity is not None])
     return filters
+
+
+def _stays_welded(first: Floats | None, pose: Floats | None) -> bool:
+    """Tell whether a pose (7,) of all states is the first one that a welded frame had, if any."""
+    if pose is None:
+        return False
+    _, (X_WF,) = FramePoseVector.FromArrays(np.ones(1, dtype=np.int64), pose[None])._as_arrays()
+    return first is None or bool(np.abs(X_WF - first).max() <= WELDED_STAYS)

@@ -56,8 +56,8 @@ def tree(tmp_path, monkeypatch):
 def test_the_tests_of_a_file_have_its_path():
     of_model = trials.mirrored(trials.ROOT / 'drake_geom_ros/geometry/model/_model.py')
     assert 'test/geometry/model/test_model.py::test_x'.startswith(of_model)
-    assert 'test/geometry/test_model_versions.py::test_x'.startswith(of_model)
-    assert not 'test/geometry/test_models.py::test_x'.startswith(of_model)
+    assert 'test/geometry/model/test_model_versions.py::test_x'.startswith(of_model)
+    assert not 'test/geometry/model/test_models.py::test_x'.startswith(of_model)
     assert trials.mirrored(trials.ROOT / 'drake_geom_ros/a/_b/c.py')[0] == 'test/a/_b/test_c.py::'
 
 

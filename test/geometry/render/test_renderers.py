@@ -106,7 +106,7 @@ def test_a_program_without_images_imports_none_of_the_renderer():
         "scene.AddRenderer('a', MakeRenderEngineExact())\n"
         'query = scene.get_query_output_port().Eval(scene.CreateDefaultContext())\n'
         'query.ComputePointPairPenetration()\n'
-        "parts = '_rendering', '_packing', 'vtk.stage', 'vtk.looks', 'vtkmodules'\n"
+        "parts = '_rendering', 'render._packing', 'vtk.stage', 'vtk.looks', 'vtkmodules'\n"
         'print([name for name in sys.modules if any(part in name for part in parts)])\n'
     )
     done = subprocess.run(

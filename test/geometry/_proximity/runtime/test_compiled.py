@@ -16,7 +16,7 @@ import drake_geom_ros
 from drake_geom_ros.geometry._proximity.runtime import compiled
 from drake_geom_ros.geometry._rendering import compiled as rendering
 
-ROOT = Path(drake_geom_ros.__file__).parents[2]
+ROOT = Path(drake_geom_ros.__file__).parents[1]
 SCRIPT = """
 import math
 from drake_geom_ros.geometry._proximity.runtime.compiled import CACHE_FOLDER

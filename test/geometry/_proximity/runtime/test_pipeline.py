@@ -18,8 +18,8 @@ CODE = """
 import json
 import numba
 numba.version_info = numba.version_info._replace(short=(0, 0))  # as if it were another one
-from geometry._proximity.test_intermediate import answers
-from drake_geom_ros.geometry._proximity import compiled
+from geometry._proximity.runtime.test_pipeline import answers
+from drake_geom_ros.geometry._proximity.runtime import compiled
 print(json.dumps([compiled.intermediate is None, *answers()]))
 """
 

@@ -1,0 +1,74 @@
+"""Robots welded to the world: what joint values do not move stays anchored in each state."""
+
+import numpy as np
+import pytest
+
+from drake_geom_ros.batch import Joints, evaluate
+from drake_geom_ros.geometry import FramePoseVector, SceneGraph
+from drake_geom_ros.scene_files import load_scene
+
+ROBOT = """<robot name="arm"><link name="world"/>
+<link name="base"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+<link name="tip"><collision><origin xyz="0.5 0 0"/><geometry><sphere radius="0.1"/></geometry>
+</collision></link>
+<joint name="weld" type="fixed"><origin xyz="0 0 0.09"/><parent link="world"/><child link="base"/>
+</joint>
+<joint name="turn" type="revolute"><origin xyz="0 0 0.5"/><axis xyz="0 1 0"/><parent link="base"/>
+<child link="tip"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint></robot>"""
+SCENE = """
+robots: [{name: arm, urdf: arm.urdf}]
+geometries:
+- {name: floor, shape: {type: half_space}}
+"""
+TURNED_DOWN = 1.4  # [rad], where the tip is in the floor
+STATES = np.array([[0.0], [-1.0], [0.3], [TURNED_DOWN]])
+
+
+@pytest.fixture
+def cell(tmp_path):
+    (tmp_path / 'arm.urdf').write_text(ROBOT)
+    path = tmp_path / 'cell.yaml'
+    path.write_text(SCENE)
+    graph = SceneGraph()
+    return graph, load_scene(path, graph)
+
+
+def test_the_base_on_the_floor_collides_in_no_state(cell):
+    graph, loaded = cell
+    joints = Joints.of(loaded)
+    found = evaluate(graph, want='collision', states=STATES, joints=joints)
+    assert found.tolist() == [False, False, False, True]
+
+
+@pytest.mark.parametrize('want', ['least', 'within'])
+def test_states_are_answered_as_a_context_posed_alike(cell, want):
+    graph, loaded = cell
+    joints = Joints.of(loaded)
+    found = evaluate(graph, want=want, states=STATES, joints=joints)
+    for row, poses in enumerate(joints.poses(STATES)):
+        context = graph.CreateDefaultContext()
+        context.UpdateFramePoses(FramePoseVector.FromArrays(joints.id_values, poses))
+        query = graph.get_query_output_port().Eval(context)
+        pairs = query.ComputeSignedDistancePairwiseClosestPoints()
+        assert len(pairs) == 1  # the tip and the floor
+        at = row if want == 'least' else found.offsets[row]
+        assert found.distance[at] == pairs.distance[0]
+        assert (found.id_A[at], found.id_B[at]) == (pairs.id_A[0], pairs.id_B[0])
+
+
+def test_states_that_pose_a_welded_base_themselves_end_its_weld(cell):
+    graph, loaded = cell
+    joints = Joints.of(loaded)
+    poses = joints.poses(STATES)
+    found = evaluate(graph, joints.frame_ids, poses, 'collision')
+    assert found.all()
+
+
+def test_a_base_that_joint_values_put_elsewhere_is_not_welded(cell):
+    graph, loaded = cell
+    joints = Joints.of(loaded)
+    context = graph.CreateDefaultContext()
+    (base,) = (id for (_, frame), id in loaded.frames.items() if frame == 'base')
+    lifted = FramePoseVector.FromArrays([base], [[0, 0, 1.0, 0, 0, 0, 1]])
+    context.UpdateFramePoses(lifted)
+    assert evaluate(context, want='collision', states=STATES, joints=joints).all()
