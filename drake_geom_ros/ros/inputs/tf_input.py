@@ -1,9 +1,10 @@
 """Frame poses from TF: ``/tf`` and ``/tf_static`` when the parameter ``use_tf`` is set.
 
-A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or,
-where nothing else answers to it, ``frame``; a name that two frames answer to poses neither. The chain of TF must lead to the world
-frame, or to a frame on it that the scene file or ``~/frame_poses`` posed, such as a robot's base
-with the key ``pose``. Nothing is looked up later: the newest transform of each TF frame is kept.
+A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or
+``frame``; a name that two frames of the scene answer to poses neither. The chain of TF must lead
+to the world frame, or to a frame on it that the scene file or ``~/frame_poses`` posed, such as a
+robot's base with the key ``pose``. Nothing is looked up later: the newest transform of each TF
+frame is kept.
 Messages that came together pose the frames of the scene that hang on what they bring; of a message
 what is no transform is left out. No ROS import.
 

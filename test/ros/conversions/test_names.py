@@ -140,7 +140,7 @@ def test_a_frame_called_as_the_id_of_another_is_refused():
 
 
 def test_a_world_frame_that_looks_like_a_full_name():
-    scene, frames = named_scene(('s', 'arm'))
+    scene, _ = named_scene(('s', 'arm'))
     source = scene.RegisterSource('t')
     floor = scene.RegisterAnchoredGeometry(source, instance('floor'))
     names = NameTable(scene.model_inspector(), 't::world')
