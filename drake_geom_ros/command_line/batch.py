@@ -23,7 +23,7 @@ from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
+from drake_geom_ros.geometry import ACCURACY_LEVELS, FrameId, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
@@ -133,12 +133,24 @@ def _job(
     """Return the job, and the names of the scene's geometries by their place in it."""
     arms: tuple[Any, ...] = ()
     if states.are_poses:
-        known = {f'{source}::{frame}': id for (source, frame), id in loaded.frames.items()}
+        known: dict[str, FrameId] = {}
+        shared = set()  # source `a`, frame `b::c` and source `a::b`, frame `c`
+        for (source, frame), id in loaded.frames.items():
+            name = f'{source}::{frame}'
+            shared |= {name} & known.keys()
+            known[name] = id
         unknown = [name for name in states.names or () if name not in known]
         if unknown:
             raise SceneFileError(
                 f'the scene has no frame {unknown[0]!r}; there are {", ".join(known)}', '<states>'
             )
+        if unclear := sorted(shared.intersection(states.names or ())):
+            both = ' and '.join(
+                f'{frame!r} of source {source!r}'
+                for source, frame in loaded.frames
+                if f'{source}::{frame}' == unclear[0]
+            )
+            raise SceneFileError(f'{unclear[0]!r} stands for {both}; rename one', '<states>')
         ids = np.array([known[name].get_value() for name in states.names or ()], dtype=np.int64)
     else:
         joints = Joints.of(loaded, states.names)

@@ -209,3 +209,21 @@ def test_a_scheduler_that_is_not_there_leaves_no_parts_behind(ask, tmp_path, mon
     assert 'no scheduler at tcp://127.0.0.1:9' in capsys.readouterr().err
     assert not (tmp_path / 'out.npz.parts').exists()
     assert ask() == 0
+
+
+def test_a_name_of_two_frames_is_refused_with_both(tmp_path, capsys):
+    (tmp_path / 'scene.yaml').write_text(
+        "sources: [a, 'a::b']\n"
+        "frames: [{name: 'b::c', source: a, pose: {}}, {name: c, source: 'a::b', pose: {}},"
+        ' {name: d, source: a}]\n'
+    )
+    np.save(tmp_path / 'poses.npy', [[[0, 0, 0, 0, 0, 0, 1.0]]])
+    files = str(tmp_path / 'scene.yaml'), str(tmp_path / 'poses.npy')
+    files += '--output', str(tmp_path / 'out.npz')
+    assert main(['batch', *files, '--names', 'a::d']) == 0
+    capsys.readouterr()
+    (tmp_path / 'out.npz').unlink()
+    assert main(['batch', *files, '--names', 'a::b::c']) != 0
+    told = "'a::b::c' stands for 'b::c' of source 'a' and 'c' of source 'a::b'"
+    assert told in capsys.readouterr().err
+    assert not (tmp_path / 'out.npz').exists()

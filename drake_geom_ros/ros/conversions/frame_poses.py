@@ -91,10 +91,9 @@ class FramePosesReader:
             frames = [names.frame(name, source) for name in message.frame_names]
         else:
             frames = [names.frame_of_value(value) for value in message.frame_ids]
-        prefix = f'{source}::'
         for frame in frames:
             full = names.frame_names[frame]
-            if source and not full.startswith(prefix):
+            if source and (frame == names.world or names.labels[frame][0] != source):
                 raise ArgumentError(f"frame '{full}' does not belong to source '{source}'")
             if frame == names.world:
                 raise ArgumentError('the world frame cannot be posed')

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from itertools import islice
 from typing import TypeVar
 
@@ -52,6 +53,9 @@ class NameTable:
         """``world_frame`` is what the world is called in answers; ``world`` means it too."""
         self._sources = {inspector.GetName(s): s for s in inspector.GetAllSourceIds()}
         self._frames: dict[str, list[FrameId]] = defaultdict(list)
+        # Names may hold `::` and `/`: they are compared as pairs or whole, and never split.
+        self.labels: dict[FrameId, tuple[str, str]] = {}  # source and name, not of the world
+        self._called: dict[str, list[FrameId]] = defaultdict(list)
         self._geometries: dict[str, list[GeometryId]] = defaultdict(list)
         self.frame_names: dict[FrameId, str] = {}
         self.geometry_names: dict[GeometryId, str] = {}
@@ -64,7 +68,10 @@ class NameTable:
             if frame == world:
                 continue
             name = inspector.GetName(frame)
-            full = f'{inspector.GetOwningSourceName(frame)}::{name}'
+            source = inspector.GetOwningSourceName(frame)
+            full = f'{source}::{name}'
+            self.labels[frame] = source, name
+            self._called[name].append(frame)
             short[frame] = name
             self.frame_names[frame] = full
             for alias in {name, full}:
@@ -74,12 +81,16 @@ class NameTable:
             source, frame = inspector.GetOwningSourceName(geometry), inspector.GetFrameId(geometry)
             self.geometry_names[geometry] = f'{source}::{short[frame]}/{name}'
             frames = self._world_names if frame == world else {short[frame]}
-            for alias in (f'{called}/{name}' for called in frames):
-                for key in (alias, f'{source}::{alias}'):
-                    self._geometries[key].append(geometry)
+            aliases = {f'{called}/{name}' for called in frames}
+            for key in aliases | {f'{source}::{alias}' for alias in aliases}:
+                self._geometries[key].append(geometry)
         self._hints: dict[tuple[str, str], str] = {}
-        self._known_frames = {f.get_value(): f for f in self.frame_names}
-        self._known_geometries = {g.get_value(): g for g in self.geometry_names}
+        self._known_frames: dict[int | None, FrameId] = {
+            f.get_value(): f for f in self.frame_names
+        }
+        self._known_geometries: dict[int | None, GeometryId] = {
+            g.get_value(): g for g in self.geometry_names
+        }
 
     def source(self, name: str) -> SourceId:
         """Return the source of that name or ``#<id>``."""
@@ -98,26 +109,46 @@ class NameTable:
         """Return the frame of that name, looked for in ``source`` alone when that is given.
 
         The world's name stands for the world; a frame that bears it too needs its source's name.
+        Raises UnknownNameError for what stands for nothing, or for several frames.
         """
+        found = list(self._frames.get(name, ()))
         if name in self._world_names:
-            return self.world
-        if (value := _value(name)) is not None:
-            return self.frame_of_value(value)
-        key = f'{source}::{name}' if source and '::' not in name else name
-        found = self._frames.get(key, [])
+            found = [f for f in found if self.frame_names[f] == name] + [self.world]
+        elif (by_id := self._known_frames.get(_value(name))) is not None and by_id not in found:
+            found.append(by_id)
+        if source and self.world not in found:
+            own = [f for f in found if self.labels[f][0] == source]
+            meant = [f for f in found if name == self.frame_names[f] or _value(name) is not None]
+            if meant and not own:
+                raise UnknownNameError(
+                    f"frame '{shortened(self.frame_names[meant[0]])}' does not belong to source "
+                    f"'{shortened(source)}'"
+                )
+            found = own
         if len(found) == 1:
             return found[0]
+        key = f'{source}::{name}' if source and _value(name) is None else name
         raise UnknownNameError(self._problem('frame', key, found, self.frame_names))
 
     def frames_called(self, name: str) -> list[FrameId]:
-        """Return all frames of that name."""
-        return list(self._frames.get(name, ()))
+        """Return all frames of that name, which is without the source's."""
+        return list(self._called.get(name, ()))
+
+    @cached_property
+    def tf_claims(self) -> dict[str, list[FrameId]]:
+        """The frames that each TF name, ``source/frame`` or ``frame``, may stand for."""
+        claims: dict[str, list[FrameId]] = defaultdict(list)
+        for frame, (source, name) in self.labels.items():
+            claims[f'{source}/{name}'].append(frame)
+            claims[name].append(frame)
+        return dict(claims)
 
     def geometry(self, name: str) -> GeometryId:
         """Return the geometry of that name or ``#<id>``."""
-        if (value := _value(name)) is not None:
-            return self.geometry_of_value(value)
-        found = self._geometries.get(name, [])
+        found = list(self._geometries.get(name, ()))
+        by_id = self._known_geometries.get(_value(name))
+        if by_id is not None and by_id not in found:
+            found.append(by_id)
         if len(found) == 1:
             return found[0]
         raise UnknownNameError(self._problem('geometry', name, found, self.geometry_names))

@@ -30,6 +30,7 @@ from drake_geom_ros.client import (
     SceneTable,
     SignedDistance,
     SignedDistances,
+    UnknownNameError,
     exclude_between,
     sleep,
 )
@@ -202,6 +203,12 @@ class DemoClient(Node):
         self._heard = self._now()
         if found.stamp < self._record_from:
             return  # of the motion before
+        try:
+            self._record(found)
+        except UnknownNameError as error:  # a robot of the scene file without a geometry
+            self._fail(f'the results say nothing of a robot of the scene file: {error}')
+
+    def _record(self, found: SignedDistances) -> None:
         if self.recording is None:
             self.recording = Recording(found.table, self._robots, found.max_distance)
             self._start_result = found

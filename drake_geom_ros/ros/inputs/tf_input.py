@@ -1,9 +1,10 @@
 """Frame poses from TF: ``/tf`` and ``/tf_static`` when the parameter ``use_tf`` is set.
 
-A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or,
-where only one source has a frame of that name, ``frame``; the chain of TF must lead to the world
-frame, or to a frame on it that the scene file or ``~/frame_poses`` posed, such as a robot's base
-with the key ``pose``. Nothing is looked up later: the newest transform of each TF frame is kept.
+A frame of the scene takes the transform of the TF frame that bears its name, ``source/frame`` or
+``frame``; a name that two frames of the scene answer to poses neither. The chain of TF must lead
+to the world frame, or to a frame on it that the scene file or ``~/frame_poses`` posed, such as a
+robot's base with the key ``pose``. Nothing is looked up later: the newest transform of each TF
+frame is kept.
 Messages that came together pose the frames of the scene that hang on what they bring; of a message
 what is no transform is left out. No ROS import.
 
@@ -223,13 +224,12 @@ class TfInput:
         """Return the frames of the scene and the TF names that each answers to."""
         if self._named_version != scene.version:
             names = scene.names
-            self._scene_frames = []
-            for frame, full in names.frame_names.items():
-                if frame != names.world:
-                    source, _, short = full.partition('::')
-                    unique = names.frames_called(short) == [frame]
-                    tf_names = (f'{source}/{short}', short) if unique else (f'{source}/{short}',)
-                    self._scene_frames.append((frame, tf_names))
+            claims = names.tf_claims
+            # A name that two frames answer to poses neither: see tf_troubles.shared.
+            self._scene_frames = [
+                (frame, tuple(n for n in (f'{source}/{name}', name) if claims[n] == [frame]))
+                for frame, (source, name) in names.labels.items()
+            ]
             self._named_version = scene.version
         return self._scene_frames
 

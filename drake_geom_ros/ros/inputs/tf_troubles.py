@@ -90,11 +90,19 @@ def shared(edges: Mapping[str, Edge], names: NameTable) -> list[str]:
     Nobody follows such a name, unless TF has the name with the source too.
     """
     found: dict[tuple[str, ...], list[str]] = defaultdict(list)
+    unclear = []
     for name in edges:
-        sources = [names.frame_names[f].partition('::')[0] for f in names.frames_called(name)]
-        if len(sources) > 1 and not any(f'{source}/{name}' in edges for source in sources):
-            found[tuple(sources)].append(name[:80])
-    return [
+        labels = [names.labels[f] for f in names.tf_claims.get(name, ())]
+        if len(labels) < 2:
+            continue
+        if any(label[1] != name for label in labels):  # source `a/b`, frame `c`: also a, b/c
+            both = ' and '.join(repr(f'{source}::{short}'[:80]) for source, short in labels)
+            unclear.append(
+                f'the TF frame {name[:80]!r} is not followed: it stands for {both}. Rename one'
+            )
+        elif not any(f'{source}/{name}' in edges for source, _ in labels):
+            found[tuple(source for source, _ in labels)].append(name[:80])
+    return unclear[:SHOWN] + [
         f'{counted(len(shorts), "TF frame")} {are(len(shorts))} not followed: '
         f'{some_of([repr(n) for n in shorts], SHOWN)}; '
         f'frames of the sources {" and ".join(map(repr, sources))} have these names. If this '

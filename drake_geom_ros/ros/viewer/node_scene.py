@@ -14,9 +14,11 @@ from rclpy.task import Future
 
 from drake_geom_ros.client import Services
 from drake_geom_ros.client.listening import LATCHED
+from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryError, GeometryId
 from drake_geom_ros.math.batched import matrices_from_poses
 from drake_geom_ros.ros.conversions.file_access import FileAccess
+from drake_geom_ros.ros.conversions.names import some_of
 from drake_geom_ros.ros.conversions.scene import properties_from_message, role_from_number
 from drake_geom_ros.ros.conversions.shapes import shape_from_message
 from drake_geom_ros.viewing.looks import Look, colour_by, solid_by
@@ -82,7 +84,8 @@ class NodeScene:
             R_WGs, p_WGs = self._poses
             pairs = self._pairs(results, max_distance)
             none = np.zeros((0, 3, 3)), np.zeros((0, 3))
-            return Moment(self._cast, R_WGs, p_WGs, pairs, *none, self._remarks())
+            remarks = self._remarks() + self._left_out(results)
+            return Moment(self._cast, R_WGs, p_WGs, pairs, *none, remarks)
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
         """Return why a pair is not reported; raises GeometryError where the node does not say."""
@@ -100,6 +103,18 @@ class NodeScene:
         if age > _LATE:
             said.append('nothing comes: the node may be down; what is seen is of before')
         return said + self._troubles
+
+    def _left_out(self, results: Any) -> list[str]:
+        """Return in words what the pairs shown do not speak of: no line there is no free space."""
+        if results is None or results.names_version != self._known:
+            return []
+        frames, pairs = list(results.waiting_frames), int(results.waiting_pairs)
+        if not (frames or pairs):
+            return []
+        return [
+            f'NOT COMPLETE: {counted(pairs, "pair")} left out, as frames never had a pose: '
+            f'{some_of(frames)}'
+        ]
 
     # What comes in.
 

@@ -85,3 +85,18 @@ def test_memory_of_names_is_bounded(names):
             reader.read(plain_poses(ids=[hand, 10**6 + k], rows=[[0, 0, 0, 0, 0, 0, 1]] * 2))
         reader.read(plain_poses(['right::hand'], rows=[[0, 0, 0, 0, 0, 0, 1]]))
     assert len(reader._known) <= 64
+
+
+def test_a_source_poses_its_own_frames_whatever_their_names_begin_with():
+    scene = SceneGraph()
+    frames = {}
+    for source, name in (('a', 'b::c'), ('a::b', 'd')):
+        frames[source] = scene.RegisterFrame(scene.RegisterSource(source), GeometryFrame(name))
+    reader = FramePosesReader(NameTable(scene.model_inspector()))
+    row = [1, 2, 3, 0, 0, 0, 1]
+    assert reader.read(plain_poses(['b::c'], rows=[row], source='a')).frames == {
+        frames['a'].get_value()
+    }
+    theirs = plain_poses(ids=[frames['a::b'].get_value()], rows=[row], source='a')
+    with pytest.raises(RuntimeError, match="'a::b::d' does not belong to source 'a'"):
+        reader.read(theirs)

@@ -98,3 +98,53 @@ def test_of_many_names_a_few_are_told_and_of_a_long_one_its_beginning():
     assert some_of(['a', 'b', 'c'], 2) == 'a, b ...'
     assert some_of([1, 'n' * 80]) == f'1, {"n" * 80}'
     assert some_of(['n' * 10**6, 'b']) == f'{"n" * 77}..., b'
+
+
+def named_scene(*pairs):
+    """Return a scene of frames by (source, name), with a ball on each, and the frames' ids."""
+    scene, sources, frames = SceneGraph(), {}, {}
+    for source, name in pairs:
+        if source not in sources:
+            sources[source] = scene.RegisterSource(source)
+        frames[source, name] = scene.RegisterFrame(sources[source], GeometryFrame(name))
+        scene.RegisterGeometry(sources[source], frames[source, name], instance('ball'))
+    return scene, frames
+
+
+def test_names_that_hold_colons_are_found_by_source_and_name_and_never_split():
+    scene, frames = named_scene(('a', 'b::c'), ('a::b', 'c'), ('x', 'c'))
+    names = NameTable(scene.model_inspector())
+    assert names.frame('b::c', 'a') == names.frame('b::c') == frames['a', 'b::c']
+    assert names.frame('c', 'a::b') == frames['a::b', 'c']
+    with pytest.raises(UnknownNameError, match="2 frames share the name 'a::b::c'"):
+        names.frame('a::b::c')
+    assert names.frame('a::b::c', 'a') == frames['a', 'b::c']
+    with pytest.raises(UnknownNameError, match="frame 'x::c' does not belong to source 'a'"):
+        names.frame('x::c', 'a')
+    assert names.frames_called('x::c') == []
+    assert names.frames_called('c') == [frames['a::b', 'c'], frames['x', 'c']]
+
+
+def test_a_frame_called_as_the_id_of_another_is_refused():
+    scene, frames = named_scene(('a', 'b'))
+    value = frames['a', 'b'].get_value()
+    source = scene.RegisterSource('s')
+    own = scene.RegisterFrame(source, GeometryFrame(f'#{value}'))
+    free = scene.RegisterFrame(source, GeometryFrame('#18446744073709551615'))
+    names = NameTable(scene.model_inspector())
+    with pytest.raises(UnknownNameError, match=f"2 frames share the name '#{value}'.*'a::b'"):
+        names.frame(f'#{value}')
+    assert names.frame(f'#{value}', 's') == names.frame(f's::#{value}') == own
+    assert names.frame(f'#{value}', 'a') == frames['a', 'b']
+    assert names.frame('#18446744073709551615') == free
+
+
+def test_a_world_frame_that_looks_like_a_full_name():
+    scene, _ = named_scene(('s', 'arm'))
+    source = scene.RegisterSource('t')
+    floor = scene.RegisterAnchoredGeometry(source, instance('floor'))
+    names = NameTable(scene.model_inspector(), 't::world')
+    assert names.geometry('t::world/floor') == names.geometry('world/floor') == floor
+    names = NameTable(scene.model_inspector(), 's::arm')
+    with pytest.raises(UnknownNameError, match="2 frames share the name 's::arm'"):
+        names.frame('s::arm')

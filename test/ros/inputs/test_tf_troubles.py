@@ -1,6 +1,10 @@
 """What is wrong with the tree of TF is told while it is wrong; without ROS."""
 
 from ros.inputs.tf_messages import at, message, take, transform
+from ros.live_scenes import live_scene
+
+from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.scene.clocks import Clocks
 
 
 def test_a_loop_is_told_while_it_is_there(scene, tf):
@@ -51,3 +55,25 @@ def test_a_name_that_several_sources_have_is_told_with_both(scene, tf):
     assert "'left/base'" in told
     take(tf, scene, message(transform('world', 'left/base', at(1))), static=False)
     assert tf.troubles(scene) == []
+
+
+def test_a_tf_name_of_two_frames_poses_neither_and_is_told():
+    text = """
+    sources: [a, a/b, 'x::y']
+    frames:
+    - {name: b/c, source: a}
+    - {name: c, source: a/b}
+    - {name: d, source: 'x::y'}
+    """
+    with live_scene(text).editing() as scene:
+        tf = TfInput(Clocks(lambda: 0.0))
+        assert take(tf, scene, message(transform('world', 'a/b/c', at(1))), static=False) == 0
+        (told,) = tf.troubles(scene)
+        assert told == (
+            "the TF frame 'a/b/c' is not followed: it stands for 'a::b/c' and 'a/b::c'. Rename one"
+        )
+        each = transform('world', 'c', at(2)), transform('world', 'x::y/d', at(3))
+        assert take(tf, scene, message(*each), static=False) == 2
+        assert scene.query.X_WF(scene.names.frame('a/b::c')).translation()[0] == 2
+        assert scene.query.X_WF(scene.names.frame('x::y::d')).translation()[0] == 3
+        assert not scene.query.is_placed(scene.names.frame('a::b/c'))

@@ -120,3 +120,17 @@ def test_the_topic_is_silent_without_a_listener_and_flat_with_one(
         assert len(message.poses) == 7 * len(message.ids) == 21
     finally:
         node.end()
+
+
+def test_what_the_pairs_leave_out_is_said(lone_client, shown, tmp_path):
+    path = tmp_path / 'scene.yaml'
+    never_posed = (
+        SCENE + '- {name: lost, source: s, frame: b, shape: {type: sphere, radius: 0.1}}\n'
+    )
+    path.write_text(never_posed.replace('frames: [', 'frames: [{name: b, source: s}, '))
+    node = start_node(tmp_path / 'log', scene_file=path, max_distance=5.0)
+    try:
+        told = 'NOT COMPLETE: 3 pairs left out, as frames never had a pose: s::b'
+        lone_client.wait_for(lambda: told in shown.moment(1.0, 'exact').remarks, told)
+    finally:
+        node.end()
