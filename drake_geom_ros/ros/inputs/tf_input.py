@@ -88,6 +88,8 @@ class TfInput:
                     self._claims.notice(child, edge.parent, known.parent, now)
                 if known is None or known.parent != edge.parent:
                     self._loose = None
+                if known is not None and known.stamp == edge.stamp != 0.0:
+                    edge = edge._replace(since=edge.since.said_again(known.since))
                 self._edges[child] = edge
                 changed.add(child)
         # What is static holds at any time: its own does not tell how new the poses are.

@@ -29,6 +29,17 @@ class Since(NamedTuple):
     heard: float  # [s] of steady time, when its message came
     held: float  # [s] of the node's time, its stamp
 
+    def said_again(self, first: Since) -> Since:
+        """Return since when it holds, the same having been said before, with the same stamp.
+
+        By the node's time it holds since then, lest an old stamp that is repeated, taken for one
+        of another clock, be new each time. By steady time it was heard now: while the node's time
+        rests, stamps are repeated by senders that are well.
+        """
+        if first.epoch != self.epoch:
+            return self
+        return self._replace(held=min(self.held, first.held))
+
 
 ALWAYS = Since(math.inf, math.inf, math.inf)  # of a pose that does not grow old
 

@@ -129,7 +129,7 @@ class EditableScene(HeldScene):
         """Take a FramePoses whole that came ``waited`` [s] ago; return how many frames."""
         poses, frames = self.read_poses(message)
         since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
-        posed = {frames: since} if frames else {}
+        posed = self._ages.posed_by(frames, since, message.header.stamp)
         self.pose(poses, posed, message.header.stamp, MESSAGES)
         return len(poses)
 

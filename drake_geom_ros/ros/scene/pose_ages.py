@@ -79,6 +79,21 @@ class PoseAges:
         moved = (value for value, together in self._posed.items() if together.since != ALWAYS)
         return {**self._declared, **dict.fromkeys(moved, False)}
 
+    def posed_by(self, frames: frozenset[int], since: Since, stamp: Any) -> Posed:
+        """Return since when frames have the poses of a message that is heard ``since``.
+
+        The same stamp (not 0, which is none) coming again for a frame is no new pose.
+        """
+        together = self._together.get(frames)
+        if time_of(stamp) == (0, 0) or not frames:
+            return {frames: since} if frames else {}
+        if together is not None and together.left == len(frames):
+            return {frames: _again(together, since, stamp)}
+        found: dict[Since, set[int]] = {}
+        for frame in frames:
+            found.setdefault(_again(self._posed.get(frame), since, stamp), set()).add(frame)
+        return {frozenset(some): each for each, some in found.items()}
+
     def note(self, posed: Posed, stamp: Any) -> None:
         """Note since when frames have their poses.
 
@@ -144,6 +159,13 @@ class PoseAges:
         if len(self._posed) < frames:
             return math.inf
         return max(self._clocks.age(together.since) for together in self._together.values())
+
+
+def _again(before: _Together | None, since: Since, stamp: Any) -> Since:
+    """Return since when a pose holds that is heard ``since``, and ``before`` which was there."""
+    if before is None or before.stamp is None or time_of(before.stamp) != time_of(stamp):
+        return since
+    return since.said_again(before.since)
 
 
 def time_of(stamp: Any) -> tuple[int, int]:

@@ -81,7 +81,11 @@ class FrameTwists:
     ) -> None:
         """Note the twists V_WF (n, 6) of frames (n,), their stamp [ns] and how long they hold."""
         for value, twist in zip(frames.tolist(), twists, strict=True):
-            self._told[value] = _Told(stamp, since, twist)
+            before = self._told.get(value)
+            held = since
+            if before is not None and before.stamp == stamp:
+                held = since.said_again(before.since)
+            self._told[value] = _Told(stamp, held, twist)
 
     def in_world(self, query: QueryObject, static: Mapping[int, bool]) -> dict[FrameId, Floats]:
         """Return V_WF (6,) of the frames whose motion is known, at the poses of now.

@@ -143,6 +143,16 @@ def test_a_transform_without_a_stamp_is_as_old_as_its_message(scene, tf):
     assert scene.pose_ages()['right::tool'] == 0.5
 
 
+def test_a_transform_whose_old_stamp_is_repeated_is_not_new_again(scene, tf, clock):
+    repeated = message(transform('world', 'tool', at(1), 999.5))
+    for second in range(90):
+        take(tf, scene, repeated, static=False)
+        assert scene.pose_ages()['right::tool'] == pytest.approx(0.5 + second)
+        clock.now += 1.0
+    take(tf, scene, message(transform('world', 'tool', at(1), 1089.75)), static=False)
+    assert scene.pose_ages()['right::tool'] == pytest.approx(0.25)
+
+
 def test_a_late_transform_is_ignored(scene, tf):
     take(tf, scene, message(transform('world', 'tool', at(1), stamp=10.5)), static=False)
     assert (

@@ -67,6 +67,16 @@ def test_ages_of_poses(scene, clock):
     assert scene.pose_ages() == pytest.approx({'s::a': 2.5, 's::b': 0.5})
 
 
+def test_a_pose_whose_old_stamp_is_repeated_is_not_new_again(scene, clock):
+    clock.now = 1.5
+    for second in range(90):
+        scene.take_poses(message(a=0, b=1))  # stamped 1 s
+        assert scene.moment().oldest_pose_age == pytest.approx(0.5 + second)
+        clock.now += 1.0
+    scene.take_poses(message(b=1))
+    assert scene.pose_ages() == pytest.approx({'s::a': 90.5, 's::b': 90.5})
+
+
 def test_an_empty_scene_has_no_old_poses(clock):
     assert LiveScene('exact', Clocks(clock)).view().moment.oldest_pose_age == 0.0
 

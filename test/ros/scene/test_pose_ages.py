@@ -33,7 +33,8 @@ def note(ages, clocks):
         sec, nanosec = int(stamp), round(stamp % 1 * 1e9)
         since = clocks.arrival().since(stamp)
         posed = frozenset(frame.get_value() for frame in frames)
-        ages.note({posed: since}, Plain(sec=sec, nanosec=nanosec))
+        told = Plain(sec=sec, nanosec=nanosec)
+        ages.note(ages.posed_by(posed, since, told), told)
         return ages.newest_stamp.sec + 1e-9 * ages.newest_stamp.nanosec
 
     return note
@@ -118,6 +119,47 @@ def test_what_is_declared_static_does_not_grow_old_whoever_poses_it(ages, clocks
     clocks.begin_anew()
     assert ages.oldest(NAMES) == 0.0
     assert ages.static() == {A.get_value(): True, B.get_value(): True}
+
+
+def test_a_stamp_that_is_repeated_grows_older_beyond_a_minute(ages, clock, note):
+    for second in range(200):
+        note(99.0, A, B)
+        assert ages.oldest(NAMES) == 1.0 + second
+        clock.now += 1.0
+    note(299.5, A, B)
+    assert ages.oldest(NAMES) == 0.5
+
+
+@pytest.mark.parametrize('stamp', [12.5, 1e6])  # of another clock, behind and ahead
+def test_a_stamp_of_another_clock_that_is_repeated_grows_older(ages, clock, note, stamp):
+    clock.now = 1000.0
+    note(stamp, A)
+    clock.now += 1.0
+    note(stamp, A, B)
+    clock.now += 2.0
+    assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
+    note(stamp, B)
+    assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
+    note(stamp + 1.0, A, B)
+    assert ages.oldest(NAMES) == 0.0
+
+
+def test_what_bears_no_stamp_is_new_each_time(ages, clock, note):
+    for _ in range(3):
+        note(0.0, A, B)
+        assert ages.oldest(NAMES) == 0.0
+        clock.now += 40.0
+
+
+def test_a_repeated_stamp_is_not_older_while_the_nodes_time_rests():
+    node, steady = Plain(now=100.0), Plain(now=5.0)
+    clocks = Clocks(lambda: node.now, lambda: steady.now)
+    ages, stamp = PoseAges(clocks), Plain(sec=100, nanosec=0)
+    frames = frozenset([A.get_value()])
+    for _ in range(3):
+        ages.note(ages.posed_by(frames, clocks.arrival().since(100.0), stamp), stamp)
+        assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'w', A: 'a'})) == 0.0
+        steady.now += 40.0
 
 
 class AgesOfEach:

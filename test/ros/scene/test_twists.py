@@ -196,6 +196,15 @@ def test_a_twist_grows_old(scene):
     assert scene.speeds() == {'a': None, 'tool': None}
 
 
+def test_a_twist_whose_old_stamp_is_repeated_grows_old(scene):
+    scene.clock.now = 100.0  # beside it the stamp is one of another clock
+    scene.tell(10.0, a=APPROACHING)
+    assert scene.speeds()['a'] == pytest.approx(0.3)
+    scene.clock.now += 1.5
+    scene.tell(10.0, a=APPROACHING)
+    assert scene.speeds() == {'a': None, 'tool': None}
+
+
 def test_who_was_told_to_move_and_of_whom_no_more_is_heard_is_not_said_to_rest(scene):
     scene.tell(10.0, a=APPROACHING)
     assert scene.speeds()['a'] == pytest.approx(0.3)
