@@ -112,7 +112,7 @@ class EditableScene(HeldScene):
         found = {
             frame: RigidTransform()
             for frame in loaded.frames.values()
-            if called == [frame]
+            if (called == [frame] or self.names.frame_names[frame] == self.world_frame)
             and self.inspector.GetParentFrame(frame) == self.inspector.world_frame_id()
         }
         for frame, X_WF in found.items():
