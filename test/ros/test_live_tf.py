@@ -1,5 +1,6 @@
 """TF on the real middleware: what real publishers of /tf and /tf_static do to a real node."""
 
+import itertools
 import signal
 import subprocess
 import sys
@@ -276,9 +277,12 @@ def test_ten_thousand_transforms_in_a_message(tf):
 def test_a_gap_makes_poses_stale_and_leaves_them_right(tf):
     tf.send(transform('world', '.base', 1), transform('.base', '.hand', 1))
 
+    stamps = itertools.count(2)  # of another clock, which goes on
+
     def others_go_on():
-        tf.send(transform('world', '.base', 1, 2))
-        tf.send(transform('world', '.cart', 4, 2))
+        stamp = next(stamps)
+        tf.send(transform('world', '.base', 1, stamp))
+        tf.send(transform('world', '.cart', 4, stamp))
 
     timer = tf.client.node.create_timer(STALE_AFTER / 10, others_go_on)
     # The hand's own link is silent, and its base is not.
