@@ -74,6 +74,11 @@ class Joints:
             raise ArgumentError('joint values were given, but the scene has no robot with joints')
         chosen = every if names is None else list(names)
         for name in chosen:
+            if every.count(name) > 1:
+                raise ArgumentError(
+                    f'joint {name!r} is the name of joints of two robots, whose names hold `::`; '
+                    'rename one of the robots'
+                )
             if name not in every or chosen.count(name) > 1:
                 raise ArgumentError(
                     f'joint {name!r} is not one of the scene, or is named twice; '

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drake_geom_ros.batch import Joints, evaluate
-from drake_geom_ros.geometry import FramePoseVector, SceneGraph
+from drake_geom_ros.geometry import ArgumentError, FramePoseVector, SceneGraph
 from drake_geom_ros.scene_files import load_scene
 
 ROBOT = """<robot name="arm"><link name="world"/>
@@ -72,3 +72,15 @@ def test_a_base_that_joint_values_put_elsewhere_is_not_welded(cell):
     lifted = FramePoseVector.FromArrays([base], [[0, 0, 1.0, 0, 0, 0, 1]])
     context.UpdateFramePoses(lifted)
     assert evaluate(context, want='collision', states=STATES, joints=joints).all()
+
+
+def test_a_joint_name_that_two_robots_bear_is_refused(tmp_path):
+    """Robots ``a`` with a joint ``b::turn``, and ``a::b`` with ``turn``."""
+    for file, joint in (('one.urdf', 'b::turn'), ('two.urdf', 'turn')):
+        (tmp_path / file).write_text(ROBOT.replace('"turn"', f'"{joint}"'))
+    path = tmp_path / 'cell.yaml'
+    path.write_text("robots: [{name: a, urdf: one.urdf}, {name: 'a::b', urdf: two.urdf}]")
+    loaded = load_scene(path, SceneGraph())
+    for names in (None, ['a::b::turn']):
+        with pytest.raises(ArgumentError, match='joints of two robots'):
+            Joints.of(loaded, names)

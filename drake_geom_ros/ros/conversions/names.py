@@ -93,12 +93,20 @@ class NameTable:
         }
 
     def source(self, name: str) -> SourceId:
-        """Return the source of that name or ``#<id>``."""
-        if name in self._sources:
-            return self._sources[name]
+        """Return the source of that name or ``#<id>``.
+
+        Raises UnknownNameError for what stands for nothing, or for two sources.
+        """
         by_value = {s.get_value(): s for s in self._sources.values()}
-        if (value := _value(name)) in by_value:
-            return by_value[value]
+        named, by_id = self._sources.get(name), by_value.get(_value(name) or -1)
+        if named is not None and by_id not in (None, named):
+            other = next(text for text, source in self._sources.items() if source == by_id)
+            raise UnknownNameError(
+                f'{name!r} is the name of a source (#{named.get_value()}) and the id of another, '
+                f'{other!r}: name them by {other!r} and #{named.get_value()}.'
+            )
+        if (found := named or by_id) is not None:
+            return found
         raise UnknownNameError(
             f'There is no source {name[:80]!r}{nearest(name, self._sources)}. Sources: '
             f'{_some(self._sources)}. '

@@ -148,3 +148,14 @@ def test_a_world_frame_that_looks_like_a_full_name():
     names = NameTable(scene.model_inspector(), 's::arm')
     with pytest.raises(UnknownNameError, match="2 frames share the name 's::arm'"):
         names.frame('s::arm')
+
+
+def test_a_source_called_as_the_id_of_another_is_refused():
+    scene = SceneGraph()
+    first = scene.RegisterSource('first')
+    second = scene.RegisterSource(f'#{first.get_value()}')
+    names = NameTable(scene.model_inspector())
+    with pytest.raises(UnknownNameError, match=r"is the name of a source .* of another, 'first'"):
+        names.source(f'#{first.get_value()}')
+    assert names.source('first') == first
+    assert names.source(f'#{second.get_value()}') == second
