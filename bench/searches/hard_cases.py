@@ -24,7 +24,7 @@ from drake_geom_ros.evidence.hard_cases.cases import (
     families,
     load,
 )
-from drake_geom_ros.evidence.hard_cases.judge import Verdict, judged
+from drake_geom_ros.evidence.hard_cases.judge import CaseVerdict, judged
 from drake_geom_ros.evidence.judging.asking import OURS, asking, names
 from drake_geom_ros.evidence.peers import QUERIES
 from drake_geom_ros.evidence.peers.lost_process import outcomes
@@ -81,7 +81,7 @@ def show(identity: str) -> None:
         for query in QUERIES:
             limit = COMPILING if name == OURS else LIMIT
             for _, outcome in outcomes([case], asking(name, query), limit):
-                verdict: Verdict = judged(case, query, outcome)
+                verdict: CaseVerdict = judged(case, query, outcome)
                 print(f'{name}, {query}: {verdict.verdict} {verdict.text}\n    {outcome.value}')
 
 

@@ -12,7 +12,7 @@ from drake_geom_ros.scene_files import (
     SceneFileError,
     register,
 )
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.trajectories.motion_file import load_motion
 
 
@@ -37,7 +37,7 @@ class PosedScene:
         self.context = self.scene_graph.CreateSharedContext(partial=True)
         self.context.UpdateFramePoses(self._at_rest())
         self.context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
-        self._table = NameTable(self.description.frames, self.description.geometries)
+        self._table = FileNames(self.description.frames, self.description.geometries)
         self.inspector = self.scene_graph.model_inspector()
         self.names = {id: self._name(id) for id in self.inspector.GetAllGeometryIds()}
 

@@ -22,7 +22,7 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
     Statement,
 )
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
@@ -65,7 +65,7 @@ class _SceneParser:
             self._frames.append(self._frame(index, plain))
         for index, plain in enumerate(self._plain.get('geometries', ())):
             self._geometries.append(self._geometry(index, plain))
-        names = NameTable(self._frames, self._geometries)
+        names = FileNames(self._frames, self._geometries)
         for index, plain in enumerate(self._plain.get('filters', ())):
             self._filters.append(self._filter(index, plain, names))
         return SceneDescription(
@@ -185,7 +185,7 @@ class _SceneParser:
         except RuntimeError as error:
             raise self._document.at(*path, 'pose').error(str(error)) from error
 
-    def _filter(self, index: int, plain: Plain, names: NameTable) -> FilterDescription:
+    def _filter(self, index: int, plain: Plain, names: FileNames) -> FilterDescription:
         ((kind, value),) = plain.items()
         path = ('filters', index, kind)
         where = self._document.at(*path)
@@ -208,7 +208,7 @@ class _SceneParser:
         statement = self._statement((kind, value), path[:-1], names)
         return DeclarationDescription((statement,), where)
 
-    def _statement(self, item: tuple[str, Any], path: KeyPath, names: NameTable) -> Statement:
+    def _statement(self, item: tuple[str, Any], path: KeyPath, names: FileNames) -> Statement:
         kind, value = item
         operation = Operation[kind.upper()]
         if not operation.takes_two_sets:
@@ -217,7 +217,7 @@ class _SceneParser:
         return Statement(operation, set_a, set_b)
 
     def _members(
-        self, plain: Sequence[Any], path: KeyPath, names: NameTable
+        self, plain: Sequence[Any], path: KeyPath, names: FileNames
     ) -> tuple[Member, ...]:
         return tuple(
             names.find(name, self._document.at(*path, index)) for index, name in enumerate(plain)

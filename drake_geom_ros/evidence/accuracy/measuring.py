@@ -12,7 +12,7 @@ import numpy as np
 
 from drake_geom_ros.evidence import peers
 from drake_geom_ros.evidence.accuracy.cases import ShapePair, Subject
-from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, Answer, PeerProcess
+from drake_geom_ros.evidence.accuracy.peer_process import ANSWERED, MISSED, PeerAnswer, PeerProcess
 from drake_geom_ros.evidence.accuracy.results import OURS, Measured, Setting
 from drake_geom_ros.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.evidence.hard_cases.cases import Case
@@ -61,7 +61,7 @@ class _Query:
             [Measured(subject.name, subject.family, query, setting) for setting in settings]
             for settings in (mine, [rival.setting for rival in rivals])
         )
-        self.outcomes: list[list[tuple[int, Case, Answer]]] = [[] for _ in rivals]
+        self.outcomes: list[list[tuple[int, Case, PeerAnswer]]] = [[] for _ in rivals]
 
 
 class Measurement:

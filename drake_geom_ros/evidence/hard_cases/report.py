@@ -8,13 +8,13 @@ from collections import Counter
 from collections.abc import Iterable
 
 from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.hard_cases.judge import VERDICTS, Verdict
+from drake_geom_ros.evidence.hard_cases.judge import VERDICTS, CaseVerdict
 from drake_geom_ros.evidence.judging.asking import OURS
 from drake_geom_ros.evidence.pages import table
 from drake_geom_ros.evidence.peers import QUERIES, version
 
 # By side, query and case.
-Results = dict[tuple[str, str, str], Verdict]
+Results = dict[tuple[str, str, str], CaseVerdict]
 EXAMPLES = 8  # of each peer
 EXTREMES = 'extremes'  # the family of sizes that no user has
 HOW = """A case passes when its distance is right within a thousandth of the smaller body's radius
@@ -57,7 +57,7 @@ REPRODUCE = """    ./run hard-cases                  # everything; also writes t
     ./run hard-cases --case H01       # one case: poses with full digits, and all answers"""
 
 
-def counted(verdicts: Iterable[Verdict]) -> Counter[str]:
+def counted(verdicts: Iterable[CaseVerdict]) -> Counter[str]:
     """Return how often each verdict was given."""
     return Counter(verdict.verdict for verdict in verdicts)
 

@@ -9,17 +9,18 @@ from typing import NamedTuple, cast
 from drake_geom_ros.evidence.peers.answers import Peer, Unsupported
 
 
-class _Entry(NamedTuple):
+class _PeerEntry(NamedTuple):
     module: str  # what is imported
     distribution: str  # what is installed
-    adapter: str  # module of this package, with a class Loaded
+    adapter: str  # module of this package
+    made_by: str  # its class
 
 
 _PEERS = {
-    'pydrake': _Entry('pydrake', 'drake', 'pydrake_peer'),
-    'python-fcl': _Entry('fcl', 'python-fcl', 'fcl_peer'),
-    'Coal': _Entry('coal', 'coal', 'coal_peer'),
-    'MuJoCo': _Entry('mujoco', 'mujoco', 'mujoco_peer'),
+    'pydrake': _PeerEntry('pydrake', 'drake', 'pydrake_peer', 'PydrakePeer'),
+    'python-fcl': _PeerEntry('fcl', 'python-fcl', 'fcl_peer', 'FclPeer'),
+    'Coal': _PeerEntry('coal', 'coal', 'coal_peer', 'CoalPeer'),
+    'MuJoCo': _PeerEntry('mujoco', 'mujoco', 'mujoco_peer', 'MuJoCoPeer'),
 }
 
 
@@ -51,10 +52,10 @@ def load(name: str, tolerance: float | None = None) -> Peer:
     if find_spec(entry.module) is None:
         raise Unsupported(_absent(name))
     adapter = import_module(f'drake_geom_ros.evidence.peers.{entry.adapter}')
-    return cast(Peer, adapter.Loaded(tolerance))
+    return cast(Peer, getattr(adapter, entry.made_by)(tolerance))
 
 
-def _entry(name: str) -> _Entry:
+def _entry(name: str) -> _PeerEntry:
     if name not in _PEERS:
         raise Unsupported(f'no peer is called {name!r}; there are: {", ".join(_PEERS)}')
     return _PEERS[name]

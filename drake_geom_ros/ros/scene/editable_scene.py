@@ -19,7 +19,7 @@ from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES
 from drake_geom_ros.ros.scene.held_scene import HeldScene
-from drake_geom_ros.ros.scene.pose_ages import Posed
+from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
@@ -133,7 +133,7 @@ class EditableScene(HeldScene):
         self.pose(poses, posed, message.header.stamp, MESSAGES)
         return len(poses)
 
-    def pose(self, poses: FramePoseVector, posed: Posed, stamp: Any, feeder: str) -> None:
+    def pose(self, poses: FramePoseVector, posed: PosedFrames, stamp: Any, feeder: str) -> None:
         """Pose frames; ``posed`` says since when these hold."""
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
@@ -205,7 +205,7 @@ class EditableScene(HeldScene):
         return expired
 
 
-def _stamps(posed: Posed, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:
+def _stamps(posed: PosedFrames, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:
     """Return the stamps [ns] of poses by frame, and since when they hold.
 
     All of a message bear the same one; transforms have their own, which ``posed`` knows. Those

@@ -28,7 +28,7 @@ from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
-from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
+from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
@@ -156,12 +156,12 @@ class HeldScene:
         """Return how far [s] behind the poses that were taken last the node is."""
         return self._ages.lag()
 
-    def moment(self) -> Moment:
+    def moment(self) -> SceneStamp:
         """Return which scene and poses an answer of now is for."""
         self.tell_named(self)
         oldest = self._ages.oldest(self.names)
         stamp = self._ages.newest_stamp
-        return Moment(self.version, self.names_version, stamp, oldest, self.world_frame)
+        return SceneStamp(self.version, self.names_version, stamp, oldest, self.world_frame)
 
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
