@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import middle_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     NO_TREE,
     Solid,
+    Tree,
     TreeBody,
     first_of_leaf,
     middle_of_triangle,
@@ -34,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import BENEATH, EPS, ROUNDING
 
@@ -42,7 +44,7 @@ FIRST_NORMAL = (1.0, 0.0, 0.0)  # where GJK begins when nothing is known
 
 
 @allocating
-def depth_in_solid(B, q, size):
+def depth_in_solid(B: Solid, q: Vector, size: float) -> float:
     """Return how deep q lies in B [m], negative outside."""
     point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
     distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
@@ -50,13 +52,15 @@ def depth_in_solid(B, q, size):
 
 
 @inlined
-def point_beneath(shape, tree, j, depth):
+def point_beneath(shape: Floats, tree: Tree, j: int, depth: float) -> Vector:
     """Return the point so deep [m] beneath the middle of triangle j."""
     return add_scaled(middle_of_triangle(shape, tree, j), -depth, normal_of(shape, tree, j))
 
 
 @compiled
-def is_leaf_within(A, i, B, j, p, size, cutoff):
+def is_leaf_within(
+    A: TreeBody, i: int, B: Solid, j: int, p: Vector, size: float, cutoff: float
+) -> bool:
     """Tell whether, of leaves of A and B, triangles that touch lie in the other body.
 
     Those touch that are not proven to be farther apart than ``cutoff``. Walls in line may hide
@@ -86,7 +90,7 @@ def is_leaf_within(A, i, B, j, p, size, cutoff):
 
 
 @allocating
-def are_flush(A, B, p, size):
+def are_flush(A: TreeBody, B: Solid, p: Vector, size: float) -> bool:
     """Tell whether a triangle of solids that touch, none of which cross, lies in the other body.
 
     All that touch are asked, however many they are: a bump may hide in a thousand that lie flush.
@@ -102,7 +106,9 @@ def are_flush(A, B, p, size):
 
 
 @compiled
-def is_piece_within(shape, tree, B, R, p, size, least):
+def is_piece_within(
+    shape: Floats, tree: Tree, B: Solid, R: Floats, p: Vector, size: float, least: float
+) -> bool:
     """Tell whether a piece of a solid's surface, turned by R and moved by p, lies in B.
 
     Its point is asked, which has to be deeper than ``least``.
@@ -115,7 +121,7 @@ def is_piece_within(shape, tree, B, R, p, size, least):
 
 
 @allocating
-def is_contained(A, B, p, touches, size):
+def is_contained(A: TreeBody, B: Solid, p: Vector, touches: bool, size: float) -> bool:
     """Tell whether A and B overlap, where their surfaces do not cross.
 
     ``touches`` tells that these may have a point in common, to rounding.
