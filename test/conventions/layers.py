@@ -142,7 +142,7 @@ LAYERS = {
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
     'trajectories': (
-        ('math', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
+        ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
     ),
     'batch': (
