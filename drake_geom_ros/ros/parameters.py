@@ -116,7 +116,7 @@ TEXTS = {
     'replay_limit': 'Number of replay files in that folder at which writing stops.' + _LIVE,
     'cross_check': (
         'Cycles per second [Hz] of which python-fcl, in its own process, checks a sample of the '
-        'pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
+        'pairs; 0: none. Needs python-fcl.' + _LIVE
     ),
     'closing_speeds': (
         'Messages of pairs tell how fast these come together and when they meet, from '

@@ -16,7 +16,9 @@
       - {at: 0.0, pose: [0, 0, 1, 0, 0, 0, 1]}  # x y z [m], qx qy qz qw
       - {at: 1.0, pose: [0, 0, 2, 0, 0, 0, 1]}
 
-``motion.schema.json`` says it all. A CSV file holds timed poses alone: see ``read_timed_poses``.
+Frames are named ``source::frame``; names may themselves hold ``::``, and a text that stands for
+two frames is refused. ``motion.schema.json`` says it all. A CSV file holds timed poses alone: see
+``read_timed_poses``.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,6 +28,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
@@ -53,7 +56,8 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
         urdf: _kinematics(urdf) for urdf in urdfs if urdf is not None
     }
     document = _read(path)
-    curves, grasps, timed = {}, [], {}
+    curves: dict[str, MonotoneCubic] = {}
+    grasps: list[Mapping[str, Any]] = []
     if isinstance(document, Document):
         reader = _Reader(document)
         curves = reader.curves({name: kinematics[r.urdf] for name, r in robots.items()})
@@ -66,8 +70,10 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
         curve = curves.get(name) or _rest(arm)
         motions[name] = RobotMotion(arm, robot.X_WB.GetAsMatrix4(), curve)
     try:
-        _check_frames(scene, timed, grasps)
-        return Motion(motions, {**_still(scene), **timed}, grasps)
+        names = _names(scene, motions)
+        free = {_found(names, text): poses for text, poses in timed.items()}
+        held = [_grasp(scene, names, grasp) for grasp in grasps]
+        return Motion(motions, {**_still(scene), **free}, held)
     except ValueError as error:
         raise SceneFileError(str(error), str(path)) from error
 
@@ -75,7 +81,7 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
 def adjacent_links(scene: SceneDescription) -> list[tuple[str, str]]:
     """Return the two links of every joint of a scene's robots, as ``source::frame``."""
     return [
-        (f'{robot.name}::{parent}', f'{robot.name}::{child}')
+        (full_name((robot.name, parent)), full_name((robot.name, child)))
         for robot in scene.robots
         if robot.urdf is not None
         for parent, child in _kinematics(robot.urdf).joined_links
@@ -89,29 +95,43 @@ def _kinematics(urdf: Path) -> Kinematics:
         raise SceneFileError(str(error), str(urdf)) from error
 
 
-def _still(scene: SceneDescription) -> dict[str, TimedPoses]:
+def _still(scene: SceneDescription) -> dict[Frame, TimedPoses]:
     """Return the frames of no robot that the scene file gives a pose."""
     robots = {robot.name for robot in scene.robots}
     return {
-        f'{frame.source}::{frame.name}': TimedPoses([0.0], [frame.X_PF.ToArray()])
+        (frame.source, frame.name): TimedPoses([0.0], [frame.X_PF.ToArray()])
         for frame in scene.frames
         if frame.source not in robots and frame.X_PF is not None
     }
 
 
-def _check_frames(
-    scene: SceneDescription, timed: Mapping[str, TimedPoses], grasps: list[Grasp]
-) -> None:
-    parents = {f'{frame.source}::{frame.name}': frame.parent for frame in scene.frames}
-    for name in timed:
-        if name not in parents:
-            raise ValueError(f'the scene has no frame {name!r}; it has {", ".join(parents)}')
-    for grasp in grasps:
-        if parents.get(grasp.frame, WORLD) != WORLD:
-            raise ValueError(
-                f'grasp of {grasp.frame!r}: its parent is {parents[grasp.frame]!r}; only a '
-                'frame whose parent is the world can follow a link'
-            )
+def _grasp(scene: SceneDescription, names: FrameNames, entry: Mapping[str, Any]) -> Grasp:
+    """Return the grasp that an entry of a motion file says."""
+    try:
+        frame, link = _found(names, entry['frame']), _found(names, entry['link'])
+        gripper = tuple(_found(names, text) for text in entry['gripper'])
+    except ValueError as error:
+        raise ValueError(f'grasp of {entry["frame"]!r}: {error}') from None
+    parents = {(each.source, each.name): each.parent for each in scene.frames}
+    if parents.get(frame, WORLD) != WORLD:
+        raise ValueError(
+            f'grasp of {full_name(frame)!r}: its parent is {parents[frame]!r}; only a '
+            'frame whose parent is the world can follow a link'
+        )
+    return Grasp(frame, link, gripper, entry['start'], entry['end'])
+
+
+def _names(scene: SceneDescription, robots: Mapping[str, RobotMotion]) -> FrameNames:
+    """Return the frames of a scene and the links of its robots."""
+    links = ((name, link) for name, r in robots.items() for link in r.kinematics.link_names)
+    return FrameNames([*((frame.source, frame.name) for frame in scene.frames), *links])
+
+
+def _found(names: FrameNames, text: str) -> Frame:
+    frame = names.find(text)
+    if frame is None:
+        raise ValueError(f'the scene has no frame {text!r}; it has {", ".join(names)}')
+    return frame
 
 
 def _read(path: str | Path | None) -> Document | dict[str, TimedPoses]:
@@ -189,12 +209,9 @@ class _Reader:
             )
         return curve
 
-    def grasps(self) -> list[Grasp]:
-        """Return the grasps."""
-        return [
-            Grasp(**{**entry, 'gripper': tuple(entry['gripper'])})
-            for entry in self._part('grasps')
-        ]
+    def grasps(self) -> list[Mapping[str, Any]]:
+        """Return the grasps as they are written."""
+        return list(self._part('grasps'))
 
     def frames(self) -> dict[str, TimedPoses]:
         """Return the free frames with timed poses."""

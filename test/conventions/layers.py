@@ -107,27 +107,6 @@ ROS_ROOMS = {
     ),
 }
 
-_EVIDENCE = ('math', 'geometry', 'evidence', 'evidence/peers')
-_JUDGED = (*_EVIDENCE, 'evidence/bodies', 'evidence/truth', 'evidence/judging')
-EVIDENCE_ROOMS = {
-    'evidence/peers': (
-        ('math', 'geometry', 'evidence/peers'),
-        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
-    ),
-    'evidence': (_EVIDENCE, ('numpy', 'scipy', 'mpmath', 'matplotlib')),
-    'evidence/bodies': ((*_EVIDENCE, 'evidence/bodies'), ('numpy', 'scipy')),
-    'evidence/truth': (
-        (*_EVIDENCE, 'evidence/bodies', 'evidence/truth'),
-        ('numpy', 'scipy', 'mpmath'),
-    ),
-    'evidence/judging': (_JUDGED, ('numpy', 'scipy')),
-    'evidence/hard_cases': ((*_JUDGED, 'evidence/hard_cases'), ('numpy',)),
-    'evidence/accuracy': (
-        (*_JUDGED, 'common', 'evidence/hard_cases', 'evidence/accuracy'),
-        ('numpy', 'scipy', 'matplotlib'),
-    ),
-}
-
 # Room -> (rooms of ours, libraries of others) that its files may import. The longest room wins.
 LAYERS = {
     '': (('command_line',), ()),
@@ -142,7 +121,7 @@ LAYERS = {
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
     'trajectories': (
-        ('math', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
+        ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
     ),
     'batch': (
@@ -151,10 +130,9 @@ LAYERS = {
     ),
     'replay': (('math', 'common', 'geometry', 'scene_files', 'replay'), ()),
     'cross_check': (
-        ('math', 'common', 'geometry', 'replay', 'cross_check', *EVIDENCE_ROOMS),
-        ('numpy',),
+        ('math', 'common', 'geometry', 'replay', 'cross_check'),
+        ('numpy', 'scipy', 'fcl'),
     ),
-    **EVIDENCE_ROOMS,
     # What is shown, without a library that shows it; and the page, which one draws.
     'viewing': (
         ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
@@ -168,7 +146,6 @@ LAYERS = {
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *EVIDENCE_ROOMS,
             *('viewing', 'viewing/page'),
         ),
         ('numpy', 'PIL', 'matplotlib'),

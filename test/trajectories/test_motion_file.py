@@ -5,6 +5,7 @@ import pytest
 from oracles import panda
 
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.scene_files.description import (
     FrameDescription,
     RobotDescription,
@@ -55,7 +56,8 @@ def test_a_file_with_all_parts(tmp_path):
     q = dict(zip(names, curve.value(2.0), strict=True))
     assert (q['panda_joint2'], q['panda_joint4'], q['panda_joint1']) == (0.5, -2.0, 0.0)
     grasp = motion.held(0.7)[0]
-    assert (grasp.link, grasp.gripper) == ('left::panda_hand', ('left::panda_leftfinger',))
+    assert grasp.link == ('left', 'panda_hand')
+    assert grasp.gripper == (('left', 'panda_leftfinger'),)
     np.testing.assert_allclose(motion.poses(1.5)['objects'][2, :3], [0, 0, 1.5])
 
 
@@ -136,3 +138,26 @@ def test_adjacent_links_are_those_of_the_joints():
     pairs = adjacent_links(SCENE)
     assert len(pairs) == 12
     assert ('left::panda_link3', 'left::panda_link4') in pairs
+
+
+def test_names_with_colons_are_looked_up_whole_or_refused(tmp_path):
+    scene = read_scene(
+        """
+sources: [o, 'o::p']
+frames:
+- {name: 'p::q', source: o, pose: {position: [1, 0, 0]}}
+- {name: q, source: 'o::p', pose: {position: [2, 0, 0]}}
+- {name: 'arm::base', source: o}
+"""
+    )
+    still = load_motion(None, scene)
+    assert still.frame_names == {'o': ['p::q'], 'o::p': ['q']}
+    assert still.poses(0.0)['o'][0, 0] == 1.0
+    assert still.poses(0.0)['o::p'][0, 0] == 2.0
+    path = tmp_path / 'motion.yaml'
+    rows = '\n  - {at: 0.0, pose: [3, 0, 0, 0, 0, 0, 1]}\n'
+    path.write_text(f"frames:\n  'o::arm::base':{rows}")
+    assert load_motion(path, scene).frame_names['o'] == ['p::q', 'arm::base']
+    path.write_text(f"frames:\n  'o::p::q':{rows}")
+    with pytest.raises(SceneFileError, match=r"'p::q' of source 'o' and 'q' of"):
+        load_motion(path, scene)

@@ -52,14 +52,14 @@ def _images(description: SceneDescription, moment: Approach) -> RenderedImages:
     context = scene.CreateSharedContext(partial=True)
     poses = FramePoseVector()
     for frame in description.frames:
-        name = f'{frame.source}::{frame.name}'
+        named = frame.source, frame.name
         parent = np.eye(4)
         if frame.parent != WORLD:
-            parent = moment.X_WFs.get(f'{frame.source}::{frame.parent}', parent)
-        if name in moment.X_WFs:
-            X_PF = np.linalg.solve(parent, moment.X_WFs[name])
+            parent = moment.X_WFs.get((frame.source, frame.parent), parent)
+        if named in moment.X_WFs:
+            X_PF = np.linalg.solve(parent, moment.X_WFs[named])
             pose = RigidTransform(X_PF)
-            poses.set_value(loaded.frames[frame.source, frame.name], pose)
+            poses.set_value(loaded.frames[named], pose)
     context.UpdateFramePoses(poses)
     query = scene.get_query_output_port().Eval(context)
     on, camera = loaded.cameras[0]

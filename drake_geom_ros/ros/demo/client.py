@@ -277,7 +277,7 @@ def main(args: list[str] | None = None) -> int:
         client.destroy_node()
         rclpy.try_shutdown()
         # Still under StopSignals: a second interrupt must not break the writing.
-        if client.recording is not None:
+        if client.recording is not None and client.recording.pairs:
             print('\n'.join(write_report(client.recording, options.out, description)))
         elif not failure:
             failure = 'interrupted before the first result'

@@ -40,7 +40,12 @@ def draw_closest(recording: Recording, path: Path) -> None:
     close = figure.add_axes(_WINDOW, projection='3d', computed_zorder=False)
     # No perspective where a length is to be read off.
     close.set_proj_type('ortho')
-    geometries = list(recording.scene.geometries.values())
+    # What has no pose is nowhere, and not at the world's origin.
+    geometries = [
+        geometry
+        for geometry in recording.scene.geometries.values()
+        if geometry.anchored or geometry.own_frame in moment.X_WFs
+    ]
     _draw_shapes(whole, recording, moment, geometries, lambda geometry: 1.0)
     pair = (recording.scene[moment.id_a], recording.scene[moment.id_b])
     bodies = {geometry.body for geometry in pair}
@@ -71,7 +76,7 @@ def _draw_shapes(
     faces, colours = [], []
     for geometry in geometries:
         shape = faces_of(geometry.shape_type, geometry.dimensions)
-        X_WG = _pose_of(geometry, moment)
+        X_WG = geometry.X_WG(moment.X_WFs)
         corners = [face @ X_WG[:3, :3].T + X_WG[:3, 3] for face in shape]
         faces += corners
         colours += [
@@ -83,10 +88,6 @@ def _draw_shapes(
     axes.add_collection3d(
         Poly3DCollection(faces, facecolors=colours, edgecolors=edges, linewidths=0.3, zorder=1)
     )
-
-
-def _pose_of(geometry: Geometry, moment: Approach) -> Floats:
-    return moment.X_WFs.get(geometry.frame, np.eye(4)) @ geometry.X_FG
 
 
 def _colour(geometry: Geometry, robots: tuple[str, ...]) -> str:
@@ -141,7 +142,7 @@ def _azimuth(moment: Approach) -> float:
 
 
 def _frame_whole(axes: Any, moment: Approach, geometries: list[Geometry], azimuth: float) -> None:
-    centres = np.array([_pose_of(g, moment)[:3, 3] for g in geometries if g.dimensions])
+    centres = np.array([g.X_WG(moment.X_WFs)[:3, 3] for g in geometries if g.dimensions])
     low, high = centres.min(axis=0), centres.max(axis=0)
     _frame(axes, (low + high) / 2, 0.94 * np.max(high - low) / 2, azimuth + 18.0, 1.3)
 

@@ -1,30 +1,38 @@
 """Messages to what the demo works with; any objects with the messages' fields will do."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.client.results import SignedDistance, SignedDistances
-from drake_geom_ros.client.scene_table import WORLD, Geometry, SceneTable
+from drake_geom_ros.client.scene_table import Geometry, SceneTable
+from drake_geom_ros.common.frame_names import Frame, FrameNames
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.demo.recording import Approach
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses
 
 Floats = NDArray[np.float64]
-Poses = dict[str, Floats]  # X_WF (4, 4) by ``source::frame``
+Poses = Mapping[Frame, Floats]  # X_WF (4, 4) of frames, not of the world
 # Things closer than this [m] at the beginning of the motion are taken to touch by construction.
 TOUCHING = 0.0005
 
 
-def world_poses(message: Any, parents: dict[str, str]) -> Poses:
-    """Return X_WF (4, 4) of the frames of a FramePoses message by ``source::frame``."""
-    names = [f'{message.source}::{n}' if message.source else n for n in message.frame_names]
-    X_PFs = dict(zip(names, matrices_of_poses(np.reshape(message.poses, (-1, 7))), strict=True))
-    X_WFs: Poses = {WORLD: np.eye(4)}
-    for name, parent in parents.items():
-        if name in X_PFs and parent in X_WFs:
-            X_WFs[name] = X_WFs[parent] @ X_PFs[name]
+def world_poses(message: Any, parents: Mapping[Frame, Frame | None]) -> Poses:
+    """Return X_WF (4, 4) of the frames of a FramePoses message; ``parents`` as a table has them.
+
+    Raises AmbiguousNameError for a text that two frames bear, as the node refuses it.
+    """
+    names = FrameNames(parents)
+    texts = message.frame_names
+    frames = [(message.source, n) if message.source else names.find(n) for n in texts]
+    X_PFs = dict(zip(frames, matrices_of_poses(np.reshape(message.poses, (-1, 7))), strict=True))
+    X_WFs: dict[Frame, Floats] = {}
+    for frame, parent in parents.items():
+        if frame in X_PFs and (parent is None or parent in X_WFs):
+            X_PF = X_PFs[frame]
+            X_WFs[frame] = X_PF if parent is None else X_WFs[parent] @ X_PF
     return X_WFs
 
 
@@ -32,9 +40,7 @@ def approach(pair: SignedDistance, time: float, table: SceneTable, X_WFs: Poses)
     """Return a pair at a time [s] with its witnesses in the world."""
 
     def in_world(id: int, p_GQ: Floats) -> Floats:
-        geometry = table[id]
-        X_WG = X_WFs[geometry.frame] @ geometry.X_FG
-        return np.asarray((X_WG @ [*p_GQ, 1.0])[:3])
+        return np.asarray((table[id].X_WG(X_WFs) @ [*p_GQ, 1.0])[:3])
 
     return Approach(
         time,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.common.frame_names import Frame
 
 Floats = NDArray[np.float64]
 CLOSEST_KEPT = 5
@@ -65,7 +66,7 @@ class Approach:
     p_WCa: Floats
     p_WCb: Floats
     nhat_BA_W: Floats
-    X_WFs: Mapping[str, Floats]
+    X_WFs: Mapping[Frame, Floats]
 
 
 @dataclass

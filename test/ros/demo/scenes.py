@@ -28,10 +28,10 @@ def table(version=1):
 
 
 POSES = {
-    'left::hand': _at(-0.2, 0, 0.2),
-    'left::arm': _at(-0.5, 0, 0.0),
-    'right::hand': _at(0.15, 0, 0.3),
-    'things::can': _at(0, 0.2, -0.07),
+    ('left', 'hand'): _at(-0.2, 0, 0.2),
+    ('left', 'arm'): _at(-0.5, 0, 0.0),
+    ('right', 'hand'): _at(0.15, 0, 0.3),
+    ('things', 'can'): _at(0, 0.2, -0.07),
 }
 
 
@@ -50,10 +50,10 @@ def recording(results=40):
         made.cycle_seconds.append(0.001 * (k + 1))
     made.changes = [FilterChange(100.5, 'first change'), FilterChange(102.0, 'second change')]
     made.filtered_pairs = 17
-    X_WA = POSES['left::hand'] @ _at(0, 0, 0.05)
-    p_AB = POSES['right::hand'][:3, 3] - X_WA[:3, 3]
+    X_WA = POSES['left', 'hand'] @ _at(0, 0, 0.05)
+    p_AB = POSES['right', 'hand'][:3, 3] - X_WA[:3, 3]
     away = p_AB / np.linalg.norm(p_AB)
-    p_WCa, p_WCb = X_WA[:3, 3] + 0.1 * away, POSES['right::hand'][:3, 3] - 0.1 * away
+    p_WCa, p_WCb = X_WA[:3, 3] + 0.1 * away, POSES['right', 'hand'][:3, 3] - 0.1 * away
     gap = float(np.linalg.norm(p_AB)) - 0.2
     made.approach = Approach(103.9, 1, 3, gap, p_WCa, p_WCb, -away, POSES)
     return made

@@ -86,6 +86,19 @@ def test_an_interrupt_ends_it_with_its_files(files):
     _check_files(files / 'out')
 
 
+def test_a_robot_without_geometries_ends_it_with_the_reason_and_no_files(files):
+    bare = '<robot name="bare"><link name="a"/><link name="b"/><joint name="j" type="fixed">'
+    (files / 'bare.urdf').write_text(bare + '<parent link="a"/><child link="b"/></joint></robot>')
+    scene = files / 'bare.yaml'
+    scene.write_text('robots: [{name: bare, urdf: bare.urdf}]\n' + SCENE[SCENE.index('frames:') :])
+    arguments = '--scene', scene, '--seconds', 4, '--out', files / 'out'
+    run = run_python('-m', DEMO, *arguments, timeout=280)
+    assert run.returncode == 1, run.stdout + run.stderr
+    assert "say nothing of a robot of the scene file: no source 'bare'" in run.stderr
+    assert 'Traceback' not in run.stderr
+    assert not (files / 'out' / 'results.csv').exists()
+
+
 def test_a_wrong_file_is_told_before_anything_starts(tmp_path):
     arguments = '--scene', tmp_path / 'absent.yaml', '--out', tmp_path / 'out'
     run = run_python('-m', DEMO, *arguments)

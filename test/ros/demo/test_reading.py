@@ -5,6 +5,7 @@ import pytest
 
 from drake_geom_ros.client.results import SignedDistances
 from drake_geom_ros.client.scene_table import SceneTable
+from drake_geom_ros.common.frame_names import AmbiguousNameError
 from drake_geom_ros.ros.demo import reading
 
 
@@ -66,14 +67,28 @@ def _result(distance):
 
 def test_world_poses_follow_the_parents():
     X_WFs = reading.world_poses(POSES, TABLE.parents)
-    np.testing.assert_allclose(X_WFs['arm::hand'][:3, 3], [1, 2, 3])
-    np.testing.assert_allclose(X_WFs['arm::tip'][:3, 3], [1, 2, 2.5])  # z of hand points down
+    np.testing.assert_allclose(X_WFs['arm', 'hand'][:3, 3], [1, 2, 3])
+    np.testing.assert_allclose(X_WFs['arm', 'tip'][:3, 3], [1, 2, 2.5])  # z of hand points down
 
 
 def test_names_with_their_source_and_frames_that_are_missing():
     poses = Some(source='', frame_names=['arm::tip'], poses=POSES.poses[:7])
     X_WFs = reading.world_poses(poses, TABLE.parents)
-    assert list(X_WFs) == ['world']  # the tip's parent has no pose
+    assert not X_WFs  # the tip's parent has no pose
+
+
+def test_names_with_colons_are_those_of_their_sources():
+    """Source `a`, frame `b::c` and source `a::b`, frame `c`, which hangs on `c` of `x`."""
+    parents = {('x', 'c'): None, ('a', 'b::c'): None, ('a::b', 'c'): ('x', 'c')}
+    rows = np.ravel([[x, 0, 0, 0, 0, 0, 1] for x in (1.0, 2.0)])
+    for source in ('a', 'a::b'):
+        poses = Some(source=source, frame_names=['b::c' if source == 'a' else 'c'], poses=rows[:7])
+        assert list(reading.world_poses(poses, parents)) == (
+            [('a', 'b::c')] if source == 'a' else []
+        )
+    poses = Some(source='', frame_names=['x::c', 'a::b::c'], poses=rows)
+    with pytest.raises(AmbiguousNameError, match="'b::c' of source 'a' and 'c' of source 'a::b'"):
+        reading.world_poses(poses, parents)
 
 
 def test_approach_expresses_the_witnesses_in_the_world():
