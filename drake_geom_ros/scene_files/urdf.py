@@ -7,8 +7,7 @@ in Drake: it becomes no frame. Collision elements become geometries with the pro
 elements are left alone.
 
 Read are links, joints and collision elements, and no more: a geometry service has no use for
-masses, limits and visuals, and a library that reads those as well (yourdfpy) brings trimesh and
-FCL into a process whose scene has no mesh, 0.7 s and 60 MB.
+masses and visuals.
 """
 
 from collections.abc import Iterator, Sequence

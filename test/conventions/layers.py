@@ -118,11 +118,11 @@ LAYERS = {
     **GEOMETRY_ROOMS,
     'scene_files': (
         ('math', 'common', 'sensors', 'geometry', 'scene_files'),
-        ('numpy', 'yaml', 'lxml', 'jsonschema'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
-        ('numpy', 'yaml', 'yourdfpy'),
+        ('numpy', 'yaml'),
     ),
     'batch': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),

@@ -24,7 +24,6 @@ URDF = """
 
 @pytest.fixture
 def arm(tmp_path):
-    pytest.importorskip('yourdfpy', reason='moves links')
     (tmp_path / 'arm.urdf').write_text(URDF)
     text = f'robots: [{{name: r, urdf: {tmp_path}/arm.urdf, pose: {{position: [0, 0, 1]}}}}]\n'
     shown = local_scene(text)
