@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
-from drake_geom_ros.scene_files.urdf_tree import LinkTree, UrdfJoint, read_link_tree, root_links
+from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree, root_links
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 
 _KINDS = {
@@ -26,15 +27,16 @@ class Kinematics:
     The URDF is read as that of a scene file is. A link called as the world is a link here.
     """
 
-    def __init__(self, urdf_path: str):
-        """Read the URDF at a path; raises ValueError for what is not a tree of simple joints.
+    def __init__(self, urdf: str | LinkTree):
+        """Read the URDF at a path, or take the links and joints that a scene file gave.
 
-        Raises SceneFileError, with the line, for what is no URDF, and for a link with two parents.
+        Raises ValueError for what is not a tree of simple joints, and SceneFileError, with the
+        line, for what is no URDF, and for a link with two parents.
         """
-        robot = read_link_tree(urdf_path)
+        robot = urdf if isinstance(urdf, LinkTree) else read_link_tree(urdf)
         root = _root(robot)
         joints = _parents_first(robot, root)
-        leader = _mimicked(robot, urdf_path)
+        leader = _mimicked(robot)
         independent = [j for j in robot.joints if leader[j.name][0] == j.name]
         limits = [(j.lower, j.upper, j.max_speed) for j in independent]
 
@@ -120,14 +122,14 @@ def _parents_first(robot: LinkTree, root: str) -> list[UrdfJoint]:
     return ordered
 
 
-def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, float]]:
+def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
     """Return ``(leader, multiplier, offset)`` of each joint, for a fixed one an empty leader."""
     by_name = {j.name: j for j in robot.joints}
     found: dict[str, tuple[str, float, float]] = {}
     for joint in robot.joints:
         if joint.type not in (*_MOVING, 'fixed'):
             raise ValueError(
-                f'{urdf_path}: joint {joint.name} has type {joint.type!r}; '
+                f'{joint.where.file}: joint {joint.name} has type {joint.type!r}; '
                 f'allowed are {", ".join((*_MOVING, "fixed"))}'
             )
         if joint.type == 'fixed':
@@ -138,7 +140,7 @@ def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, fl
         while (mimic := by_name[name].mimic) is not None:
             if mimic.joint not in by_name or mimic.joint in passed:
                 raise ValueError(
-                    f'{urdf_path}: joint {name} mimics {mimic.joint!r}, which is '
+                    f'{joint.where.file}: joint {name} mimics {mimic.joint!r}, which is '
                     f'{"itself mimicking it" if mimic.joint in passed else "not a joint"}'
                 )
             offset += multiplier * mimic.offset
@@ -146,7 +148,9 @@ def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, fl
             name = mimic.joint
             passed.add(name)
             if by_name[name].type == 'fixed':
-                raise ValueError(f'{urdf_path}: joint {joint.name} mimics {name!r}, a fixed joint')
+                raise ValueError(
+                    f'{joint.where.file}: joint {joint.name} mimics {name!r}, a fixed joint'
+                )
         found[joint.name] = (name, multiplier, offset)
     return found
 
