@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.scene_files.urdf_tree import LinkTree, UrdfJoint, read_link_tree, root_links
+from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree, root_links
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 
 _KINDS = {
@@ -49,22 +50,23 @@ class Kinematics:
     The URDF is read as that of a scene file is. A link called as the world is a link here.
     """
 
-    def __init__(self, urdf_path: str):
-        """Read the URDF at a path; raises ValueError for what is not a tree of simple joints.
+    def __init__(self, urdf: str | LinkTree):
+        """Read the URDF at a path, or take the links and joints that a scene file gave.
 
-        Raises SceneFileError, with the line, for what is no URDF, and for a link with two parents.
+        Raises ValueError for what is not a tree of simple joints, and SceneFileError, with the
+        line, for what is no URDF, and for a link with two parents.
         """
-        robot = read_link_tree(urdf_path)
+        robot = urdf if isinstance(urdf, LinkTree) else read_link_tree(urdf)
         root = _root(robot)
         joints = _parents_first(robot, root)
-        leader = _mimicked(robot, urdf_path)
+        leader = _mimicked(robot)
         independent = [
             part for j in robot.joints if leader[j.name][0] == j.name for part in _parts(j)
         ]
         limits = [(j.lower, j.upper, j.max_speed) for j in independent]
         names = [j.name for j in independent]
         if twice := [name for name in names if names.count(name) > 1]:
-            raise ValueError(f'{urdf_path}: {twice[0]!r} is a joint, and a value of another one')
+            raise ValueError(f'{robot.name}: {twice[0]!r} is a joint, and a value of another one')
 
         self.name: str = robot.name
         self.joint_names = tuple(j.name for j in independent)
@@ -214,20 +216,20 @@ def _free_above(joints: list[UrdfJoint], root: str) -> dict[str, tuple[str, ...]
     return found
 
 
-def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, float]]:
+def _mimicked(robot: LinkTree) -> dict[str, tuple[str, float, float]]:
     """Return ``(leader, multiplier, offset)`` of each joint, for a fixed one an empty leader."""
     by_name = {j.name: j for j in robot.joints}
     found: dict[str, tuple[str, float, float]] = {}
     for joint in robot.joints:
         if joint.type not in (*_MOVING, 'fixed', *_SEVERAL):
             raise ValueError(
-                f'{urdf_path}: joint {joint.name} has type {joint.type!r}; '
+                f'{joint.where.file}: joint {joint.name} has type {joint.type!r}; '
                 f'allowed are {", ".join((*_MOVING, "fixed", *_SEVERAL))}'
             )
         if joint.type in _SEVERAL:
             if joint.mimic is not None:
                 raise ValueError(
-                    f'{urdf_path}: joint {joint.name} is {joint.type} and mimics '
+                    f'{joint.where.file}: joint {joint.name} is {joint.type} and mimics '
                     f'{joint.mimic.joint!r}; only a joint of one value can'
                 )
             found[joint.name] = (joint.name, 1.0, 0.0)
@@ -240,7 +242,7 @@ def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, fl
         while (mimic := by_name[name].mimic) is not None:
             if mimic.joint not in by_name or mimic.joint in passed:
                 raise ValueError(
-                    f'{urdf_path}: joint {name} mimics {mimic.joint!r}, which is '
+                    f'{joint.where.file}: joint {name} mimics {mimic.joint!r}, which is '
                     f'{"itself mimicking it" if mimic.joint in passed else "not a joint"}'
                 )
             offset += multiplier * mimic.offset
@@ -249,7 +251,7 @@ def _mimicked(robot: LinkTree, urdf_path: str) -> dict[str, tuple[str, float, fl
             passed.add(name)
             if (kind := by_name[name].type) not in _MOVING:
                 raise ValueError(
-                    f'{urdf_path}: joint {joint.name} mimics {name!r}, a {kind} joint'
+                    f'{joint.where.file}: joint {joint.name} mimics {name!r}, a {kind} joint'
                 )
         found[joint.name] = (name, multiplier, offset)
     return found
