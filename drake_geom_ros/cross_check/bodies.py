@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.evidence.peers import SolidMesh
 from drake_geom_ros import geometry
-from drake_geom_ros.cross_check.answers import ACCESSORS, HALVES
+from drake_geom_ros.cross_check.answers import ACCESSORS, HALVES, SolidMesh
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 Floats = NDArray[np.float64]

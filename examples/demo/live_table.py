@@ -2,7 +2,7 @@
 
 from typing import TextIO
 
-from drake_geom_ros.ros.demo.recording import Pairs, Recording, percentiles
+from examples.demo.recording import Pairs, Recording, percentiles
 
 _WIDTH = 78
 _SHOWN = 4
