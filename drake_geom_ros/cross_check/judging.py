@@ -28,12 +28,9 @@ from drake_geom_ros.cross_check.question import (
     Verdict,
 )
 from drake_geom_ros.cross_check.surfaces import height, off_surfaces, width
+from drake_geom_ros.cross_check.tolerances import JUDGED_PART, JUDGED_ROUNDING, NO_DIRECTION
 from drake_geom_ros.replay import Opinion
 
-# Of the smaller body, what an answer of others may be off by, ten times what the tolerances of
-# peers leave at 1 m; and of the extent and of the distance from the origin.
-_PART, _ROUNDING = 1e-3, 1e-12
-_NO_DIRECTION = 1e-12  # vectors shorter than this [-] have none
 _BEYOND = 1e300  # [m]; FCL leaves a distance that it never computed at the largest number
 
 
@@ -43,7 +40,7 @@ def allowed_to_others(pair: Pair) -> float:
     That is a thousandth of the smaller body's radius, ten times what the tolerances of peers leave
     at 1 m, and rounding.
     """
-    return _PART * pair.smaller + _ROUNDING * (pair.extent + pair.away)
+    return JUDGED_PART * pair.smaller + JUDGED_ROUNDING * (pair.extent + pair.away)
 
 
 def judged(pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, library: str) -> Verdict:
@@ -120,4 +117,4 @@ def _normal(theirs: PairAnswer) -> Floats | None:
     if normal is None or not np.isfinite(normal).all():
         return None
     length = math.hypot(*normal)
-    return normal / length if length > _NO_DIRECTION else None
+    return normal / length if length > NO_DIRECTION else None

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from drake_geom_ros.cross_check.bodies import Body, Floats, Form, Pair
+from drake_geom_ros.cross_check.tolerances import ALIGNED
 from drake_geom_ros.geometry import ShapeKind
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, *_ = ShapeKind
-_ALIGNED = 1e-7  # [-] off a half space's normal, beyond which it has no support
 _EPS = float(np.finfo(np.float64).eps)
 
 
@@ -36,7 +36,7 @@ def support_value_of(form: Form, d: Floats) -> Any:
         return np.hypot.reduce(s * d, axis=-1)
     if kind == CONVEX:
         return (d @ s[1:].reshape(3, -1)).max(axis=-1)
-    return np.where(np.hypot.reduce(d - [0.0, 0.0, 1.0], axis=-1) <= _ALIGNED, 0.0, math.inf)
+    return np.where(np.hypot.reduce(d - [0.0, 0.0, 1.0], axis=-1) <= ALIGNED, 0.0, math.inf)
 
 
 def support_value(body: Body, n: Floats) -> float:

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from ros.demo import scenes
-from ros.demo.test_reading import SCENE
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
+from examples import demo_scenes as scenes
+from examples.demo_scenes import SCENE
 
 
 def test_names():

@@ -94,10 +94,6 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
-    'ros/demo': (
-        (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
-        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
-    ),
     'ros': (
         (
             *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),

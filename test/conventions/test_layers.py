@@ -68,7 +68,7 @@ def test_private_modules_stay_within_their_room(path):
         ('client/services.py', 'from drake_geom_ros.ros import surface', 'surface'),
         ('client/results.py', 'from drake_geom_ros.geometry import Sphere', 'geometry'),
         ('ros/inputs/tf_input.py', 'from drake_geom_ros.ros import surface', 'surface'),
-        ('ros/scene_graph_node.py', 'from drake_geom_ros.ros.demo import client', 'demo'),
+        ('ros/scene_graph_node.py', 'from examples.demo import client', 'examples'),
         ('ros/outputs/cycle.py', 'from bench.evidence.truth import convex', 'bench'),
         (
             'cross_check/judging.py',

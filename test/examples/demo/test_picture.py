@@ -3,9 +3,9 @@ import dataclasses
 import numpy as np
 import pytest
 from PIL import Image
-from ros.demo import scenes
 
-from drake_geom_ros.ros.demo.picture import draw_closest
+from examples import demo_scenes as scenes
+from examples.demo.picture import draw_closest
 
 
 def _counts(path):

@@ -2,10 +2,10 @@ import warnings
 
 import numpy as np
 from PIL import Image
-from ros.demo import scenes
 
-from drake_geom_ros.ros.demo.plots import draw_distances
-from drake_geom_ros.ros.demo.recording import FilterChange, Recording
+from examples import demo_scenes as scenes
+from examples.demo.plots import draw_distances
+from examples.demo.recording import FilterChange, Recording
 
 
 def _has(picture, colour, least):

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
-from ros.demo import scenes
 
-from drake_geom_ros.ros.demo import recording as module
-from drake_geom_ros.ros.demo.recording import Recording, percentiles
+from examples import demo_scenes as scenes
+from examples.demo import recording as module
+from examples.demo.recording import Recording, percentiles
 
 
 def _add(made, time, ids, distance):

@@ -6,36 +6,9 @@ import pytest
 from drake_geom_ros.client.results import SignedDistances
 from drake_geom_ros.client.scene_table import SceneTable
 from drake_geom_ros.common.frame_names import AmbiguousNameError
-from drake_geom_ros.ros.demo import reading
+from examples.demo import reading
+from examples.demo_scenes import SCENE
 
-
-def _pose(x, y, z, q=(0.0, 0.0, 0.0, 1.0)):
-    orientation = dict(zip('xyzw', q, strict=True))
-    return Some(position=Some(x=x, y=y, z=z), orientation=Some(**orientation))
-
-
-def _geometry(id, source, frame, name, kind, dimensions, pose):
-    return Some(
-        id=id, source_id=source, frame_id=frame, name=name, pose=pose,
-        shape=Some(type=kind, dimensions=dimensions), roles=[Some(role=1)],
-    )  # fmt: skip
-
-
-SCENE = Some(
-    scene_version=7,
-    names_version=7,
-    sources=[Some(id=1, name='room'), Some(id=2, name='arm')],
-    frames=[
-        Some(id=10, name='world', source_id=1, parent_id=10),
-        Some(id=11, name='hand', source_id=2, parent_id=10),
-        Some(id=12, name='tip', source_id=2, parent_id=11),
-    ],
-    geometries=[
-        _geometry(5, 1, 10, 'table', 2, [1.0, 1.0, 0.1], _pose(0.0, 0.0, -0.05)),
-        _geometry(6, 2, 12, 'ball', 1, [0.1], _pose(0.0, 0.0, 0.2)),
-        _geometry(8, 2, 11, 'ring', 1, [0.1], _pose(0.0, 0.0, 0.0)),
-    ],
-)
 TABLE = SceneTable.from_message(SCENE)
 HALF_TURN = (1.0, 0.0, 0.0, 0.0)  # about x: y and z change their signs
 POSES = Some(

@@ -2,10 +2,10 @@ import csv
 
 import numpy as np
 from matplotlib.image import imread
-from ros.demo import scenes
 
-from drake_geom_ros.ros.demo.report import COLUMNS, write_report, write_results
 from drake_geom_ros.scene_files import read_scene
+from examples import demo_scenes as scenes
+from examples.demo.report import COLUMNS, write_report, write_results
 
 SCENE = """
 sources: [left, right]

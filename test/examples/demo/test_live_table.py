@@ -1,10 +1,9 @@
 import io
 import re
 
-from ros.demo import scenes
-
-from drake_geom_ros.ros.demo.live_table import Screen, lines
-from drake_geom_ros.ros.demo.recording import FilterChange, Recording
+from examples import demo_scenes as scenes
+from examples.demo.live_table import Screen, lines
+from examples.demo.recording import FilterChange, Recording
 
 
 class _Terminal(io.StringIO):

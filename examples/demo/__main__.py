@@ -1,6 +1,6 @@
 """The main job, shown: a node, a player and a client, three processes.
 
-``python -m drake_geom_ros.ros.demo`` plays two arms over a table for 15 s, prints a live table and
+``python -m examples.demo`` plays two arms over a table for 15 s, prints a live table and
 leaves results.csv, distances.png and closest.png in out/demo.
 """
 
@@ -10,12 +10,12 @@ import sys
 from pathlib import Path
 
 from drake_geom_ros.common.whole_files import check_first_line
-from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
-from drake_geom_ros.ros.demo.recording import COLUMNS
-from drake_geom_ros.scene_files import ResourceResolver, SceneFileError, read_scene
+from drake_geom_ros.scene_files import SceneFileError, read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
+from examples.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from examples.demo.recording import COLUMNS
 
-_SCENE = 'scenes/two_pandas.yaml'
+_SCENE = Path(__file__).parents[2] / 'scenes/two_pandas.yaml'
 # Distances up to this [m] are shown; beyond, arms and objects are simply far away.
 _MAX_DISTANCE = 0.3
 
@@ -48,17 +48,9 @@ def _arguments() -> argparse.Namespace:
 
 def _files(options: argparse.Namespace) -> tuple[Path, Path | None]:
     """Return the scene and the motion file, None where everything is to stand still."""
-    scene = options.scene or _shipped_scene()
+    scene = options.scene or _SCENE
     motion = options.motion or scene.with_name(f'{scene.stem}_motion.yaml')
     return scene, motion if options.motion or motion.is_file() else None
-
-
-def _shipped_scene() -> Path:
-    """Return the scene in the source tree, or the one that is installed."""
-    in_source = Path(__file__).parents[3] / _SCENE
-    if in_source.is_file():
-        return in_source
-    return ResourceResolver().resolve(f'package://drake_geom_ros/{_SCENE}', Path.cwd())
 
 
 def _parameters(**values: object) -> list[str]:
@@ -99,7 +91,7 @@ def _run(options: argparse.Namespace, scene: Path, motion: Path | None) -> None:
         seconds = 'inf' if options.forever else str(options.seconds)
         processes.start(
             'demo_client',
-            f'{package}.demo.client',
+            'examples.demo.client',
             *('--scene', str(scene), '--seconds', seconds, '--out', str(options.out)),
         )
         processes.wait_for('demo_client')

@@ -1,9 +1,11 @@
-"""A small recording of two one-ball robots over a box, made up for the demo's tests."""
+"""A small recording of two one-ball robots over a box, and a Scene message, made up for tests."""
+
+from types import SimpleNamespace as Some
 
 import numpy as np
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable
-from drake_geom_ros.ros.demo.recording import Approach, FilterChange, Recording
+from examples.demo.recording import Approach, FilterChange, Recording
 
 
 def _at(x, y, z):
@@ -57,3 +59,32 @@ def recording(results=40):
     gap = float(np.linalg.norm(p_AB)) - 0.2
     made.approach = Approach(103.9, 1, 3, gap, p_WCa, p_WCb, -away, POSES)
     return made
+
+
+def _pose(x, y, z, q=(0.0, 0.0, 0.0, 1.0)):
+    orientation = dict(zip('xyzw', q, strict=True))
+    return Some(position=Some(x=x, y=y, z=z), orientation=Some(**orientation))
+
+
+def _geometry(id, source, frame, name, kind, dimensions, pose):
+    return Some(
+        id=id, source_id=source, frame_id=frame, name=name, pose=pose,
+        shape=Some(type=kind, dimensions=dimensions), roles=[Some(role=1)],
+    )  # fmt: skip
+
+
+SCENE = Some(
+    scene_version=7,
+    names_version=7,
+    sources=[Some(id=1, name='room'), Some(id=2, name='arm')],
+    frames=[
+        Some(id=10, name='world', source_id=1, parent_id=10),
+        Some(id=11, name='hand', source_id=2, parent_id=10),
+        Some(id=12, name='tip', source_id=2, parent_id=11),
+    ],
+    geometries=[
+        _geometry(5, 1, 10, 'table', 2, [1.0, 1.0, 0.1], _pose(0.0, 0.0, -0.05)),
+        _geometry(6, 2, 12, 'ball', 1, [0.1], _pose(0.0, 0.0, 0.2)),
+        _geometry(8, 2, 11, 'ring', 1, [0.1], _pose(0.0, 0.0, 0.0)),
+    ],
+)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from conventions.source_tree import ROOT
 
-from drake_geom_ros.ros.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
+from examples.demo.processes import ProcessFailedError, ProcessGroup, ros_environment
 
 
 @pytest.fixture
@@ -105,7 +105,7 @@ def test_an_interrupt_lets_the_client_finish(modules, tmp_path):
 def test_a_parent_that_is_killed_takes_its_processes_along(modules, tmp_path):
     (tmp_path / 'parent.py').write_text(
         'import os, pathlib, sys, time\n'
-        'from drake_geom_ros.ros.demo.processes import ProcessGroup\n'
+        'from examples.demo.processes import ProcessGroup\n'
         'folder = pathlib.Path(sys.argv[1])\n'
         'with ProcessGroup(dict(os.environ)) as processes:\n'
         '    for name in ("node", "client"):\n'

@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from drake_geom_ros.geometry import FramePoseVector, RenderedImages, SceneGraph
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.ros.demo.recording import Approach
 from drake_geom_ros.scene_files import (
     WORLD,
     SceneDescription,
@@ -16,6 +15,7 @@ from drake_geom_ros.scene_files import (
     camera_of,
     register,
 )
+from examples.demo.recording import Approach
 
 
 def draw_camera(description: SceneDescription, moment: Approach, path: Path) -> str:

@@ -10,7 +10,7 @@ import sys
 import pytest
 from ros.harness import ROOT, environment, run_python
 
-DEMO = 'drake_geom_ros.ros.demo'
+DEMO = 'examples.demo'
 PANDA = 'package://example-robot-data/robots/panda_description/urdf/panda_collision.urdf'
 SCENE = f"""\
 robots:
