@@ -20,7 +20,7 @@ CORE = [
 # ROS is no extra: a distribution brings rclpy and messages of its own, compiled for its Python,
 # and drake_geom_msgs is built by colcon. What PyPI has of it is in requirements/ros.txt.
 EXTRAS = {
-    'robots': ['yourdfpy>=0.0.56'],  # forward kinematics: check and query of a URDF, the player
+    'xacro': ['xacro>=2.1'],  # robots written with macros: *.xacro
     'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
     'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion

@@ -24,7 +24,7 @@ from bench.evidence.hard_cases.cases import (
     families,
     load,
 )
-from bench.evidence.hard_cases.judge import Verdict, judged
+from bench.evidence.hard_cases.judge import CaseVerdict, judged
 from bench.evidence.judging.asking import OURS, asking, names
 from bench.evidence.peers import QUERIES
 from drake_geom_ros.cross_check.lost_process import outcomes
@@ -81,7 +81,7 @@ def show(identity: str) -> None:
         for query in QUERIES:
             limit = COMPILING if name == OURS else LIMIT
             for _, outcome in outcomes([case], asking(name, query), limit):
-                verdict: Verdict = judged(case, query, outcome)
+                verdict: CaseVerdict = judged(case, query, outcome)
                 print(f'{name}, {query}: {verdict.verdict} {verdict.text}\n    {outcome.value}')
 
 

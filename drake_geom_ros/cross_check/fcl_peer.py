@@ -58,7 +58,7 @@ def _surface(shape: SolidMesh) -> Any:
     return model
 
 
-class Loaded:
+class FclPeer:
     """FCL as python-fcl offers it: libccd, its tolerance of 1e-6 cannot be set."""
 
     name = 'python-fcl'

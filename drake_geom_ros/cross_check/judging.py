@@ -24,7 +24,7 @@ from drake_geom_ros.cross_check.question import (
     DISAGREED,
     REFUTED,
     SILENT,
-    Question,
+    PairQuestion,
     Verdict,
 )
 from drake_geom_ros.cross_check.surfaces import height, off_surfaces, width
@@ -43,7 +43,7 @@ def allowed_to_others(pair: Pair) -> float:
     return JUDGED_PART * pair.smaller + JUDGED_ROUNDING * (pair.extent + pair.away)
 
 
-def judged(pair: Pair, ours: Question, theirs: PairAnswer | None, library: str) -> Verdict:
+def judged(pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, library: str) -> Verdict:
     """Return the verdict on our answer, given FCL's; None: it reports no contact."""
     tolerance = allowed_to_others(pair)
     low, high = ours.distance - ours.error_bound, ours.distance + ours.error_bound
@@ -91,7 +91,7 @@ def _signed(pair: Pair, low: float, theirs: PairAnswer) -> float:
 
 
 def _is_too_far(
-    pair: Pair, ours: Question, theirs: PairAnswer, reach: float, tolerance: float
+    pair: Pair, ours: PairQuestion, theirs: PairAnswer, reach: float, tolerance: float
 ) -> bool:
     """Return whether bodies are nearer than FCL says, or nothing shows a shorter way out."""
     if ours.distance > 0.0:
@@ -101,7 +101,9 @@ def _is_too_far(
     return _may_be_as_deep(pair, ours, theirs, reach)
 
 
-def _may_be_as_deep(pair: Pair, ours: Question, theirs: PairAnswer | None, reach: float) -> bool:
+def _may_be_as_deep(
+    pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, reach: float
+) -> bool:
     """Return whether no known direction leads out of an overlap sooner: the planes across it."""
     known = [ours.nhat_BA_W, None if theirs is None else _normal(theirs)]
     return all(width(pair.a, pair.b, n) <= reach for n in known if n is not None)

@@ -19,10 +19,10 @@ from drake_geom_ros.cross_check.lost_process import ANSWER, LostProcess
 from drake_geom_ros.cross_check.question import (
     LOST,
     SILENT,
-    Asked,
-    Batch,
+    PairQuestion,
     Pose,
-    Question,
+    QuestionBatch,
+    QuestionedShape,
     Verdict,
 )
 from drake_geom_ros.geometry import MeshFileError
@@ -40,7 +40,7 @@ Bodies = dict[int, Body]
 Ask = Callable[[str, int, int, Pose, Pose, Mapping[int, Body]], Any]
 
 
-def body_of(asked: Asked) -> Body:
+def body_of(asked: QuestionedShape) -> Body:
     """Return a shape of the scene as a body, at the origin."""
     if asked.is_solid:
         vertices, triangles = asked.shape.surface()  # type: ignore[attr-defined]
@@ -65,7 +65,7 @@ class SecondOpinion:
         self._losses: Counter[tuple[int, int]] = Counter()  # processes, by pair
         self._process = LostProcess(lambda: made(dict(self._bodies)))
 
-    def judge(self, batch: Batch) -> list[Verdict]:
+    def judge(self, batch: QuestionBatch) -> list[Verdict]:
         """Return the verdicts on the questions of a batch."""
         if batch.version != self._version:
             self.close()
@@ -79,7 +79,7 @@ class SecondOpinion:
         """End the process."""
         self._process.close()
 
-    def _judged(self, ours: Question) -> Verdict:
+    def _judged(self, ours: PairQuestion) -> Verdict:
         if not self._bodies.keys() >= set(ours.ids):
             return Verdict(SILENT, text='a mesh file cannot be read')
         if self._losses[ours.ids] >= MOST_LOST:
@@ -101,7 +101,7 @@ class SecondOpinion:
             return Verdict(SILENT, text=str(outcome.value))
         return judged(pair, ours, outcome.value, self.library)
 
-    def _asked(self, pair: Pair, ours: Question) -> tuple[str, list[int], list[Pose]]:
+    def _asked(self, pair: Pair, ours: PairQuestion) -> tuple[str, list[int], list[Pose]]:
         """Return what FCL is asked: the query, ids of bodies, and their poses.
 
         FCL's signed distance ends the process for each half space. It can tell a contact with one;
@@ -133,7 +133,7 @@ class _Fcl:
     """What is asked in the process: keeps bodies, and FCL's objects for pairs of them."""
 
     def __init__(self, bodies: Bodies) -> None:
-        peer = fcl_peer.Loaded(None)
+        peer = fcl_peer.FclPeer(None)
         self._bodies = bodies
 
         @functools.lru_cache(maxsize=_PREPARED_PAIRS)

@@ -36,6 +36,7 @@ class NodeParameters:
     stale_after: float = 1.0
     point_threshold: float = 0.1
     use_tf: bool = False
+    use_joint_states: bool = False
     robot_description_topic: str = 'robot_description'
     robot_description_semantic_topic: str = 'robot_description_semantic'
     filter_self_collisions: bool = False
@@ -76,6 +77,10 @@ TEXTS = {
         + _LIVE
     ),
     'use_tf': 'Also take frame poses from /tf and /tf_static; needs tf2_msgs.',
+    'use_joint_states': (
+        'Pose the links of robots by the topic joint_states (sensor_msgs/JointState); a robot of '
+        'a scene file that names a topic of its own is driven by that one anyhow.'
+    ),
     'robot_description_topic': (
         'Topic (std_msgs/String, latched) whose URDF becomes a source of the scene; empty: none.'
     ),

@@ -70,6 +70,8 @@ class PosePlayer(Node):
         for told in scene.warnings:
             self.get_logger().warning(told)
         self._motion = load_motion(trajectory_file or None, scene)
+        for robot, reason in self._motion.left_out.items():
+            self.get_logger().warning(f'{reason}. The links of {robot!r} are not posed')
         self._message = FramePoses(frame_names=_full_names(self._motion))
         self._message.header.frame_id = self._declare('world_frame', 'world')
         topic = self._declare('topic', '/scene_graph/frame_poses')

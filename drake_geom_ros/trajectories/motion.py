@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,11 +19,22 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RobotMotion:
-    """A robot on its base pose X_WB (4, 4), and its joint values over time."""
+    """A robot on its base pose X_WB (4, 4), and its joint values over time.
+
+    ``given`` are the joints that somebody gave values; the others are at rest, and a link below a
+    planar or floating one of them stands nowhere.
+    """
 
     kinematics: Kinematics
     X_WB: Floats
     joint_values: MonotoneCubic
+    given: frozenset[str] = frozenset()
+
+    def moved_links(self) -> list[int]:
+        """Return the rows of the links that are frames of the scene, and stand somewhere."""
+        # A link called as the world is no frame: see scene_files/urdf.py.
+        links = self.kinematics.link_names
+        return [k for k in self.kinematics.placed_links(self.given) if links[k] != WORLD]
 
     def link_transforms(self, t: ArrayLike) -> Floats:
         """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]."""
@@ -59,16 +71,17 @@ class Motion:
         robots: Mapping[str, RobotMotion],
         free: Mapping[Frame, TimedPoses],
         grasps: Sequence[Grasp] = (),
+        left_out: Mapping[str, str] = MappingProxyType({}),
     ):
-        """Raise ValueError for a grasp of or by an unknown frame, or one during another."""
+        """Raise ValueError for a grasp of or by an unknown frame, or one during another.
+
+        ``left_out`` are the robots of the scene that no joint values can pose, and why.
+        """
+        self.left_out = dict(left_out)
         self.robots = dict(robots)
         self.free = dict(free)
         self.grasps = tuple(sorted(grasps, key=lambda g: g.start))
-        # A link called as the world is no frame: see scene_files/urdf.py.
-        self._moving_links = {
-            source: [k for k, link in enumerate(robot.kinematics.link_names) if link != WORLD]
-            for source, robot in self.robots.items()
-        }
+        self._moving_links = {source: r.moved_links() for source, r in self.robots.items()}
         self.frame_names: dict[str, list[str]] = {
             source: [robot.kinematics.link_names[k] for k in self._moving_links[source]]
             for source, robot in self.robots.items()

@@ -32,6 +32,7 @@ from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -45,35 +46,36 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     """Return the motion of a file in a scene; without a file everything stands still.
 
     Robots without waypoints stand at 0, other frames where the scene file says. Frames of which
-    neither file tells a pose are left out, for somebody else to move.
+    neither file tells a pose are left out, for somebody else to move: links below a planar or
+    floating joint without values, and robots whose URDF is not a tree of joints that are known,
+    which are named in ``Motion.left_out``.
     Raises SceneFileError, naming file, line and key, for a file that is not of the form above,
-    names what the scene has not, or drives a joint beyond its limits; and for a URDF that is not
-    a tree of simple joints.
+    names what the scene has not, drives a joint beyond its limits, or a robot that is left out.
     """
-    robots = {robot.name: robot for robot in scene.robots if robot.urdf is not None}
-    urdfs = {robot.urdf for robot in robots.values()}
-    kinematics: dict[Path | None, Kinematics] = {
-        urdf: _kinematics(urdf) for urdf in urdfs if urdf is not None
-    }
+    X_WBs = {r.name: r.X_WB.GetAsMatrix4() for r in scene.robots if r.urdf is not None}
+    arms, left_out = _arms(scene)
     document = _read(path)
     curves: dict[str, MonotoneCubic] = {}
+    given: dict[str, frozenset[str]] = {}
     grasps: list[Mapping[str, Any]] = []
     if isinstance(document, Document):
         reader = _Reader(document)
-        curves = reader.curves({name: kinematics[r.urdf] for name, r in robots.items()})
+        curves, given = reader.curves(arms, left_out), reader.joints()
         grasps, timed = reader.grasps(), reader.frames()
     else:
         timed = document
-    motions = {}
-    for name, robot in robots.items():
-        arm = kinematics[robot.urdf]
-        curve = curves.get(name) or _rest(arm)
-        motions[name] = RobotMotion(arm, robot.X_WB.GetAsMatrix4(), curve)
+    motions = {
+        name: RobotMotion(
+            *(arm, X_WBs[name], curves.get(name) or _rest(arm)),
+            given=given.get(name, frozenset()),
+        )
+        for name, arm in arms.items()
+    }
     try:
         names = _names(scene, motions)
         free = {_found(names, text): poses for text, poses in timed.items()}
         held = [_grasp(scene, names, grasp) for grasp in grasps]
-        return Motion(motions, {**_still(scene), **free}, held)
+        return Motion(motions, {**_still(scene), **free}, held, left_out)
     except ValueError as error:
         raise SceneFileError(str(error), str(path)) from error
 
@@ -81,18 +83,32 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
 def adjacent_links(scene: SceneDescription) -> list[tuple[str, str]]:
     """Return the two links of every joint of a scene's robots, as ``source::frame``."""
     return [
-        (full_name((robot.name, parent)), full_name((robot.name, child)))
+        (full_name((robot.name, joint.parent)), full_name((robot.name, joint.child)))
         for robot in scene.robots
         if robot.urdf is not None
-        for parent, child in _kinematics(robot.urdf).joined_links
+        for joint in read_link_tree(robot.urdf).joints
     ]
 
 
-def _kinematics(urdf: Path) -> Kinematics:
-    try:
-        return Kinematics(str(urdf))
-    except ValueError as error:
-        raise SceneFileError(str(error), str(urdf)) from error
+def _arms(scene: SceneDescription) -> tuple[dict[str, Kinematics], dict[str, str]]:
+    """Return the robots that joint values can pose, and of the others why they cannot."""
+    read: dict[Path, Kinematics | str] = {}
+    arms: dict[str, Kinematics] = {}
+    left_out: dict[str, str] = {}
+    for robot in scene.robots:
+        if robot.urdf is None:
+            continue
+        if robot.urdf not in read:
+            try:
+                read[robot.urdf] = Kinematics(str(robot.urdf))
+            except ValueError as error:
+                read[robot.urdf] = str(error)
+        found = read[robot.urdf]
+        if isinstance(found, str):
+            left_out[robot.name] = found
+        else:
+            arms[robot.name] = found
+    return arms, left_out
 
 
 def _still(scene: SceneDescription) -> dict[Frame, TimedPoses]:
@@ -163,10 +179,18 @@ class _Reader:
         """Return a part of the file; nothing where it is left out or left empty."""
         return self._document.value.get(key) or {}
 
-    def curves(self, kinematics: Mapping[str, Kinematics]) -> dict[str, MonotoneCubic]:
+    def joints(self) -> dict[str, frozenset[str]]:
+        """Return the joints that the file moves, of each robot."""
+        return {name: frozenset(e['joints']) for name, e in self._part('robots').items()}
+
+    def curves(
+        self, kinematics: Mapping[str, Kinematics], left_out: Mapping[str, str]
+    ) -> dict[str, MonotoneCubic]:
         """Return the joint curves of every robot that the file moves."""
         curves = {}
         for name, entry in self._part('robots').items():
+            if name in left_out:
+                raise self._error(left_out[name], 'robots', name)
             if name not in kinematics:
                 there = ', '.join(kinematics) or 'none'
                 raise self._error(

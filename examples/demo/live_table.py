@@ -2,7 +2,7 @@
 
 from typing import TextIO
 
-from examples.demo.recording import Pairs, Recording, percentiles
+from examples.demo.recording import RecordedPairs, Recording, percentiles
 
 _WIDTH = 78
 _SHOWN = 4
@@ -37,7 +37,7 @@ def _times(name: str, seconds: list[float]) -> str:
     return name.ljust(_WIDTH - 40) + f'p50 {p50 * 1e3:8.2f} ms    p99 {p99 * 1e3:8.2f} ms'
 
 
-def _pair_lines(recording: Recording, latest: Pairs | None) -> list[str]:
+def _pair_lines(recording: Recording, latest: RecordedPairs | None) -> list[str]:
     """Return the closest pairs of bodies, padded so that the table does not jump."""
     rows = []
     if latest is not None:

@@ -20,7 +20,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Pairs:
+class RecordedPairs:
     """The closest pairs of one result, closest first; times are stamps [s].
 
     Of each two things (links, objects) the closest geometries only. ``between`` [m] is the
@@ -76,7 +76,7 @@ class Recording:
     scene: SceneTable
     robots: tuple[str, ...] = ()  # their sources; the closest moment of the first two is pictured
     max_distance: float = float('inf')  # [m] pairs farther apart were not reported
-    pairs: list[Pairs] = field(default_factory=list)
+    pairs: list[RecordedPairs] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
     changes: list[FilterChange] = field(default_factory=list)
     cycle_seconds: list[float] = field(default_factory=list)
@@ -113,7 +113,7 @@ class Recording:
         if not self.pairs:
             self.start = time
         self.pairs.append(
-            Pairs(
+            RecordedPairs(
                 time,
                 id_a[closest],
                 id_b[closest],

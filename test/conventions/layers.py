@@ -84,7 +84,7 @@ _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
     'ros/scene': ((*_HELD, 'geometry/render'), ('numpy',)),
-    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
+    'ros/inputs': ((*_HELD, 'trajectories', 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
         (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
         ('numpy', 'ROS'),
@@ -114,11 +114,11 @@ LAYERS = {
     **GEOMETRY_ROOMS,
     'scene_files': (
         ('math', 'common', 'sensors', 'geometry', 'scene_files'),
-        ('numpy', 'yaml', 'lxml', 'jsonschema'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
-        ('numpy', 'yaml', 'yourdfpy'),
+        ('numpy', 'yaml'),
     ),
     'batch': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),

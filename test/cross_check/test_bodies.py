@@ -13,6 +13,7 @@ from bench.evidence.bodies.grids import L, solid
 from bench.evidence.bodies.random_bodies import random_body, random_rotation
 from drake_geom_ros.cross_check.bodies import BOUNDED, PRIMITIVES, Body, Pair
 from drake_geom_ros.cross_check.surfaces import height, support_value, width
+from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.meshes._solids import merged, volume
 
 
@@ -24,8 +25,8 @@ def body(kind):
 def test_the_shape_is_that_of_the_truth(kind):
     number, parameters = body(kind).form
     shape = body(kind).shape
-    assert shape._type_number() == (8 if kind == 'Mesh' else number)
-    ours = shape._kernel_parameters()
+    counts_as, ours = shape._for_queries().in_pairs
+    assert counts_as == (CONVEX if kind == 'Mesh' else number)
     if kind in ('Convex', 'Mesh'):  # the hull may order its vertices anew
         end = 1 + 3 * int(parameters[0])
         ours, parameters = (np.sort(x[1:end].reshape(3, -1), axis=1) for x in (ours, parameters))

@@ -126,12 +126,13 @@ def test_a_missing_file_is_refused_by_name(tmp_path):
         load_motion(tmp_path / 'absent.yaml', SCENE)
 
 
-def test_a_urdf_that_cannot_be_played_is_refused_by_name(tmp_path):
+def test_a_urdf_that_is_no_tree_is_left_out_by_name(tmp_path):
     urdf = tmp_path / 'odd.urdf'
     urdf.write_text('<robot name="odd"><link name="a"/><link name="b"/></robot>')
     robot = RobotDescription('odd', urdf, RigidTransform())
-    with pytest.raises(SceneFileError, match=r'odd.urdf: .*one tree'):
-        load_motion(None, dataclasses.replace(SCENE, robots=(robot,)))
+    motion = load_motion(None, dataclasses.replace(SCENE, robots=(robot,)))
+    assert 'odd' not in motion.robots
+    assert 'one tree' in motion.left_out['odd']
 
 
 def test_adjacent_links_are_those_of_the_joints():
@@ -161,3 +162,41 @@ frames:
     path.write_text(f"frames:\n  'o::p::q':{rows}")
     with pytest.raises(SceneFileError, match=r"'p::q' of source 'o' and 'q' of"):
         load_motion(path, scene)
+
+
+BASE = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="j" type="{}"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>"""
+
+
+def _mobile(tmp_path, kind, joints):
+    (tmp_path / 'r.urdf').write_text(BASE.format(kind))
+    scene = SceneDescription(
+        robots=(RobotDescription('r', tmp_path / 'r.urdf', RigidTransform()),),
+        frames=tuple(FrameDescription('r', name) for name in 'abc'),
+    )
+    if not joints:
+        return load_motion(None, scene)
+    path = tmp_path / 'motion.yaml'
+    values = ', '.join(['1.5'] * len(joints))
+    path.write_text(
+        f'robots: {{r: {{joints: [{", ".join(joints)}], waypoints: [{{at: 0, q: [{values}]}}, '
+        f'{{at: 1, q: [{values}]}}]}}}}'
+    )
+    return load_motion(path, scene)
+
+
+def test_links_below_a_planar_joint_move_when_all_its_values_are_given(tmp_path):
+    for joints in ([], ['k'], ['j/x', 'j/y']):
+        assert _mobile(tmp_path, 'planar', joints).frame_names == {'r': ['a']}
+    motion = _mobile(tmp_path, 'planar', ['j/x', 'j/y', 'j/theta'])
+    assert motion.frame_names == {'r': ['a', 'b', 'c']}
+    assert motion.poses(0.5)['r'][2, :2].tolist() == pytest.approx([1.5, 1.5])
+
+
+def test_a_robot_that_no_joint_values_pose_is_left_out_and_named(tmp_path):
+    motion = _mobile(tmp_path, 'screw', [])
+    assert motion.frame_names == {}
+    assert "joint j has type 'screw'" in motion.left_out['r']
+    with pytest.raises(SceneFileError, match=r'motion.yaml:1: robots.r: .*joint j has type'):
+        _mobile(tmp_path, 'screw', ['k'])

@@ -6,7 +6,7 @@ from viewing.scenes import local_scene
 
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion
-from drake_geom_ros.viewing.joints import Joints
+from drake_geom_ros.viewing.joints import JointSliders
 
 URDF = """
 <robot name="arm">
@@ -24,11 +24,10 @@ URDF = """
 
 @pytest.fixture
 def arm(tmp_path):
-    pytest.importorskip('yourdfpy', reason='moves links')
     (tmp_path / 'arm.urdf').write_text(URDF)
     text = f'robots: [{{name: r, urdf: {tmp_path}/arm.urdf, pose: {{position: [0, 0, 1]}}}}]\n'
     shown = local_scene(text)
-    return shown, Joints(load_motion(None, read_scene(text)).robots, shown.frames)
+    return shown, JointSliders(load_motion(None, read_scene(text)).robots, shown.frames)
 
 
 def test_joints_have_their_limits(arm):

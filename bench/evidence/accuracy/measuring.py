@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.evidence import peers
 from bench.evidence.accuracy.cases import ShapePair, Subject
-from bench.evidence.accuracy.peer_process import ANSWERED, MISSED, Answer, PeerProcess
+from bench.evidence.accuracy.peer_process import ANSWERED, MISSED, PeerAnswer, PeerProcess
 from bench.evidence.accuracy.results import OURS, Measured, Setting
 from bench.evidence.bodies.random_bodies import random_rotations
 from bench.evidence.hard_cases.cases import Case
@@ -61,7 +61,7 @@ class _Query:
             [Measured(subject.name, subject.family, query, setting) for setting in settings]
             for settings in (mine, [rival.setting for rival in rivals])
         )
-        self.outcomes: list[list[tuple[int, Case, Answer]]] = [[] for _ in rivals]
+        self.outcomes: list[list[tuple[int, Case, PeerAnswer]]] = [[] for _ in rivals]
 
 
 class Measurement:

@@ -27,7 +27,7 @@ MISSED = 'missed'  # no penetration reported
 NOT_ASKED = 'not asked'  # after too many lost processes
 
 
-class Answer(NamedTuple):
+class PeerAnswer(NamedTuple):
     """What became of a question; ``distance`` [m] is NaN without an answer."""
 
     verdict: str
@@ -53,13 +53,13 @@ class PeerProcess:
         self._samples += samples
         self._keep('give', samples)
 
-    def answer(self, query: str, tolerance: float | None, index: int) -> Answer:
+    def answer(self, query: str, tolerance: float | None, index: int) -> PeerAnswer:
         """Return what the peer says to a sample, with its own settings or one tolerance."""
         if self._lost[query] >= MOST_LOST:
-            return Answer(NOT_ASKED)
+            return PeerAnswer(NOT_ASKED)
         outcome = self._ask(self._limit, 'answer', query, tolerance, index)
         self._lost[query] += outcome.is_lost
-        answer: Answer = outcome.value if outcome.end == ANSWER else Answer(outcome.end)
+        answer: PeerAnswer = outcome.value if outcome.end == ANSWER else PeerAnswer(outcome.end)
         return answer
 
     def seconds(
@@ -111,15 +111,17 @@ class _Server:
     def give(self, samples: Sequence[Pair]) -> None:
         self._samples += samples
 
-    def answer(self, query: str, tolerance: float | None, index: int) -> Answer:
+    def answer(self, query: str, tolerance: float | None, index: int) -> PeerAnswer:
         sample = self._samples[index]
         try:
             found = self._ask(query, tolerance, index)(sample.a.pose, sample.b.pose)
         except peers.Unsupported:
-            return Answer(UNSUPPORTED)
+            return PeerAnswer(UNSUPPORTED)
         if found is None:
-            return Answer(MISSED)
-        return Answer(ANSWERED if math.isfinite(found.distance) else NAN, float(found.distance))
+            return PeerAnswer(MISSED)
+        return PeerAnswer(
+            ANSWERED if math.isfinite(found.distance) else NAN, float(found.distance)
+        )
 
     def time(
         self, query: str, tolerance: float | None, indices: Sequence[int], turns: Floats

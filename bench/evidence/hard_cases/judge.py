@@ -24,7 +24,7 @@ from drake_geom_ros.cross_check.surfaces import off_surfaces
 VERDICTS = ('pass', 'wrong', 'NaN', 'exception', 'crash', 'hang', 'unsupported')
 
 
-class Verdict(NamedTuple):
+class CaseVerdict(NamedTuple):
     """One of VERDICTS, what was wrong, and by how much of what is allowed."""
 
     verdict: str
@@ -32,21 +32,21 @@ class Verdict(NamedTuple):
     excess: float = 0.0
 
 
-def judged(case: Case, query: str, outcome: Outcome) -> Verdict:
+def judged(case: Case, query: str, outcome: Outcome) -> CaseVerdict:
     """Return the verdict on how a question about a case ended."""
     if outcome.end == EXCEPTION:
         kind = 'unsupported' if isinstance(outcome.value, Unsupported) else 'exception'
-        return Verdict(kind, str(outcome.value).strip().split('\n')[0][:80])
+        return CaseVerdict(kind, str(outcome.value).strip().split('\n')[0][:80])
     if outcome.end != ANSWER:
-        return Verdict(outcome.end, str(outcome.value))
+        return CaseVerdict(outcome.end, str(outcome.value))
     off = allowed_to_others(case) + case.tolerance
     if outcome.value is None:
         depth = max(-case.distance, 0.0)
         if depth <= off:
-            return Verdict('pass')
-        return Verdict('wrong', f'no contact for {-depth:.6g}', depth / off)
+            return CaseVerdict('pass')
+        return CaseVerdict('wrong', f'no contact for {-depth:.6g}', depth / off)
     if query == PENETRATION and case.distance > off:
-        return Verdict('wrong', f'contact for {case.distance:.6g}', case.distance / off)
+        return CaseVerdict('wrong', f'contact for {case.distance:.6g}', case.distance / off)
     return _of_answer(case, outcome.value, off)
 
 
@@ -60,25 +60,25 @@ def _may_be(case: Case, nhat_BA_W: Floats, off: float) -> bool:
     return laws.lacking(case, case.distance, nhat_BA_W) <= off + JUDGED_UNIT * case.extent
 
 
-def _of_answer(case: Case, answer: PairAnswer, off: float) -> Verdict:
+def _of_answer(case: Case, answer: PairAnswer, off: float) -> CaseVerdict:
     given = [x for x in (answer.nhat_BA_W, answer.p_WCa, answer.p_WCb) if x is not None]
     if not (math.isfinite(answer.distance) and np.isfinite(given).all()):
         what = 'distance' if not math.isfinite(answer.distance) else 'normal or witness'
-        return Verdict('NaN', what)
+        return CaseVerdict('NaN', what)
     error = abs(answer.distance - case.distance)
     if not error <= off:
         text = f'{answer.distance:.6g} for {case.distance:.6g}'
-        return Verdict('wrong', text, error / off)
+        return CaseVerdict('wrong', text, error / off)
     if answer.nhat_BA_W is not None:
         if laws.off_unit(answer.nhat_BA_W) > JUDGED_UNIT:
             length = math.hypot(*answer.nhat_BA_W)
-            return Verdict('wrong', f'normal of length {length:.3g}', 1.0)
+            return CaseVerdict('wrong', f'normal of length {length:.3g}', 1.0)
         if not _may_be(case, answer.nhat_BA_W, off):
             shown = ', '.join(f'{x:.3g}' for x in answer.nhat_BA_W)
-            return Verdict('wrong', f'normal ({shown})', 1.0)
+            return CaseVerdict('wrong', f'normal ({shown})', 1.0)
     if answer.p_WCa is not None and answer.p_WCb is not None:
         gap = abs(math.hypot(*(answer.p_WCa - answer.p_WCb)) - abs(case.distance))
         aside = max(gap, off_surfaces(case, answer.p_WCa, answer.p_WCb))
         if not aside <= 2.0 * off:
-            return Verdict('wrong', f'witness points off by {aside:.2g} m', aside / off)
-    return Verdict('pass')
+            return CaseVerdict('wrong', f'witness points off by {aside:.2g} m', aside / off)
+    return CaseVerdict('pass')

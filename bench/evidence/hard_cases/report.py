@@ -8,13 +8,13 @@ from collections import Counter
 from collections.abc import Iterable
 
 from bench.evidence.hard_cases.cases import Case
-from bench.evidence.hard_cases.judge import VERDICTS, Verdict
+from bench.evidence.hard_cases.judge import VERDICTS, CaseVerdict
 from bench.evidence.judging.asking import OURS
 from bench.evidence.pages import table
 from bench.evidence.peers import QUERIES, version
 
 # By side, query and case.
-Results = dict[tuple[str, str, str], Verdict]
+Results = dict[tuple[str, str, str], CaseVerdict]
 EXAMPLES = 8  # of each peer
 EXTREMES = 'extremes'  # the family of sizes that no user has
 HOW = """A case passes when its distance is right within a thousandth of the smaller body's radius
@@ -58,7 +58,7 @@ REPRODUCE = """    ./run hard-cases                  # everything; also writes t
     ./run hard-cases --case H01       # one case: poses with full digits, and all answers"""
 
 
-def counted(verdicts: Iterable[Verdict]) -> Counter[str]:
+def counted(verdicts: Iterable[CaseVerdict]) -> Counter[str]:
     """Return how often each verdict was given."""
     return Counter(verdict.verdict for verdict in verdicts)
 

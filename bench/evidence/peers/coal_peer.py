@@ -55,7 +55,7 @@ def _surface(shape: SolidMesh) -> Any:
     return model
 
 
-class Loaded:
+class CoalPeer:
     """Coal with its own settings, or with one tolerance for both GJK and EPA."""
 
     name = 'Coal'

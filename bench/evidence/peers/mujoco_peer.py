@@ -41,7 +41,7 @@ def add_geom(spec: Any, body: Any, shape: Shape, name: str) -> Any:
     return geom
 
 
-class Loaded:
+class MuJoCoPeer:
     """MuJoCo with its own settings, or with another tolerance for convex pairs."""
 
     name = 'MuJoCo'

@@ -28,7 +28,7 @@ def drake_shape(shape: Shape) -> Any:
     return getattr(geometry, kind_of(shape))(*measures(shape))
 
 
-class Loaded:
+class PydrakePeer:
     """pydrake's ComputeSignedDistancePairClosestPoints and ComputePointPairPenetration."""
 
     name = 'pydrake'

@@ -9,17 +9,20 @@ from typing import NamedTuple, cast
 from drake_geom_ros.cross_check.answers import Peer, Unsupported
 
 
-class _Entry(NamedTuple):
+class _PeerEntry(NamedTuple):
     module: str  # what is imported
     distribution: str  # what is installed
-    adapter: str  # module with a class Loaded
+    adapter: str  # module with its class
+    made_by: str  # that class
 
 
 _PEERS = {
-    'pydrake': _Entry('pydrake', 'drake', 'bench.evidence.peers.pydrake_peer'),
-    'python-fcl': _Entry('fcl', 'python-fcl', 'drake_geom_ros.cross_check.fcl_peer'),
-    'Coal': _Entry('coal', 'coal', 'bench.evidence.peers.coal_peer'),
-    'MuJoCo': _Entry('mujoco', 'mujoco', 'bench.evidence.peers.mujoco_peer'),
+    'pydrake': _PeerEntry('pydrake', 'drake', 'bench.evidence.peers.pydrake_peer', 'PydrakePeer'),
+    'python-fcl': _PeerEntry(
+        'fcl', 'python-fcl', 'drake_geom_ros.cross_check.fcl_peer', 'FclPeer'
+    ),
+    'Coal': _PeerEntry('coal', 'coal', 'bench.evidence.peers.coal_peer', 'CoalPeer'),
+    'MuJoCo': _PeerEntry('mujoco', 'mujoco', 'bench.evidence.peers.mujoco_peer', 'MuJoCoPeer'),
 }
 
 
@@ -51,10 +54,10 @@ def load(name: str, tolerance: float | None = None) -> Peer:
     if find_spec(entry.module) is None:
         raise Unsupported(_absent(name))
     adapter = import_module(entry.adapter)
-    return cast(Peer, adapter.Loaded(tolerance))
+    return cast(Peer, getattr(adapter, entry.made_by)(tolerance))
 
 
-def _entry(name: str) -> _Entry:
+def _entry(name: str) -> _PeerEntry:
     if name not in _PEERS:
         raise Unsupported(f'no peer is called {name!r}; there are: {", ".join(_PEERS)}')
     return _PEERS[name]

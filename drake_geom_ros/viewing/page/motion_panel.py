@@ -14,7 +14,7 @@ from drake_geom_ros.common.frame_names import FrameNames
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_rotations
-from drake_geom_ros.viewing.joints import Joint, Joints
+from drake_geom_ros.viewing.joints import JointSlider, JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.plot import plot
 from drake_geom_ros.viewing.timeline import Timeline, least_distances
@@ -34,7 +34,7 @@ class MotionPanel:
         server: Any,
         scene: LocalScene,
         touch: Callable[[], None],
-        joints: Joints | None,
+        joints: JointSliders | None,
         timeline: Timeline | None,
     ) -> None:
         """``touch()`` is called when another picture is due."""
@@ -43,7 +43,7 @@ class MotionPanel:
         self._lock = threading.RLock()  # of the joint values and the time
         self._following: int | None = None  # the thread that moves sliders by itself
         self._last = 0.0  # [s] of the steady clock, when the motion was last moved on
-        self.sliders: dict[Joint, Any] = {}
+        self.sliders: dict[JointSlider, Any] = {}
         if timeline is not None:
             self._add_timeline(server.gui, timeline)
         if joints is not None and joints.all():
@@ -124,7 +124,7 @@ class MotionPanel:
 
     # Joints.
 
-    def _add_joints(self, gui: Any, joints: Joints) -> None:
+    def _add_joints(self, gui: Any, joints: JointSliders) -> None:
         folders: dict[str, Any] = {}
         for joint in joints.all():
             if joint.robot not in folders:
@@ -138,7 +138,7 @@ class MotionPanel:
             slider.on_update(partial(self._joint_moved, joint))
             self.sliders[joint] = slider
 
-    def _joint_moved(self, joint: Joint, event: Any) -> None:
+    def _joint_moved(self, joint: JointSlider, event: Any) -> None:
         if self._following == threading.get_ident():
             return
         assert self._joints is not None

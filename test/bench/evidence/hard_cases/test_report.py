@@ -7,19 +7,19 @@ from oracles.hard_cases.construct import body, case
 
 from bench.evidence.hard_cases import report
 from bench.evidence.hard_cases.cases import load
-from bench.evidence.hard_cases.judge import Verdict
+from bench.evidence.hard_cases.judge import CaseVerdict
 
 ONE = replace(case('cubes', body('Box', (1, 1, 1)), body('Sphere', (1,), None, (3, 0, 0))),
               id='one', family='near', source='a thread')  # fmt: skip
 TWO = replace(ONE, id='two', family='far')
 RESULTS = {
-    (name, query, one.id): Verdict('pass')
+    (name, query, one.id): CaseVerdict('pass')
     for name in ('ours', 'Peer')
     for query in ('signed_distance', 'penetration')
     for one in (ONE, TWO)
 } | {
-    ('Peer', 'signed_distance', 'two'): Verdict('wrong', '4 for 2', 20.0),
-    ('Peer', 'penetration', 'one'): Verdict('unsupported', 'no spheres'),
+    ('Peer', 'signed_distance', 'two'): CaseVerdict('wrong', '4 for 2', 20.0),
+    ('Peer', 'penetration', 'one'): CaseVerdict('unsupported', 'no spheres'),
 }
 
 

@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
-class Posed(NamedTuple):
+class PosedWorld(NamedTuple):
     """The shapes and where they were when a query was answered."""
 
     ids: Indices  # (n,) of the geometries, ascending
@@ -24,8 +24,8 @@ class Posed(NamedTuple):
     p_WFs: Floats  # (nf, 3) [m]
 
 
-class Moment:
-    """What ``Posed`` tells of a world that moves on: of what moves, a copy, once it is needed.
+class KeptPoses:
+    """A ``PosedWorld`` that moves on: of what moves, a copy is made once it is needed.
 
     Hardly anybody asks for derivatives, and most results are gone when the next poses come. So the
     world has a copy made before anything moves, if a result still refers to this.
@@ -33,16 +33,16 @@ class Moment:
 
     __slots__ = ('__weakref__', '_kept', '_now')
 
-    def __init__(self, now: Posed) -> None:
+    def __init__(self, now: PosedWorld) -> None:
         """Refer to where everything is; the tables of shapes never change."""
         self._now = now
-        self._kept: Posed | None = None
+        self._kept: PosedWorld | None = None
 
     def is_kept(self) -> bool:
         """Tell whether there is a copy, which later poses do not change."""
         return self._kept is not None
 
-    def keep(self) -> Posed:
+    def keep(self) -> PosedWorld:
         """Return the shapes as they are now, or were when this was first asked."""
         if self._kept is None:
             R_WGs, p_WFs = self._now.R_WGs.copy(), self._now.p_WFs.copy()

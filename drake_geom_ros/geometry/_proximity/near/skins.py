@@ -1,4 +1,4 @@
-"""The boxes for which a neighbour list stands: of each body, with a margin for next updates."""
+"""The boxes for which a neighbour list stands: of each body, with a skin for next updates."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from drake_geom_ros.geometry._proximity.near.arrays import CHECKED_AT, MADE_AT
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.world.pose_update import PACE
 
-UPDATES_AHEAD = 16.0  # that a margin is made for; fewer lists, more pairs to look at
-WIDEST_MARGIN = 0.5  # of a body's radius
-LEAST_AHEAD = 4.0  # updates that a margin has to last: it costs as much as a list or two
+UPDATES_AHEAD = 16.0  # that a skin is made for; fewer lists, more pairs to look at
+WIDEST_SKIN = 0.5  # of a body's radius
+LEAST_AHEAD = 4.0  # updates that a skin has to last: it costs as much as a list or two
 PATIENCE = 64  # updates without a move after which a body counts as resting
 
 
@@ -32,31 +32,31 @@ def somebody_left(near, world, revision):  # type: ignore[no-untyped-def]
 
 @inlined
 def _lasts(world, g):  # type: ignore[no-untyped-def]
-    """Tell whether a margin of a body lasts for a while, as it moved lately."""
-    return world.kept[g, PACE] * LEAST_AHEAD <= WIDEST_MARGIN * world.outer[g]
+    """Tell whether the skin of a body lasts for a while, as it moved lately."""
+    return world.kept[g, PACE] * LEAST_AHEAD <= WIDEST_SKIN * world.outer[g]
 
 
 @inlined
-def _set_box(near, world, g, with_margin, distance):  # type: ignore[no-untyped-def]
-    """Set the margin and the padding of a body, and the box that it is to stay in."""
-    margin = 0.0
-    if with_margin and near.active[g] and _lasts(world, g):
-        margin = min(UPDATES_AHEAD * world.kept[g, PACE], WIDEST_MARGIN * world.outer[g])
-    near.paddings[g] = margin + 0.5 * distance
+def _set_box(near, world, g, with_skin, cutoff):  # type: ignore[no-untyped-def]
+    """Set the skin and the padding of a body, and the box that it is to stay in."""
+    skin = 0.0
+    if with_skin and near.active[g] and _lasts(world, g):
+        skin = min(UPDATES_AHEAD * world.kept[g, PACE], WIDEST_SKIN * world.outer[g])
+    near.paddings[g] = skin + 0.5 * cutoff
     for c in range(3):
-        p, side = world.p_WGs[g, c], world.half_extents[g, c] + margin
+        p, side = world.p_WGs[g, c], world.half_extents[g, c] + skin
         near.lowers[g, c], near.uppers[g, c] = p - side, p + side
 
 
 @inlined
-def set_boxes(near, world, revision, distance, every):  # type: ignore[no-untyped-def]
-    """Wake up who has moved since the list was made, and set margins.
+def set_boxes(near, world, revision, cutoff, every):  # type: ignore[no-untyped-def]
+    """Wake up who has moved since the list was made, and set skins.
 
-    Where one is too fast for a margin to last, nobody gets one.
+    Where one is too fast for a skin to last, nobody gets one.
 
     Return how many are active, and how many of them have rested for some time. ``lowers`` and
-    ``uppers`` get the boxes for which the next list stands, ``paddings`` margins and half the
-    distance [m], of those that are not anchored or of ``every`` body. ``rows`` begins with the
+    ``uppers`` get the boxes for which the next list stands, ``paddings`` skins and half the
+    cutoff [m], of those that are not anchored or of ``every`` body. ``rows`` begins with the
     active ones.
     """
     count, idle, fast, made = 0, 0, 0, near.numbers[MADE_AT]
@@ -72,9 +72,9 @@ def set_boxes(near, world, revision, distance, every):  # type: ignore[no-untype
             fast += not _lasts(world, g)
     if every or 2 * movable.size > near.active.size:
         for g in range(near.active.size):  # in order, which takes half as long
-            _set_box(near, world, g, fast == 0, distance)
+            _set_box(near, world, g, fast == 0, cutoff)
     else:
         for k in range(movable.size):
-            _set_box(near, world, movable[k], fast == 0, distance)
+            _set_box(near, world, movable[k], fast == 0, cutoff)
     near.numbers[MADE_AT] = near.numbers[CHECKED_AT] = revision
     return count, idle
