@@ -208,25 +208,47 @@ def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-
 
 @inlined
 def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
-    """Tell whether an answer is within reach; of bounds alone, whether it may be."""
-    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[GAP]) else 0.0)
+    """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
+
+    What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
+    certified that the pair is beyond the cutoff.
+    """
+    alone = math.isinf(out[GAP])
+    least = out[DISTANCE] - out[ERROR_BOUND]
     if penetrating:
-        return distance < -TOUCHING_DEPTH * size
-    return distance <= cutoff
+        return (least if alone else out[DISTANCE]) < -TOUCHING_DEPTH * size
+    return least <= cutoff and (alone or out[METHOD] != BOUND_ONLY)
 
 
 @inlined
-def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ignore[no-untyped-def]
-    """Add the rounding of a pair's poses to its bound and return it [m]; count a wide bound.
+def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped-def]
+    """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
     """
-    extent = size + apart(p_WGs, a, b)
-    kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+    kept = tolerance + PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
-    rounding = rounding_of_pair(a, b, extent, roundings)
+    counts[BY_METHOD + int(out[METHOD])] += 1
     out[ERROR_BOUND] += rounding
-    return rounding
+
+
+@inlined
+def _beyond(cutoff, size, rounding):  # type: ignore[no-untyped-def]
+    """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
+    return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
+
+
+@inlined
+def _recall(out, gap, type_a, type_b):  # type: ignore[no-untyped-def]
+    """Forget the normal from which a kernel would start, where it is not this level's.
+
+    So what one level was asked changes no digit of what another answers. With solids a kernel
+    starts from nothing: which leaves are looked at would depend on it.
+    """
+    solid = type_a == SOLID or type_b == SOLID
+    if solid or (out[GAP] != gap and out[GAP] > -math.inf):
+        for c in range(3):
+            out[NORMAL + c] = 0.0
 
 
 @allocating
@@ -265,9 +287,9 @@ def answer_pairs(  # type: ignore[no-untyped-def]
             counts[FAR] += 1
             continue
         size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
-        rests = latest <= out[SEEN] and 0.0 <= out[GAP] <= gap < math.inf
-        # What stopped at a cutoff says enough about smaller ones only.
-        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff):
+        rests = latest <= out[SEEN] and out[GAP] == gap < math.inf
+        # What stopped at a cutoff says enough about smaller ones only, and so does its slack.
+        if rests and (out[METHOD] != BOUND_ONLY or out[SLACK] - travelled > cutoff):
             counts[CACHED] += 1
         else:
             least = -math.inf
@@ -281,17 +303,19 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
+                extent, tolerance = size + apart(p_WGs, a, b), tolerance_of_pair(gap, a, b, outer)
+                rounding = rounding_of_pair(a, b, extent, roundings)
                 if math.isinf(gap):
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
-                    aim = Aim(size, tolerance_of_pair(gap, a, b, outer), cutoff)
+                    _recall(out, gap, types[a], types[b])
                     shapes = Shapes(types, starts, pool)
+                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
                     _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
-                rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
+                _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(gap):
                     raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
                 out[SEEN], out[GAP] = revision, gap
-                counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, gap, size, rounding)
             else:
                 counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
