@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from oracles.solids import surface_of
 
-from drake_geom_ros.evidence.bodies.grids import surface
+from bench.evidence.bodies.grids import surface
 from drake_geom_ros.geometry import (
     Box,
     GeometryInstance,

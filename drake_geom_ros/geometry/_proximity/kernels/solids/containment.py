@@ -8,12 +8,15 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap, nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
+    nearest,
+    separation_of_leaves,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import middle_of
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     NO_TREE,
-    Body,
     Solid,
+    TreeBody,
     first_of_leaf,
     middle_of_triangle,
     normal_of,
@@ -41,7 +44,7 @@ FIRST_NORMAL = (1.0, 0.0, 0.0)  # where GJK begins when nothing is known
 @allocating
 def depth_in_solid(B, q, size):
     """Return how deep q lies in B [m], negative outside."""
-    point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
+    point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
     distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
     return distance if is_inside(B.shape, B.tree, q) else -distance
 
@@ -53,18 +56,21 @@ def point_beneath(shape, tree, j, depth):
 
 
 @compiled
-def is_leaf_within(A, i, B, j, p, size, reach):
+def is_leaf_within(A, i, B, j, p, size, cutoff):
     """Tell whether, of leaves of A and B, triangles that touch lie in the other body.
 
-    Those touch that are not proven to be farther apart than ``reach``. Walls in line may hide that
-    a triangle is in the other body: what lies just beneath its middle tells.
+    Those touch that are not proven to be farther apart than ``cutoff``. Walls in line may hide
+    that a triangle is in the other body: what lies just beneath its middle tells.
     """
     depth, touching = BENEATH * size, 0
     first, last = first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)
     for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
         mine = 0
         for m in range(first, last):
-            if leaf_gap(A, k, B, m, p, FIRST_NORMAL, size, 0.0, reach).end != BEYOND_CUTOFF:
+            if (
+                separation_of_leaves(A, k, B, m, p, FIRST_NORMAL, size, 0.0, cutoff).end
+                != BEYOND_CUTOFF
+            ):
                 mine |= 1 << (m - first)
         touching |= mine
         if mine != 0:
@@ -85,13 +91,13 @@ def are_flush(A, B, p, size):
 
     All that touch are asked, however many they are: a bump may hide in a thousand that lie flush.
     """
-    reach = FLUSH * ROUNDING * EPS * size
+    cutoff = FLUSH * ROUNDING * EPS * size
     path, top = walk(A, B, p), 1
     while True:
-        top, i, j, _ = next_leaves(A, B, p, path, top, reach)
+        top, i, j, _ = next_leaves(A, B, p, path, top, cutoff)
         if i < 0:
             return False
-        if is_leaf_within(A, i, B, j, p, size, reach):
+        if is_leaf_within(A, i, B, j, p, size, cutoff):
             return True
 
 

@@ -8,7 +8,11 @@ what was asked. So a limit only decides whether there is an answer.
 import math
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import Nearest, leaf_gap, nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
+    Nearest,
+    separation_of_leaves,
+    nearest,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import first_of_leaf
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
@@ -25,7 +29,7 @@ def least_beyond(A, B, p, n, size, tolerance, limit):
             return least
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = leaf_gap(A, k, B, m, p, n, size, tolerance, limit)
+                found = separation_of_leaves(A, k, B, m, p, n, size, tolerance, limit)
                 if found.end == OVERLAP or (found.end != BEYOND_CUTOFF and found.lower <= limit):
                     return -math.inf
                 least = min(least, found.lower)

@@ -9,8 +9,8 @@ from mpmath import mp
 from oracles.exact_surfaces import DIGITS, signed_distance
 from oracles.shape_scenes import ShapeScene
 
-from drake_geom_ros.evidence.bodies import grids
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies import grids
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Mesh, MeshData
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
