@@ -24,7 +24,10 @@ PROXIMITY_ROOMS = {
     f'{_K}/closed_forms': ((*_CALLING, f'{_K}/closed_forms'), ('numpy',)),
     f'{_K}/cores': (_CORES, ('numpy',)),
     f'{_K}/revolution': ((*_CORES, f'{_K}/revolution'), ('numpy',)),
-    f'{_K}/solids': ((*_CORES, f'{_K}/trees', f'{_K}/solids'), ('numpy',)),
+    f'{_K}/solids': (
+        (*_CORES, f'{_K}/trees', f'{_K}/solids'),
+        ('numpy', 'numba', 'llvmlite'),
+    ),
     f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
     'geometry/_proximity/world': (_WORLD, ('numpy',)),
     'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),

@@ -2,10 +2,10 @@
 
 Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
 children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; a point on each connected
-piece of the surface, the middle of a triangle; the planes of the hull's largest faces; last the
-place of the header. Everything is in the solid's frame, and here B's frame is where all is
-computed: A, its origin at p, is turned into it. A may be a core of ``supports`` or a solid: a core
-is a tree of one leaf.
+piece of the surface, the middle of a triangle; the planes of the hull's largest faces; the tree
+for points (``lane_tree``); last the place of the header. Everything is in the solid's frame, and
+here B's frame is where all is computed: A, its origin at p, is turned into it. A may be a core of
+``supports`` or a solid: a core is a tree of one leaf.
 """
 
 import math
