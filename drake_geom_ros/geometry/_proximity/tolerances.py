@@ -189,7 +189,3 @@ SAME_VOLUME = 1e-9
 # to their size, and they are in each other for as long: a vertex in single precision that touches
 # does not.
 CROSSING = 1e-6
-
-# A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
-# triangle bounds, and its winding number keeps seven digits there.
-BENEATH = 1e-9
