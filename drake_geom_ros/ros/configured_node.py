@@ -22,7 +22,7 @@ from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
 from drake_geom_ros.ros.inputs.robot_description import RobotInput
-from drake_geom_ros.ros.inputs.tf_input import TfInput
+from drake_geom_ros.ros.joint_listening import JointListening
 from drake_geom_ros.ros.namesakes import Namesakes
 from drake_geom_ros.ros.outputs import cameras, level_costs, replays
 from drake_geom_ros.ros.outputs.cameras import CameraPublisher
@@ -129,10 +129,13 @@ class ConfiguredNode:
         self._jumps = ClockJumps(live.clocks, node, guard)
         surface.clock_jumps(THRESHOLD, self._jumps.simulated)
         self._open_inputs(settings.values)
-        self._tf: TfInput | None = None
         if settings.values.use_tf:
-            self._tf = listen_to_tf(surface, self._stream, guard, groups.stream, live.clocks)
-            self._stream.tf = self._tf
+            self._stream.tf = listen_to_tf(
+                surface, self._stream, guard, groups.stream, live.clocks
+            )
+        self._joints = JointListening(
+            surface, self._stream, guard, groups.stream, live.clocks, settings.values
+        )
         self._open_services(calls(settings.values.service_depth))
         self._start_timers()
         self._cycle_timer: Timer | None = None
@@ -335,8 +338,8 @@ class ConfiguredNode:
         self._jumps.look()
         with self.live.editing() as scene:
             scene.expire_filters()
-            if self._tf is not None:
-                self._guard.take('/tf', self._tf.follow, scene)
+            self._guard.take('poses that hang on others', self._stream.follow, scene)
+            self._guard.take('joint_states', self._joints.follow, scene)
         self._log_what_is_told()
         self._publish_scene()
 
@@ -352,9 +355,7 @@ class ConfiguredNode:
 
     def _publish_diagnostics(self) -> None:
         with self.live.reading() as scene:
-            troubles = scene.troubles()
-            if self._tf is not None:
-                troubles += self._tf.troubles(scene)
+            troubles = [*scene.troubles(), *self._stream.troubles(scene)]
             state = SceneState(
                 scene.version,
                 scene.pose_ages(),

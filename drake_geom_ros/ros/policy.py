@@ -28,7 +28,10 @@ RESULTS = tuple(
     )
 )
 SHARED_RESULTS = ('/diagnostics', '/tf', '/tf_static')  # TF: of cameras
-INPUTS = ('~/frame_poses', '~/frame_twists', '~/query_points', '/tf', '/tf_static')
+INPUTS = (
+    *('~/frame_poses', '~/frame_twists', '~/query_points'),
+    *('joint_states', '/tf', '/tf_static'),
+)
 ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
 CLOCK = ('/clock',)
 # What every node of rclpy has, and what one with a life cycle has besides.

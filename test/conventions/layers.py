@@ -84,7 +84,7 @@ _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
     'ros/scene': ((*_HELD, 'geometry/render'), ('numpy',)),
-    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
+    'ros/inputs': ((*_HELD, 'trajectories', 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
         (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
         ('numpy', 'ROS'),
@@ -94,37 +94,12 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
-    'ros/demo': (
-        (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
-        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
-    ),
     'ros': (
         (
             *(*_HELD, 'trajectories', 'cross_check', 'ros/inputs', 'ros/outputs'),
             *('ros/services', 'ros'),
         ),
         ('numpy', 'ROS'),
-    ),
-}
-
-_EVIDENCE = ('math', 'geometry', 'evidence', 'evidence/peers')
-_JUDGED = (*_EVIDENCE, 'evidence/bodies', 'evidence/truth', 'evidence/judging')
-EVIDENCE_ROOMS = {
-    'evidence/peers': (
-        ('math', 'geometry', 'evidence/peers'),
-        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
-    ),
-    'evidence': (_EVIDENCE, ('numpy', 'scipy', 'mpmath', 'matplotlib')),
-    'evidence/bodies': ((*_EVIDENCE, 'evidence/bodies'), ('numpy', 'scipy')),
-    'evidence/truth': (
-        (*_EVIDENCE, 'evidence/bodies', 'evidence/truth'),
-        ('numpy', 'scipy', 'mpmath'),
-    ),
-    'evidence/judging': (_JUDGED, ('numpy', 'scipy')),
-    'evidence/hard_cases': ((*_JUDGED, 'evidence/hard_cases'), ('numpy',)),
-    'evidence/accuracy': (
-        (*_JUDGED, 'common', 'evidence/hard_cases', 'evidence/accuracy'),
-        ('numpy', 'scipy', 'matplotlib'),
     ),
 }
 
@@ -139,11 +114,11 @@ LAYERS = {
     **GEOMETRY_ROOMS,
     'scene_files': (
         ('math', 'common', 'sensors', 'geometry', 'scene_files'),
-        ('numpy', 'yaml', 'lxml', 'jsonschema'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (
-        ('math', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
-        ('numpy', 'yaml', 'yourdfpy'),
+        ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
+        ('numpy', 'yaml'),
     ),
     'batch': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
@@ -151,10 +126,9 @@ LAYERS = {
     ),
     'replay': (('math', 'common', 'geometry', 'scene_files', 'replay'), ()),
     'cross_check': (
-        ('math', 'common', 'geometry', 'replay', 'cross_check', *EVIDENCE_ROOMS),
-        ('numpy',),
+        ('math', 'common', 'geometry', 'replay', 'cross_check'),
+        ('numpy', 'scipy', 'fcl'),
     ),
-    **EVIDENCE_ROOMS,
     # What is shown, without a library that shows it; and the page, which one draws.
     'viewing': (
         ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
@@ -168,7 +142,6 @@ LAYERS = {
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *EVIDENCE_ROOMS,
             *('viewing', 'viewing/page'),
         ),
         ('numpy', 'PIL', 'matplotlib'),

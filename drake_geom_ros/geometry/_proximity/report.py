@@ -53,14 +53,14 @@ def empty_report() -> ReportArrays:
 
 
 @inlined
-def pose_world(world, report, stale, revision, named, given):  # type: ignore[no-untyped-def]
+def pose_world(world, report, stale, revision, posed_rows, X_PFs):  # type: ignore[no-untyped-def]
     """Give a world its poses, as ``run_cycle`` does, and report so."""
     told, moments = report.told, report.moments
     moments[BEGUN] = now()
     told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
     if stale:
-        if given.shape[0] > 0:
-            set_poses(named, given, world)
+        if X_PFs.shape[0] > 0:
+            set_poses(posed_rows, X_PFs, world)
         told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
     moments[POSED], moments[KNOWING] = now(), 0.0
 

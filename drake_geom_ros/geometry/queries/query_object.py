@@ -190,7 +190,7 @@ class QueryObject(ImageQueries):
         unsure = query.is_bound or budget > 0.0
         if unsure:
             batch = PairBatch(*batch).penetrating()
-        return PenetrationResults(batch, world.moment())
+        return PenetrationResults(batch, world.kept_poses())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -231,7 +231,7 @@ class QueryObject(ImageQueries):
         world = context._world
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         batch = context._engine.answer_of(query, world, budget)
-        return SignedDistanceResults(batch, world.moment())
+        return SignedDistanceResults(batch, world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -292,7 +292,7 @@ class QueryObject(ImageQueries):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
-        return SignedDistanceResults(batch, world.moment())
+        return SignedDistanceResults(batch, world.kept_poses())
 
     def FindCollisionCandidates(
         self, *, accuracy: str | None = None
@@ -342,7 +342,7 @@ class QueryObject(ImageQueries):
         context = self._context
         world = context._posed_world()
         batch = context._engine.point_distances(world, p_WQs, reach)
-        return PointDistanceResults(batch, world.moment(), p_WQs)
+        return PointDistanceResults(batch, world.kept_poses(), p_WQs)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

@@ -41,7 +41,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     PairBatch,
     PointBatch,
 )
-from drake_geom_ros.geometry._proximity.world.moment import Moment
+from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.queries.query_gradients import PairGradients, PointGradients
 from drake_geom_ros.geometry.queries.query_records import (
@@ -135,13 +135,13 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, batch: tuple[Ids, Floats], moment: Moment | None = None) -> None:
+    def __init__(self, batch: tuple[Ids, Floats], kept_poses: KeptPoses | None = None) -> None:
         """Have the arrays of a ``PairBatch``, which needs not be one.
 
-        Without a ``moment``, of pairs of many states, there are no derivatives.
+        Without a ``kept_poses``, of pairs of many states, there are no derivatives.
         """
         self._ids, self._rows = batch
-        self._moment = moment
+        self._kept_poses = kept_poses
 
     @property
     def _batch(self) -> PairBatch:
@@ -238,7 +238,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
         One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.penetrating(), self._moment)
+        return PenetrationResults(self._batch.penetrating(), self._kept_poses)
 
     @property
     def distance(self) -> Floats:
@@ -304,11 +304,11 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
     def __init__(
-        self, batch: PointBatch, moment: Moment | None = None, p_WQs: Floats | None = None
+        self, batch: PointBatch, kept_poses: KeptPoses | None = None, p_WQs: Floats | None = None
     ) -> None:
-        """Without a ``moment``, of points in many states, there are no derivatives."""
+        """Without a ``kept_poses``, of points in many states, there are no derivatives."""
         self._take(batch)
-        self._moment = moment
+        self._kept_poses = kept_poses
         if p_WQs is not None:
             self._p_WQs = p_WQs
 

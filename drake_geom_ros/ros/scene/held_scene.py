@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,10 +25,10 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ReadPoses
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks, Since
-from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
+from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
-from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
+from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
@@ -156,12 +156,27 @@ class HeldScene:
         """Return how far [s] behind the poses that were taken last the node is."""
         return self._ages.lag()
 
-    def moment(self) -> Moment:
+    def moment(self) -> SceneStamp:
         """Return which scene and poses an answer of now is for."""
         self.tell_named(self)
         oldest = self._ages.oldest(self.names)
         stamp = self._ages.newest_stamp
-        return Moment(self.version, self.names_version, stamp, oldest, self.world_frame)
+        return SceneStamp(self.version, self.names_version, stamp, oldest, self.world_frame)
+
+    @property
+    def robots(self) -> Sequence[RobotDescription]:
+        """The robots of the scene."""
+        return tuple(self._robots)
+
+    @property
+    def newest_stamp(self) -> Any:
+        """The newest stamp of a pose, a builtin_interfaces/Time; None before the first."""
+        return self._ages.newest_stamp
+
+    @property
+    def watches_motion(self) -> bool:
+        """Whether twists of frames are kept."""
+        return self._twists is not None
 
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
@@ -202,8 +217,9 @@ class HeldScene:
             return told
         return [
             *told,
-            f'{counted(len(names), "frame")} {are(len(names))} posed by {TF} and by '
-            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two',
+            f'{counted(len(names), "frame")} {are(len(names))} posed by two of {TF}, '
+            f'{MESSAGES} and {JOINTS} in turn, and the last one counts: {some_of(names)}; '
+            'stop one of the two',
         ]
 
     def view(self, *, moving: bool = False) -> SceneView:

@@ -25,7 +25,7 @@ from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
 @dataclass(frozen=True)
-class Moment:
+class SceneStamp:
     """Which scene and which poses a result answers for."""
 
     version: int
@@ -56,7 +56,7 @@ class SceneView:
     context: SceneGraphContext
     filters: CollisionFilterManager
     names: NameTable
-    moment: Moment
+    moment: SceneStamp
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
     unknown_ages: UnknownAges
     twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches

@@ -6,8 +6,8 @@ import trimesh
 from oracles.forms import row_of
 from oracles.solids import surface_of
 
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.bodies.grids import surface
+from bench.evidence.bodies.bodies import Body
+from bench.evidence.bodies.grids import surface
 from drake_geom_ros.geometry import (
     Box,
     GeometryInstance,

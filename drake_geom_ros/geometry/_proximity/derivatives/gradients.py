@@ -57,7 +57,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SOFT
-from drake_geom_ros.geometry._proximity.world.moment import Posed
+from drake_geom_ros.geometry._proximity.world.kept_poses import PosedWorld
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -244,7 +244,7 @@ def pair_gradients(rows, places, scene, gradients, unique):  # type: ignore[no-u
     return surfaces
 
 
-def places_of(scene: Posed, ids: Indices) -> Indices:
+def places_of(scene: PosedWorld, ids: Indices) -> Indices:
     """Return the places of geometries, by the values of their ids, in an array of their shape."""
     places = np.empty(ids.shape, dtype=np.int64)
     _find(scene.ids, _read_only(ids.ravel()), places.ravel())
@@ -265,7 +265,7 @@ def _find_unique_of_solids(*asked: Any) -> None:
     find_unique_of_solids(*asked)
 
 
-def gradients_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> tuple[Floats, Booleans]:
+def gradients_of_pairs(scene: PosedWorld, ids: Indices, rows: Floats) -> tuple[Floats, Booleans]:
     """Return the gradients (k, 12) of the distances in rows, and which of them are the only ones.
 
     Ids (k, 2) and rows (k, BATCH_WIDTH) are those of a ``PairBatch``.
@@ -287,7 +287,7 @@ def gradients_of_rows(rows: Floats) -> Floats:
     return gradients
 
 
-def features_of_pairs(scene: Posed, ids: Indices, rows: Floats) -> Features:
+def features_of_pairs(scene: PosedWorld, ids: Indices, rows: Floats) -> Features:
     """Return what is extreme along the normals of rows (k, BATCH_WIDTH) of pairs (k, 2)."""
     k = len(ids)
     found = Features(np.empty((k, 2, 3)), np.empty((k, 2, 6)), np.empty((k, 2), dtype=np.bool_))
@@ -300,7 +300,7 @@ def compile_derivatives() -> None:
     """Compile all of this file, or load it from the cache."""
     none, nobody = np.zeros(0), np.zeros(0, dtype=np.int64)
     Rs, ps = np.zeros((0, 3, 3)), np.zeros((0, 3))
-    scene = Posed(nobody, nobody, nobody, none, nobody, Rs, nobody, ps)
+    scene = PosedWorld(nobody, nobody, nobody, none, nobody, Rs, nobody, ps)
     pairs, rows = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
     gradients_of_pairs(scene, pairs, rows)
     gradients_of_rows(rows)

@@ -36,13 +36,13 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     gather_rows,
     gathered,
 )
-from drake_geom_ros.geometry._proximity.pairs.budgeted import Stepwise
+from drake_geom_ros.geometry._proximity.pairs.budgeted import BudgetedAnswers
 from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.points.point_phase import (
     POINTS_COMPILED,
     compile_point_kernels,
 )
-from drake_geom_ros.geometry._proximity.points.point_query import PointQueries
+from drake_geom_ros.geometry._proximity.points.point_query import PointDistanceQueries
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,
     BEGUN,
@@ -74,7 +74,7 @@ Arrays: TypeAlias = tuple[Indices, Floats]  # of a ``PairBatch``, to make which 
 ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
-_GAPS = {'bound': math.inf, **LEVEL_GAPS}
+_LEVEL_GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
 _NO_BATCH = _NO_IDS, _NO_ROWS
 _NO_KERNELS = ()
@@ -95,8 +95,8 @@ class Engine:
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
         self._queries = PreparedQueries(self._report)
-        self._steps = Stepwise(self._report)
-        self._points = PointQueries(self._report)
+        self._steps = BudgetedAnswers(self._report)
+        self._points = PointDistanceQueries(self._report)
         self._unrefined = 0
         self._kernels: Sequence[str] = _NO_KERNELS
 
@@ -147,9 +147,9 @@ class Engine:
         penetrating: bool,
         mode: int,
     ) -> Prepared:
-        """Return a query of a world under filters, in a mode of ``cycle``, to be asked again."""
-        gap = _GAPS[accuracy]
-        return self._queries.prepared(world, filters, gap, cutoff, penetrating, mode)
+        """Return a query of a world under filters, in a mode of ``pair_query``, for many asks."""
+        level_gap = _LEVEL_GAPS[accuracy]
+        return self._queries.prepared(world, filters, level_gap, cutoff, penetrating, mode)
 
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
@@ -232,10 +232,10 @@ class Engine:
         self._kernels = compile_rows(rows)
         self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
-        gap, hits = _GAPS[accuracy], np.empty(1, dtype=np.int64)
-        hits = self._steps.answer(world, pair, slots, memory, (gap, math.inf, False), hits)
+        level_gap, hits = _LEVEL_GAPS[accuracy], np.empty(1, dtype=np.int64)
+        hits = self._steps.answer(world, pair, slots, memory, (level_gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
-        return gathered(world, hits, pair, slots, memory, gap)
+        return gathered(world, hits, pair, slots, memory, level_gap)
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
@@ -281,9 +281,9 @@ class Engine:
         self._kernels, self._unrefined = _NO_KERNELS, 0
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given_for.rows, world.given
+        posed = stale, revision, world.pending_frames.rows, world.pending_poses
         count: int = run_cycle(prepared.hands, 0, *posed, ids, rows)
-        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         while count < 0:
             if count == -LACKS_KERNELS:
                 self._compile_for(world, prepared.near)
@@ -317,7 +317,7 @@ class Engine:
         near = prepared.near
         hits = near.arrays.hits[:count]
         prepared.make_room(count)
-        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
+        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
         self._moments[ANSWERED] = time.perf_counter()
         return batch
 
@@ -327,7 +327,7 @@ class Engine:
         near = prepared.near
         hits = self._steps.answer_list(world, near, prepared.query, budget)
         self._unrefined = self._steps.unrefined
-        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
+        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
         self._moments[ANSWERED] = time.perf_counter()
         return batch
 
@@ -348,7 +348,7 @@ class Engine:
         count = len(hits)
         prepared.make_room(count)
         ids, rows = np.empty((count, 2), np.int64), np.empty((count, BATCH_WIDTH))
-        memory = near.pairs, near.slots, near.memory, prepared.gap, world.handle
+        memory = near.pairs, near.slots, near.memory, prepared.level_gap, world.handle
 
         def gather(first: int, last: int) -> None:
             gather_rows(hits[first:last], *memory, ids[first:last], rows[first:last])

@@ -54,7 +54,9 @@ CANDIDATES = 1  # its pairs whose boxes are within the cutoff
 CONTACT = 2  # one pair that the query is about
 ANSWERS = 3  # all of them, and their rows
 
-LACKS_KERNELS = LACKS_SLOTS + 1  # of the pairs of the list; the others are those of list_arrays
+LACKS_KERNELS = (
+    LACKS_SLOTS + 1
+)  # of the pairs of the list; the others are those of ``near.arrays``
 
 
 class Hands(NamedTuple):
@@ -70,9 +72,9 @@ class Hands(NamedTuple):
     asked: Reals  # (ASKED,)
 
 
-# Places of ``Hands.asked``: those of ``records.Query``, what is asked for, under which version of
+# Places of ``Hands.asked``: those of ``slots.Query``, what is asked for, under which version of
 # the filters.
-GAP, CUTOFF, PENETRATING, MODE, VERSION = range(5)
+LEVEL_GAP, CUTOFF, PENETRATING, MODE, VERSION = range(5)
 ASKED = 5
 
 _hands_of = taker(Hands)
@@ -85,26 +87,28 @@ def run_cycle(  # type: ignore[no-untyped-def]
     lacking,
     stale,
     revision,
-    named,
-    given,
+    posed_rows,
+    X_PFs,
     ids,
     rows,
 ):
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
     ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
-    cycle goes on there. If it is ``stale``, the world gets the poses ``given`` (n, POSE_WIDTH) of
-    the frames in its rows ``named`` (n,), and is updated to this ``revision``. The numbers of the
-    pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and ``rows``
+    cycle goes on there. If it is ``stale``, the world gets the poses ``X_PFs`` (n, POSE_WIDTH) of
+    the frames in its rows ``posed_rows`` (n,), and is updated to this ``revision``. The numbers of
+    the pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and ``rows``
     (k, BATCH_WIDTH) if there is room for all.
     """
     hands = _hands_of(hands)
-    gap, cutoff, mode = hands.asked[GAP], hands.asked[CUTOFF], hands.asked[MODE]
+    level_gap, cutoff, mode = hands.asked[LEVEL_GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
     moments = report.moments
     if lacking == 0:
-        pose_world(hands.world, report, stale, revision, named, given)
-        if mode == CONTACT and _is_plain_contact(world, filters_of(hands.filters), report, gap):
+        pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
+        if mode == CONTACT and _is_quick_contact(
+            world, filters_of(hands.filters), report, level_gap
+        ):
             return 1
     if lacking != LACKS_KERNELS:
         done = bring_up_to_date(
@@ -125,13 +129,13 @@ def run_cycle(  # type: ignore[no-untyped-def]
         report.told[LISTED_PAIRS] = near.numbers[PAIRS]
         moments[FILTERING] = near.lengths[list_arrays.FILTERING] if done == MADE else 0.0
         moments[LISTED] = moments[COMPILED] = moments[ANSWERED] = now()
-        if mode != CANDIDATES and not math.isinf(gap) and near.numbers[HAS_KERNELS] == 0:
+        if mode != CANDIDATES and not math.isinf(level_gap) and near.numbers[HAS_KERNELS] == 0:
             if not has_each(world.types, near.pairs, near.numbers[PAIRS], report.compiled):
                 return -LACKS_KERNELS
             near.numbers[HAS_KERNELS] = 1
     count = near.numbers[PAIRS]
     if mode > LIST:
-        query = gap, cutoff, hands.asked[PENETRATING] != 0.0
+        query = level_gap, cutoff, hands.asked[PENETRATING] != 0.0
         count = _answer(hands.kernels, hands.world, near, report, revision, query, mode)
     if mode == ANSWERS and count <= ids.shape[0]:
         gather_rows(
@@ -139,7 +143,7 @@ def run_cycle(  # type: ignore[no-untyped-def]
             near.pairs,
             near.slots,
             near.memory,
-            gap,
+            level_gap,
             hands.world,
             ids,
             rows,
@@ -149,10 +153,10 @@ def run_cycle(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_plain_contact(world, filters, report, gap):  # type: ignore[no-untyped-def]
+def _is_quick_contact(world, filters, report, level_gap):  # type: ignore[no-untyped-def]
     """Tell whether a contact was seen without a list, and report so."""
     told, moments = report.told, report.moments
-    a, b = quick_contact(world, filters, gap, told[CONTACT_A], told[CONTACT_B])
+    a, b = quick_contact(world, filters, level_gap, told[CONTACT_A], told[CONTACT_B])
     if a < 0:
         return False
     told[CONTACT_A], told[CONTACT_B] = a, b

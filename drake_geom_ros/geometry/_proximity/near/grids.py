@@ -61,7 +61,7 @@ class Boxes(NamedTuple):
 
     rows: Integers  # (n,) of the world
     bounds: Bounds  # (n, 6) LOWER and UPPER ends [m], in one place of memory
-    sides: SingleRows  # (6, n + LANES) the same, see ``kernels.side_by_side``
+    sides: SingleRows  # (6, n + LANES) the same, see ``box_lanes``
     cells: IndexPairs  # (n, 2) BUCKET and GRID of each cell
     starts: Integers  # (buckets + 1,) where the boxes of each bucket begin
     grids: Integers  # (MOST_GRIDS,) those that are in use

@@ -40,7 +40,7 @@ def sort(codes, room, tally, n):  # type: ignore[no-untyped-def]
 
 @inlined
 def _digit(code, turn):  # type: ignore[no-untyped-def]
-    """Return the row that a turn of ``_sort`` goes by."""
+    """Return the row that a turn of ``sort`` goes by."""
     first, second = rows_of(code)
     return second if turn == 0 else first
 

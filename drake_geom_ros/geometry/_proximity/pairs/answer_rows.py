@@ -25,7 +25,10 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
-from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_bound, size_of_pair
+from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
+    promised_error_bound,
+    size_of_pair,
+)
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
@@ -93,15 +96,15 @@ class PointBatch(NamedTuple):
 
 
 def gathered(
-    world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, gap: float
+    world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, level_gap: float
 ) -> PairBatch:
     """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of a memory.
 
-    ``gap`` [m] is that of the level that was asked for.
+    ``level_gap`` [m] is that of the level that was asked for.
     """
     ids = np.empty((len(hits), 2), dtype=np.int64)
     rows = np.empty((len(hits), BATCH_WIDTH))
-    gather_rows(hits, pairs, slots, memory, gap, world.handle, ids, rows)
+    gather_rows(hits, pairs, slots, memory, level_gap, world.handle, ids, rows)
     return frozen(ids, rows)
 
 
@@ -121,7 +124,7 @@ def _put(row, column, vector):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ignore[no-untyped-def]
+def gather_rows(hits, pairs, slots, memory, level_gap, world, ids, rows):  # type: ignore[no-untyped-def]
     """Fill ids and rows of pairs of a world, given by its handle.
 
     Witness points come measured from Ao, in World axes.
@@ -138,7 +141,7 @@ def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ign
             told[c] = out[c]
         least = out[DISTANCE]
         told[DEPTH] = -least
-        promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
+        promised = promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings)
         if out[METHOD] == BOUND_ONLY:
             least, promised = least - out[ERROR_BOUND], math.inf
         elif out[METHOD] == MESH and least < 0.0:

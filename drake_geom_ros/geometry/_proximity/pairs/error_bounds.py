@@ -28,12 +28,12 @@ def size_of_pair(a, b, types, outer):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def tolerance_of_pair(gap, a, b, outer):  # type: ignore[no-untyped-def]
+def tolerance_of_pair(level_gap, a, b, outer):  # type: ignore[no-untyped-def]
     """Return the gap [m] that a pair's bounds may have, by the gap of the level.
 
     It is absolute for bodies of a metre and more, relative to the smaller one below.
     """
-    return gap * min(1.0, outer[a], outer[b])
+    return level_gap * min(1.0, outer[a], outer[b])
 
 
 @inlined
@@ -56,7 +56,7 @@ def hides_contact(out, a, b, extent, roundings):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def promised_bound(gap, a, b, types, outer, p_WGs, roundings):  # type: ignore[no-untyped-def]
+def promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings):  # type: ignore[no-untyped-def]
     """Return the largest error bound [m] that keeps the promise of a level with this gap."""
     squared = 0.0
     for k in range(3):
@@ -64,4 +64,4 @@ def promised_bound(gap, a, b, types, outer, p_WGs, roundings):  # type: ignore[n
         squared += apart * apart
     extent = size_of_pair(a, b, types, outer) + math.sqrt(squared)
     rounding = PROMISED_ROUNDING * EPS * extent + rounding_of_pair(a, b, extent, roundings)
-    return tolerance_of_pair(gap, a, b, outer) + rounding
+    return tolerance_of_pair(level_gap, a, b, outer) + rounding

@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    GAP,
+    LEVEL_GAP,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -44,8 +44,8 @@ from drake_geom_ros.geometry._proximity.kinds import (
 from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, raise_lower_end
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     apart,
-    gap_of_bounds,
-    gap_of_boxes,
+    separation_of_bounds,
+    separation_of_boxes,
 )
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     hides_contact,
@@ -186,12 +186,12 @@ def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _least(out, gap, size, rounding):  # type: ignore[no-untyped-def]
-    """Return what the distance is at least [m], by an answer that was computed for ``gap``.
+def _least(out, level_gap, size, rounding):  # type: ignore[no-untyped-def]
+    """Return what the distance is at least [m], by an answer that was computed for ``level_gap``.
 
     ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
     """
-    if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
+    if out[METHOD] == BOUND_ONLY and not math.isinf(level_gap):
         # A kernel that stopped at the cutoff reports its lower bound.
         return out[DISTANCE] - rounding - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
     return out[DISTANCE] - out[ERROR_BOUND]
@@ -208,21 +208,21 @@ def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-
 
 @inlined
 def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
-    """Tell whether an answer is within reach; of bounds alone, whether it may be."""
-    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[GAP]) else 0.0)
+    """Tell whether an answer is within the cutoff; of bounds alone, whether it may be."""
+    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[LEVEL_GAP]) else 0.0)
     if penetrating:
         return distance < -TOUCHING_DEPTH * size
     return distance <= cutoff
 
 
 @inlined
-def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ignore[no-untyped-def]
+def _rounded(out, a, b, level_gap, size, p_WGs, outer, roundings, counts):  # type: ignore[no-untyped-def]
     """Add the rounding of a pair's poses to its bound and return it [m]; count a wide bound.
 
     Bounds alone and solids promise nothing.
     """
     extent = size + apart(p_WGs, a, b)
-    kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+    kept = tolerance_of_pair(level_gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
     rounding = rounding_of_pair(a, b, extent, roundings)
     out[ERROR_BOUND] += rounding
@@ -233,12 +233,12 @@ def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ig
 def answer_pairs(  # type: ignore[no-untyped-def]
     kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
 ):
-    """Bring the slots of the pairs up to date that may be within reach; return how many are.
+    """Bring the slots of the pairs up to date that may be within the cutoff; return how many are.
 
     ``kernels`` are addresses, ``world`` is a handle; ``query`` and ``queue`` are plain tuples of
-    these ``records``, ``memory`` is one of slots (see ``empty_memory`` there). ``hits`` gets the
-    numbers of the pairs. A gap that is infinite asks for the bounds of now, for to use what is
-    known from before would make the answer depend on what was asked. A ``first`` that is not
+    ``slots``, ``memory`` is as its ``empty_memory``. ``hits`` gets the
+    numbers of the pairs. A level gap that is infinite asks for the bounds of now, for to use what
+    is known from before would make the answer depend on what was asked. A ``first`` that is not
     negative is where to begin, and then one hit is enough. A queue with room for all pairs gets
     those for which a kernel would run, with their certified least distance if there is room for
     these too; without any room, kernels run.
@@ -251,29 +251,31 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
     halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
-    gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
+    level_gap, cutoff, penetrating = query.level_gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    # Not how deep they are: boxes that overlap have a gap of 0, and a solid may leap (see above).
-    reach, found = max(cutoff, 0.0), 0
-    enough = math.inf if math.isinf(gap) else reach
+    # Not how deep they are: boxes that overlap are 0 apart, and a solid may leap (see above).
+    near_cutoff, found = max(cutoff, 0.0), 0
+    far_cutoff = math.inf if math.isinf(level_gap) else near_cutoff
     counts[:] = 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, travelled = row(memory, s), travels[a] + travels[b]
-        if out[SLACK] - travelled > enough:
+        if out[SLACK] - travelled > far_cutoff:
             counts[FAR] += 1
             continue
         size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
-        rests = latest <= out[SEEN] and 0.0 <= out[GAP] <= gap < math.inf
+        rests = latest <= out[SEEN] and 0.0 <= out[LEVEL_GAP] <= level_gap < math.inf
         # What stopped at a cutoff says enough about smaller ones only.
         if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff):
             counts[CACHED] += 1
         else:
             least = -math.inf
             if cutoff < math.inf:
-                least = gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, halves, outer, reach)
-            near = least <= reach
+                least = separation_of_bounds(
+                    a, b, types, R_WGs, p_WGs, roundings, halves, outer, near_cutoff
+                )
+            near = least <= near_cutoff
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
@@ -281,18 +283,18 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
-                if math.isinf(gap):
+                if math.isinf(level_gap):
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
-                    aim = Aim(size, tolerance_of_pair(gap, a, b, outer), cutoff)
+                    aim = Aim(size, tolerance_of_pair(level_gap, a, b, outer), cutoff)
                     shapes = Shapes(types, starts, pool)
                     _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
-                rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
-                if math.isinf(gap):
+                rounding = _rounded(out, a, b, level_gap, size, p_WGs, outer, roundings, counts)
+                if math.isinf(level_gap):
                     raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
-                out[SEEN], out[GAP] = revision, gap
+                out[SEEN], out[LEVEL_GAP] = revision, level_gap
                 counts[BY_METHOD + int(out[METHOD])] += 1
-                least = _least(out, gap, size, rounding)
+                least = _least(out, level_gap, size, rounding)
             else:
                 counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
             out[SLACK] = _slack(least, travelled, types[a], types[b])
@@ -311,8 +313,8 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 
     No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
-    widened by what both bodies can have moved since, and its gap that of no question. (Not in
-    ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
+    widened by what both bodies can have moved since, and its level gap that of no question. (Not
+    in ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
     """
     world, query = world_of(world), Query(*query)
     types, starts, pool = world.types, world.starts, world.pool
@@ -326,21 +328,21 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, size = row(memory, s), size_of_pair(a, b, types, outer)
         travelled = travels[a] + travels[b]
-        if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[GAP]):
+        if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[LEVEL_GAP]):
             counts[CACHED] += 1
         else:
             bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
             moved = math.inf
             if out[SEEN] >= 0.0:
-                moved = travelled - (out[SLACK] - _least(out, out[GAP], size, 0.0))
+                moved = travelled - (out[SLACK] - _least(out, out[LEVEL_GAP], size, 0.0))
             if _may_leap(out, moved, types[a], types[b]):
                 moved = math.inf
             _take_narrower(out, bounds, moved)
             rounding = rounding_of_pair(a, b, size + apart(p_WGs, a, b), world.roundings)
             out[ERROR_BOUND] += rounding
-            out[SEEN], out[GAP] = revision, -math.inf
+            out[SEEN], out[LEVEL_GAP] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
-            least = _least(out, out[GAP], size, rounding)
+            least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
             hits[found] = k
@@ -349,15 +351,15 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
 
 
 @compiled
-def near_pairs(pairs, world, distance, hits):  # type: ignore[no-untyped-def]
-    """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
+def near_pairs(pairs, world, cutoff, hits):  # type: ignore[no-untyped-def]
+    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
     world, found = world_of(world), 0
     types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
     roundings, half_extents = world.roundings, world.half_extents
     for k in range(pairs.shape[0]):
         i, j = pairs[k, 0], pairs[k, 1]
-        gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if gap <= distance:
+        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        if separation <= cutoff:
             hits[found] = k
             found += 1
     return found

@@ -1,10 +1,10 @@
 """What compiled code is handed a query, by name.
 
-The arrays of a world go over as one handle (``handing``), of which compiled code makes the record
-in its first lines: ``world = world_of(world)``. The small records below go over as plain tuples,
-which Numba recognises sooner than named ones, and are named again likewise: ``Memory(*memory)``.
-Neither costs anything there; to hand a record on inside a loop over pairs does, see
-``narrow_phase``.
+The arrays of a world go over as one handle (``runtime.handles``), of which compiled code makes the
+record in its first lines: ``world = world_of(world)``. The small records below go over as plain
+tuples, which Numba recognises sooner than named ones, and are named again likewise:
+``Memory(*memory)``. Neither costs anything there; to hand a record on inside a loop over pairs
+does, see ``narrow_phase``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Indices = NDArray[np.int64]
 class Query(NamedTuple):
     """What is asked of pairs."""
 
-    gap: float  # [m] of the level; infinite: bounds alone will do
+    level_gap: float  # [m] of the level; infinite: bounds alone will do
     cutoff: float  # [m]
     penetrating: bool  # only pairs count that overlap by more than touching
 

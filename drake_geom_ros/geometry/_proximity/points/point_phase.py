@@ -11,8 +11,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import compiled_ad
 from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_WIDTH,
     POINTS_SIGNATURE,
-    Answers,
-    Body,
+    PointAnswers,
+    PointedBody,
     Span,
     call_points_kernel,
 )
@@ -75,13 +75,13 @@ def point_phase(  # type: ignore[no-untyped-def]
     world = world_of(world)
     types, starts, pool = world.types, world.starts, world.pool
     R_WGs, p_WGs, roundings, outer = world.R_WGs, world.p_WGs, world.roundings, world.outer
-    m, n, answers = p_WQs.shape[0], types.size, Answers(rows, found, counts)
+    m, n, answers = p_WQs.shape[0], types.size, PointAnswers(rows, found, counts)
     for first in range(0, m, BLOCK):
         last = min(first + BLOCK, m)
         for g in range(n):
             rounding, tilt = roundings[g, RADIUS], roundings[g, TILT]
             shape = part(pool, starts[g], starts[g + 1])
-            body = Body(shape, row(R_WGs, g), row(p_WGs, g), outer[g], rounding, tilt)
+            body = PointedBody(shape, row(R_WGs, g), row(p_WGs, g), outer[g], rounding, tilt)
             call_points_kernel(
                 addresses[types[g]],
                 pair_addresses[pair_rows[g]],

@@ -70,17 +70,17 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 @compiled
 def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, named, given, p_WQs, threshold, rows, found, points, ids
+    hands, stale, revision, posed_rows, X_PFs, p_WQs, threshold, rows, found, points, ids
 ):
     """Do what a point query does; return how many answers there are.
 
-    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``cycle``. Answers
-    for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,) comes
-    in as does not matter.
+    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
+    Answers for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,)
+    comes in as does not matter.
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, named, given)
+    pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -104,7 +104,7 @@ def _run_points(  # type: ignore[no-untyped-def]
     return count
 
 
-class PointQueries:
+class PointDistanceQueries:
     """Answers the point queries of one engine."""
 
     def __init__(self, report: ReportArrays) -> None:
@@ -126,10 +126,10 @@ class PointQueries:
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given_for.rows, world.given
+        posed = stale, revision, world.pending_frames.rows, world.pending_poses
         room = rows, np.empty(capacity, dtype=np.bool_), points, ids
         count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
-        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])
         there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])

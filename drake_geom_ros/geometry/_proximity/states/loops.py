@@ -77,7 +77,7 @@ def any_overlap(  # type: ignore[no-untyped-def]
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        everything = (0, groups.gaps.size, -1, 0.0)
+        everything = (0, groups.separations.size, -1, 0.0)
         count = collect(groups, *everything, pairs, posed, order, bounds)
         for r in range(count):
             if order[r] == last:  # where there was a contact there still is one, mostly
@@ -92,7 +92,7 @@ def any_overlap(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def pairs_in_reach(  # type: ignore[no-untyped-def]
+def pairs_within_cutoff(  # type: ignore[no-untyped-def]
     kernels,
     poses,
     first,
@@ -116,8 +116,8 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
     (1,) is set, or one has a pose that is none.
     """
     posed, groups = world_of(world), Groups(*groups)
-    gap, cutoff, _ = query
-    reach = max(cutoff, 0.0)
+    level_gap, cutoff, _ = query
+    near_cutoff = max(cutoff, 0.0)
     queue = (np.zeros(0, dtype=np.int64), np.zeros(0))  # in which no pair waits
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(slots.size), np.empty(slots.size, dtype=np.int64)
@@ -127,7 +127,7 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        everything = (0, groups.gaps.size, -1, reach)
+        everything = (0, groups.separations.size, -1, near_cutoff)
         count = collect(groups, *everything, pairs, posed, order, bounds)
         order[:count].sort()
         _list(order, count, pairs, some, memory)
@@ -137,7 +137,7 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
         start = offsets[s]
         if start + count > ids.shape[0]:
             return s
-        gather_rows(hits[:count], some, slots, memory, gap, world, some_ids, full)
+        gather_rows(hits[:count], some, slots, memory, level_gap, world, some_ids, full)
         for k in range(count):
             ids[start + k, 0], ids[start + k, 1] = some_ids[k, 0], some_ids[k, 1]
             for c in range(BATCH_WIDTH):
@@ -147,7 +147,7 @@ def pairs_in_reach(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def points_in_reach(  # type: ignore[no-untyped-def]
+def points_within_threshold(  # type: ignore[no-untyped-def]
     kernels,
     pair_kernels,
     pair_rows,
@@ -165,7 +165,7 @@ def points_in_reach(  # type: ignore[no-untyped-def]
 ):
     """Answer for points (m, 3) and all geometries, in each state (N, n, 7), as ``point_phase``.
 
-    Returns how many states are done; the rest is as in ``pairs_in_reach``, with ``points``
+    Returns how many states are done; the rest is as in ``pairs_within_cutoff``, with ``points``
     (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
     """
     room = p_WQs.shape[0] * world_of(world).ids.size

@@ -24,10 +24,11 @@ ERROR_BOUND = 10  # |distance - phi| <= error_bound
 UNIQUE = 11  # 1 where nhat_BA_W is unique, else 0
 METHOD = 12  # a number of ``kinds.Method``
 PAIR_WIDTH = 13
-# Columns that follow in the slot of a pair (``records``): what is known of it, beside its answer.
+# Columns that follow in the slot of a pair (``pairs.slots``): what is known of it, beside its
+# answer.
 SLACK = 13
 SEEN = 14
-GAP = 15
+LEVEL_GAP = 15
 SLOT_WIDTH = 16  # two lines of the cache
 # Columns that a slot may have beyond, for what a kernel of two hulls remembers (``remembered``):
 # with them it takes eight lines of the cache.

@@ -7,11 +7,11 @@ Conventions::
 ========== ========================================================================
 address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
 kind       shape type number
-body       the geometry where it is, see ``Body``
+body       the geometry where it is, see ``PointedBody``
 p_WQs      points (m, 3) [m]
 threshold  [m] what is farther away is left out
 span       which points to answer, and where, see ``Span``
-answers    where they are written, see ``Answers``
+answers    where they are written, see ``PointAnswers``
 ========== ========================================================================
 """
 
@@ -40,7 +40,7 @@ POINT_METHOD = 9
 POINT_WIDTH = 10
 
 
-class Body(NamedTuple):
+class PointedBody(NamedTuple):
     """A geometry G with its pose, how far it reaches, and how far off its pose is."""
 
     shape: Floats  # parameters
@@ -60,7 +60,7 @@ class Span(NamedTuple):
     n: int
 
 
-class Answers(NamedTuple):
+class PointAnswers(NamedTuple):
     """What kernels fill in."""
 
     rows: Floats  # (m n, POINT_WIDTH)
@@ -72,11 +72,11 @@ _vector, _matrix = types.float64[::1], types.float64[:, ::1]
 POINTS_SIGNATURE = types.void(
     types.intp,
     types.int64,
-    types.NamedTuple([_vector, _matrix, _vector, *[types.float64] * 3], Body),
+    types.NamedTuple([_vector, _matrix, _vector, *[types.float64] * 3], PointedBody),
     _matrix,
     types.float64,
     types.NamedUniTuple(types.int64, 4, Span),
-    types.NamedTuple([_matrix, types.boolean[::1], types.int64[::1]], Answers),
+    types.NamedTuple([_matrix, types.boolean[::1], types.int64[::1]], PointAnswers),
 )
 call_points_kernel = caller(POINTS_SIGNATURE)
 
@@ -89,10 +89,10 @@ def seen(body, p_WQs, k, threshold):
     """
     p_WG = body.p_WG
     p_GQ_W = p_WQs[k, 0] - p_WG[0], p_WQs[k, 1] - p_WG[1], p_WQs[k, 2] - p_WG[2]
-    reach = threshold + body.outer
+    limit = threshold + body.outer
     point = max(abs(p_WQs[k, 0]), abs(p_WQs[k, 1]), abs(p_WQs[k, 2]))
     rounding = body.rounding + 8.0 * EPS * point
-    near = reach == math.inf or norm(p_GQ_W) <= reach + rounding
+    near = limit == math.inf or norm(p_GQ_W) <= limit + rounding
     return near, unrotate(body.R_WG, p_GQ_W), rounding
 
 

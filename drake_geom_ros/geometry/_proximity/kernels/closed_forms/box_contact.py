@@ -51,11 +51,11 @@ def seen_from_other(b, c):
 
 @compiled
 def _closest_edge(h, g, b, c, enough):
-    """Return distance, gap vector and edge point of the second box's edge nearest to the first.
+    """Return distance, p_CaCb and edge point of the second box's edge nearest to the first.
 
     Ends early once the distance is at most ``enough`` [m].
     """
-    best, gap, p = math.inf, (0.0, 0.0, 0.0), c
+    best, p_CaCb, p = math.inf, (0.0, 0.0, 0.0), c
     for j in range(3):
         k, m = (j + 1) % 3, (j + 2) % 3
         # Edges on the side of the first box come first.
@@ -74,26 +74,26 @@ def _closest_edge(h, g, b, c, enough):
             vector = excess(h, point)
             distance = norm(vector)
             if distance < best:
-                best, gap, p = distance, vector, point
+                best, p_CaCb, p = distance, vector, point
                 if best <= enough:
-                    return best, gap, p
-    return best, gap, p
+                    return best, p_CaCb, p
+    return best, p_CaCb, p
 
 
 @compiled
 def closest_points(h, g, b, c, enough):
-    """Return the gap vector from the first box to the second, and its starting point.
+    """Return p_CaCb from the first box to the second, and its starting point.
 
     The closest points where the boxes are apart; a pair at most ``enough`` [m] apart will do.
     """
-    distance, gap, p = _closest_edge(h, g, b, c, enough)
+    distance, p_CaCb, p = _closest_edge(h, g, b, c, enough)
     if distance <= enough:
-        return gap, sub(p, gap)
+        return p_CaCb, sub(p, p_CaCb)
     a, p_from_second = seen_from_other(b, c)
-    other, gap_back, q = _closest_edge(g, h, a, p_from_second, enough)
+    other, p_CbCa, q = _closest_edge(g, h, a, p_from_second, enough)
     if other >= distance:
-        return gap, sub(p, gap)
-    return scale(-1.0, to_first(b, gap_back)), add(c, to_first(b, q))
+        return p_CaCb, sub(p, p_CaCb)
+    return scale(-1.0, to_first(b, p_CbCa)), add(c, to_first(b, q))
 
 
 @compiled
@@ -180,8 +180,8 @@ def common_point(h, g, b, c, n, is_face, slack):
         sizes, middle = (g[first], g[second]), (feature[i], feature[j])
         found, centre = _patch_centre((h[i], h[j]), sizes, u, v, middle, slack)
         p = add(along(i, centre[0]), add(along(j, centre[1]), along(k, feature[k])))
-    gap = excess(h, p)
-    if found and norm(gap) <= 4.0 * slack:
-        return sub(p, gap), norm(gap)
-    gap, p = closest_points(h, g, b, c, slack)
-    return p, norm(gap)
+    p_CaCb = excess(h, p)
+    if found and norm(p_CaCb) <= 4.0 * slack:
+        return sub(p, p_CaCb), norm(p_CaCb)
+    p_CaCb, p = closest_points(h, g, b, c, slack)
+    return p, norm(p_CaCb)

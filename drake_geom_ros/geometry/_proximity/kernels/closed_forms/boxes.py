@@ -44,7 +44,7 @@ from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
-    CLEAR_GAP,
+    CLEAR_SEPARATION,
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,
     RIGHT_ANGLE,
@@ -74,7 +74,7 @@ def _axis(b, m):
 
 @compiled
 def _separation(h, g, b, c, n, slack):
-    """Return the gap between the boxes along n or -n, whichever is larger, and its sign."""
+    """Return the separation of the boxes along n or -n, whichever is larger, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     size_A = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     size_B = g[0] * abs(dot(b[0], n)) + g[1] * abs(dot(b[1], n)) + g[2] * abs(dot(b[2], n))
@@ -115,9 +115,9 @@ def _signed_distance(h, g, b, c, slack):
     if phi <= -slack:
         p, _ = _witness_on_first(h, g, b, c, phi, n, axis, slack)
         return phi, n, p, unique
-    gap, p_ACa = closest_points(h, g, b, c, max(phi, 0.0) + slack)
-    distance, direction = length_and_direction(gap)
-    apart, clear = distance > slack, distance > CLEAR_GAP * slack
+    p_CaCb, p_ACa = closest_points(h, g, b, c, max(phi, 0.0) + slack)
+    distance, direction = length_and_direction(p_CaCb)
+    apart, clear = distance > slack, distance > CLEAR_SEPARATION * slack
     if apart and distance > phi + slack:
         return distance, direction, p_ACa, clear
     # The axis separates as widely as the closest points; it is the normal, unless boxes that
@@ -125,7 +125,7 @@ def _signed_distance(h, g, b, c, slack):
     p, miss = _witness_on_first(h, g, b, c, phi, n, axis, slack)
     if apart and miss > 4.0 * slack:
         return distance, direction, p_ACa, clear
-    turned = norm(sub(gap, scale(phi, n))) > ALONG_AXIS * distance
+    turned = norm(sub(p_CaCb, scale(phi, n))) > ALONG_AXIS * distance
     return phi, n, p, clear or (unique and not (apart and turned))
 
 

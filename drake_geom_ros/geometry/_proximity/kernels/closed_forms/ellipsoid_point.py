@@ -39,7 +39,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 STEPS_OF_ALL = 4
 
 
-class Nearest(NamedTuple):
+class NearestOnSurface(NamedTuple):
     """The point N of a shape's surface nearest to q: ``q - p_GN = distance * grad``.
 
     ``distance`` [m] is signed, negative inside, ``grad`` its unit gradient, which is the outward
@@ -201,7 +201,7 @@ def nearest_at(e, q, slack, octant, u):
     )
     grad = (s[0] * grad[0], s[1] * grad[1], s[2] * grad[2])
     p_GN = (s[0] * e[0] * y[0], s[1] * e[1] * y[1], s[2] * e[2] * y[2])
-    return Nearest(distance, grad, p_GN, unique)
+    return NearestOnSurface(distance, grad, p_GN, unique)
 
 
 @inlined

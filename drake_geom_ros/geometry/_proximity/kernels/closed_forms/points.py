@@ -1,6 +1,6 @@
 """Signed distance from a point to a primitive shape, in the shape's own frame G.
 
-``<shape>_point(lengths, q, slack)`` returns an ``ellipsoid_point.Nearest``. ``slack`` [m] is the
+``<shape>_point(lengths, q, slack)`` returns a ``NearestOnSurface``. ``slack`` [m] is the
 rounding that the coordinates of q carry: candidates that differ by less count as equal, and then
 the choice is
 
@@ -20,7 +20,7 @@ at unit length. (Drake's documentation of ``QueryObject`` says so for boxes.)
 import math
 
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
-    Nearest,
+    NearestOnSurface,
     ellipsoid_point,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit, vector_at
@@ -60,7 +60,7 @@ def along(k, s):
 def sphere_point(radius, q, slack):
     """Signed distance to a sphere."""
     rho, grad = length_and_direction(q)
-    return Nearest(rho - radius, grad, scale(radius, grad), rho > slack)
+    return NearestOnSurface(rho - radius, grad, scale(radius, grad), rho > slack)
 
 
 @inlined
@@ -68,13 +68,13 @@ def box_point(h, q, slack):
     """Signed distance to a box with half sizes h."""
     beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
     if max(beyond) > 0.0:
-        gap = excess(h, q)
-        distance, grad = length_and_direction(gap)
+        p_NQ = excess(h, q)
+        distance, grad = length_and_direction(p_NQ)
         faces = 0
         for k in range(3):
             if beyond[k] >= -slack:
                 faces += 1
-        return Nearest(distance, grad, sub(q, gap), distance > slack or faces == 1)
+        return NearestOnSurface(distance, grad, sub(q, p_NQ), distance > slack or faces == 1)
     k = 0
     for i in range(1, 3):
         if beyond[i] > beyond[k] + slack:
@@ -88,7 +88,7 @@ def box_point(h, q, slack):
     grad = along(k, side)
     face = side * h[k]
     p_GN = (face if k == 0 else q[0], face if k == 1 else q[1], face if k == 2 else q[2])
-    return Nearest(distance, grad, p_GN, unique)
+    return NearestOnSurface(distance, grad, p_GN, unique)
 
 
 @inlined
@@ -107,7 +107,7 @@ def at_box_edge(shape, q, near, nearest):
     if faces < 2.0:
         return nearest
     grad = scale(1.0 / math.sqrt(faces), (x, y, z))
-    return Nearest(nearest.distance, grad, nearest.p_GN, False)
+    return NearestOnSurface(nearest.distance, grad, nearest.p_GN, False)
 
 
 @inlined
@@ -124,7 +124,7 @@ def capsule_point(radius, half_length, q, slack):
     z = clamp(q[2], half_length)
     rho, grad = length_and_direction((q[0], q[1], q[2] - z))
     p_GN = (radius * grad[0], radius * grad[1], radius * grad[2] + z)
-    return Nearest(rho - radius, grad, p_GN, rho > slack)
+    return NearestOnSurface(rho - radius, grad, p_GN, rho > slack)
 
 
 @inlined
@@ -140,13 +140,13 @@ def cylinder_point(radius, half_length, q, slack):
         z = clamp(q[2], half_length)
         p_GN = (radius * radial[0], radius * radial[1], z) if barrel > 0.0 else (q[0], q[1], z)
         unique = distance > slack or barrel < -slack or cap < -slack
-        return Nearest(distance, grad, p_GN, unique)
+        return NearestOnSurface(distance, grad, p_GN, unique)
     if barrel >= cap - slack:
         p_GN = (radius * radial[0], radius * radial[1], q[2])
-        return Nearest(barrel, radial, p_GN, rho > slack and barrel > cap + slack)
+        return NearestOnSurface(barrel, radial, p_GN, rho > slack and barrel > cap + slack)
     side = -1.0 if q[2] < -slack else 1.0
     p_GN = (q[0], q[1], side * half_length)
-    return Nearest(side * q[2] - half_length, (0.0, 0.0, side), p_GN, abs(q[2]) > slack)
+    return NearestOnSurface(side * q[2] - half_length, (0.0, 0.0, side), p_GN, abs(q[2]) > slack)
 
 
 @inlined
@@ -159,13 +159,13 @@ def at_cylinder_rim(shape, q, near, nearest):
         return nearest
     side = -1.0 if q[2] < 0.0 else 1.0
     grad = scale(math.sqrt(0.5), (radial[0], radial[1], side))
-    return Nearest(nearest.distance, grad, nearest.p_GN, False)
+    return NearestOnSurface(nearest.distance, grad, nearest.p_GN, False)
 
 
 @inlined
 def half_space_point(q):
     """Signed distance to the half space z <= 0."""
-    return Nearest(q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True)
+    return NearestOnSurface(q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True)
 
 
 @inlined

@@ -38,11 +38,11 @@ from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, HALF_LENGTH, S
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
-    CLEAR_GAP,
+    CLEAR_SEPARATION,
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,
     RIGHT_ANGLE,
-    SHORT_GAP,
+    SHORT_SEPARATION,
     TIE,
 )
 
@@ -120,7 +120,7 @@ def _axis(d, m):
 
 @compiled
 def _separation(h, c, d, half_length, n, slack):
-    """Return the gap between box and segment along n or -n, whichever is larger, and its sign."""
+    """Return the separation of box and segment along n or -n, the larger one, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     box = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     return side * dot(c, n) - box - half_length * abs(dot(d, n)), side
@@ -143,20 +143,20 @@ def _separating_axis(h, c, d, half_length, slack):
 
 
 @compiled
-def _turned(gap, d, slack):
-    """Return gap at right angles to d if that moves it by no more than rounding, else gap."""
+def _turned(p_CaCb, d, slack):
+    """Return p_CaCb at right angles to d if that moves it by rounding only, else as it is."""
     square = dot(d, d)
     if square <= RIGHT_ANGLE * RIGHT_ANGLE:
-        return gap
-    error = scale(dot(gap, d) / square, d)
-    if norm(error) > min(4.0 * slack, 0.5 * norm(gap)):
-        return gap
-    return sub(gap, error)
+        return p_CaCb
+    error = scale(dot(p_CaCb, d) / square, d)
+    if norm(error) > min(4.0 * slack, 0.5 * norm(p_CaCb)):
+        return p_CaCb
+    return sub(p_CaCb, error)
 
 
 @compiled
-def _across(gap, p, h, d, slack):
-    """Return the gap vector from a box to p on a segment along d, at right angles to d again.
+def _across(p_CaCb, p, h, d, slack):
+    """Return p_CaCb from a box to p on a segment along d, at right angles to d again.
 
     Rounding, of up to ``slack`` [m], has turned a short one. Coordinates in which p is between two
     faces are 0 and stay so; one in which p is on a face but for rounding may leave it outwards.
@@ -166,15 +166,15 @@ def _across(gap, p, h, d, slack):
         d[1] if abs(p[1]) >= h[1] - slack else 0.0,
         d[2] if abs(p[2]) >= h[2] - slack else 0.0,
     )
-    turned = _turned(gap, free, slack)
+    turned = _turned(p_CaCb, free, slack)
     for k in range(3):
         if h[k] > slack and turned[k] * p[k] < 0.0:
             outside = (
-                d[0] if gap[0] != 0.0 else 0.0,
-                d[1] if gap[1] != 0.0 else 0.0,
-                d[2] if gap[2] != 0.0 else 0.0,
+                d[0] if p_CaCb[0] != 0.0 else 0.0,
+                d[1] if p_CaCb[1] != 0.0 else 0.0,
+                d[2] if p_CaCb[2] != 0.0 else 0.0,
             )
-            return _turned(gap, outside, slack)
+            return _turned(p_CaCb, outside, slack)
     return turned
 
 
@@ -187,16 +187,16 @@ def segment_to_box(h, c, d, half_length, slack):
     """
     t = nearest_parameter(h, c, d, half_length)
     p = add_scaled(c, t, d)
-    gap = excess(h, p)
-    distance, n = length_and_direction(gap)
-    if distance > SHORT_GAP * (half_length + norm(h)):
+    p_CaCb = excess(h, p)
+    distance, n = length_and_direction(p_CaCb)
+    if distance > SHORT_SEPARATION * (half_length + norm(h)):
         return distance, n, p, True
     phi, axis, unique = _separating_axis(h, c, d, half_length, slack)
-    apart, clear = distance > slack, distance > CLEAR_GAP * slack
-    aside = norm(sub(gap, scale(phi, axis)))
+    apart, clear = distance > slack, distance > CLEAR_SEPARATION * slack
+    aside = norm(sub(p_CaCb, scale(phi, axis)))
     if apart and aside > 4.0 * slack:
-        if abs(t) < half_length or t * dot(gap, d) > 0.0:
-            _, n = length_and_direction(_across(gap, p, h, d, slack))
+        if abs(t) < half_length or t * dot(p_CaCb, d) > 0.0:
+            _, n = length_and_direction(_across(p_CaCb, p, h, d, slack))
         return distance, n, p, clear
     # The segment, moved until it touches the box, shares the point with it.
     moved = add_scaled(c, -phi, axis)

@@ -49,18 +49,18 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import (
     Bounds,
-    Gap,
+    CorePair,
     Minimum,
     Overlap,
-    Pair,
+    Separation,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.remembered import remembered_depth
 from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
     along_centres,
-    gap_along,
     hint_of,
     narrower,
     narrower_on_line,
+    separation_along,
     start_of_hulls,
     start_of_sums,
 )
@@ -108,28 +108,28 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 @compiled
 def by_newton(difference, n, noise, tolerance, cutoff):
-    """Return the gap of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
+    """Return the separation of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
 
     End OVERLAP means that the bounds have not met; cores may overlap where lower is negative. The
-    second result is the minimum that the gap is of.
+    second result is the minimum that the separation is of.
     """
     terms, _, last, r_A, r_B = difference
     lower = -width(terms, last, r_A + r_B, n)
     if lower > cutoff:
         set_shares(terms, last, n)
         a, b = witness_points(difference, n)
-        return Gap(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b), nowhere(n)
+        return Separation(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b), nowhere(n)
     found = nearby_minimum(difference, n, noise)
     kind, n, h, _ = found
     if kind == NOTHING:
         p = vector_in(terms, 0)
-        return Gap(OVERLAP, np.inf, np.inf, n, p, p), found
+        return Separation(OVERLAP, np.inf, np.inf, n, p, p), found
     a, b = witness_points(difference, n)
     upper = norm(sub(a, b))
     end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
     if -h > cutoff:
         end = BEYOND_CUTOFF
-    return Gap(end, upper, -h, n, a, b), found
+    return Separation(end, upper, -h, n, a, b), found
 
 
 @compiled
@@ -164,7 +164,7 @@ def has_its_digits(pair, difference, found, noise):
 
 @allocating
 def sharpened(pair, difference, n, found, noise, tolerance):
-    """Return the gap with its last digits, by Newton's method from near n; CLOSED if that did it.
+    """Return the separation with its last digits, by Newton's method from near n; CLOSED if done.
 
     Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
     may be tells the slab along the normal.
@@ -172,13 +172,13 @@ def sharpened(pair, difference, n, found, noise, tolerance):
     hulls = difference.last == 0
     if hulls:
         difference = difference_of_edges(pair, n)
-    gap, _ = by_newton(difference, n, noise, tolerance, np.inf)
-    end, distance, lower, n, a, b = gap
+    separation, _ = by_newton(difference, n, noise, tolerance, np.inf)
+    end, distance, lower, n, a, b = separation
     if hulls:
-        lower = min(lower, gap_along(pair, n))
+        lower = min(lower, separation_along(pair, n))
         if distance - lower > max(found, noise):
             end = OVERLAP
-    return Gap(end, distance, lower, n, a, b)
+    return Separation(end, distance, lower, n, a, b)
 
 
 @allocating
@@ -186,7 +186,7 @@ def beside_an_axis(pair, difference, found, noise, tolerance):
     """Return closer bounds of a tiny hull just beside a long axis; else those ``found``.
 
     The simplex of GJK is a sliver there, of a normal with few digits. Across the axis the least
-    width, which is the gap where it is below 0, has a closed form: its normal is good.
+    width, which is the distance where it is below 0, has a closed form: its normal is good.
     """
     if found.lower <= noise or found.upper - found.lower <= max(tolerance, noise):
         return found
@@ -211,19 +211,21 @@ def bounds_of_depth(pair, depth, size):
 
 
 @allocating
-def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memory):
-    """Return the bounds by EPA, or by axes, and by the ``gap`` of GJK, which left something open.
+def bounds_of_both(pair, difference, separation, overlap, size, tolerance, noise, memory):
+    """Return the bounds by EPA, or by axes, and by the ``separation`` of GJK, which was open.
 
     ``overlap`` tells that the cores are thought to overlap, ``tolerance`` [m] is that of a depth.
     """
-    start = nowhere(gap.n)
+    start = nowhere(separation.n)
     if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
-        narrow = narrower_on_line(pair, narrower(pair, gap.n, Overlap(np.inf, gap.n)))
+        narrow = narrower_on_line(
+            pair, narrower(pair, separation.n, Overlap(np.inf, separation.n))
+        )
         start = Minimum(NOTHING, narrow.n, narrow.width, 0.0)
     depth, least, n_in, a_in, b_in, aside, unique_in = depth_and_bounds(
         pair, difference, start, overlap, size, SHARPER_DEPTH * tolerance, memory
     )
-    end, upper, lower, n, a, b = gap
+    end, upper, lower, n, a, b = separation
     open_, distance, unique, miss = upper - lower, upper, True, 0.0
     upper = min(upper, -least)
     if end == OVERLAP or upper + depth <= open_ + noise:  # else the bounds of GJK are tighter
@@ -234,13 +236,19 @@ def bounds_of_both(pair, difference, gap, overlap, size, tolerance, noise, memor
         if aside <= apart:
             a, b, apart = a_in, b_in, aside
         a, b, miss = witnesses_of_depth(pair, n, depth, size, a, b, apart)
-        # Where h is level, the points of GJK may span the gap as they are, along another n that
-        # lacks less than these had to be moved by.
+        # Where h is level, the points of GJK may span the distance as they are, along another n
+        # that lacks less than these had to be moved by.
         moved = end == CLOSED_ASIDE and distance > noise and miss > noise
-        if moved and gap.upper - gap_along(pair, gap.n) < miss:
-            distance, n, a, b, miss = gap.upper, gap.n, gap.a, gap.b, 0.0
-    elif gap_along(pair, n) < -depth:
-        # The gap vector of GJK may be too short to have a direction; EPA's faces have one.
+        if moved and separation.upper - separation_along(pair, separation.n) < miss:
+            distance, n, a, b, miss = (
+                separation.upper,
+                separation.n,
+                separation.a,
+                separation.b,
+                0.0,
+            )
+    elif separation_along(pair, n) < -depth:
+        # The vector b - a of GJK may be too short to have a direction; EPA's faces have one.
         n, unique = n_in, unique_in or distance > noise
         a, b, miss = drawn_to(distance, n, a, b)
     return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
@@ -255,8 +263,8 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
     hulls = pair.kind_A == CONVEX and pair.kind_B == CONVEX
     if difference.last > 0:
         n = start_of_sums(difference, pair.p_AB, n, hinted)
-        gap, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
-        end, upper, lower, n, a, b = gap
+        separation, newton = by_newton(difference, n, noise, SHARPER * tolerance, cutoff)
+        end, upper, lower, n, a, b = separation
         if end == BEYOND_CUTOFF:
             return Bounds(end, lower, upper, lower, n, a, b, 0.0, True)
         if end == CLOSED:
@@ -291,10 +299,12 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
                 _, distance, lower, n, a, b = sharper
                 a, b, miss = drawn_to(distance, n, a, b)
                 return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
-        if end == CLOSED or gap_along(pair, n) >= upper - max(tolerance, noise):
+        if end == CLOSED or separation_along(pair, n) >= upper - max(tolerance, noise):
             return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True)
-    gap = Gap(end, upper, lower, n, a, b)
-    found = bounds_of_both(pair, difference, gap, overlap, size, depth_tolerance, noise, memory)
+    separation = Separation(end, upper, lower, n, a, b)
+    found = bounds_of_both(
+        pair, difference, separation, overlap, size, depth_tolerance, noise, memory
+    )
     return beside_an_axis(pair, difference, found, noise, tolerance)
 
 
@@ -356,7 +366,7 @@ def signed_distance_of_cores(
     size = bounding_radius(kind_A, shape_A) + bounding_radius(kind_B, shape_B) + norm(p)
     n, hinted = hint_of(out, p)
     noise = ROUNDING * EPS * size
-    pair = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
+    pair = CorePair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p)
     hulls = kind_A == CONVEX and kind_B == CONVEX
     memory = part(out, min(SLOT_WIDTH, out.size) if hulls else out.size, out.size)
     cutoff += r_A + r_B

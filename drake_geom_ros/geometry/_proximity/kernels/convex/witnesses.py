@@ -10,7 +10,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.kernels.convex.depths import points_on_edges
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import distance_of_cores
 from drake_geom_ros.geometry._proximity.kernels.cores.inner_balls import depth_of_point
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -44,10 +44,10 @@ def witnesses_of_depth(pair, n, depth, size, a, b, aside):
     noise = ROUNDING * EPS * size
     if aside > LOOSE_SLOPE * noise:
         kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
-        moved = Pair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
-        _, gap, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
-        if gap < aside:
-            a, b, aside = x, add_scaled(y, -depth, n), 0.5 * gap
+        moved = CorePair(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, add_scaled(p, depth, n))
+        _, separation, _, _, x, y = distance_of_cores(moved, n, size, 0.0, np.inf)
+        if separation < aside:
+            a, b, aside = x, add_scaled(y, -depth, n), 0.5 * separation
     if aside > noise:
         on_edges = points_on_edges(pair, n, depth, noise, noise)
         x, y = on_edges.a, on_edges.b

@@ -9,7 +9,7 @@ them.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Separation
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
@@ -37,7 +37,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 CLOSED = 0  # the bounds met, to tolerance or to rounding
 BEYOND_CUTOFF = 1
 OVERLAP = 2  # the origin is in the Minkowski difference, or on it to rounding
-CLOSED_ASIDE = 3  # the bounds met, perhaps along another direction than that of the gap
+CLOSED_ASIDE = 3  # the bounds met, perhaps along another direction than that of b - a
 
 # Ordinary pairs take 5 to 20 steps; needles and near touches are left to EPA beyond this.
 GJK_STEPS = 64
@@ -114,7 +114,7 @@ def is_known(points, count, w):
 
 @allocating
 def distance_of_cores(pair, n, size, tolerance, cutoff):
-    """Return the gap of two cores, walking from the unit n, with points a and b from Ao.
+    """Return the separation of two cores, walking from the unit n, with points a and b from Ao.
 
     With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
     direction tried. ``size`` [m] is the scale to which rounding is relative.
@@ -124,14 +124,14 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
     upper = norm(v)
     lower = slab = dot(scale(-1.0, v), n)
     if lower > cutoff:
-        return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
+        return Separation(BEYOND_CUTOFF, upper, lower, n, a, b)
     points, noise = np.empty((4, WEIGHT + 1)), ROUNDING * EPS * size
     put(points, 0, a, b)
     points[0, WEIGHT] = 1.0
     count = 1
     for _ in range(GJK_STEPS):
         if upper <= noise:
-            return Gap(OVERLAP, upper, lower, n, a, b)
+            return Separation(OVERLAP, upper, lower, n, a, b)
         n = scale(-1.0 / upper, v)
         s_A, s_B = support_points(pair, n, RIGHT_ANGLE)
         w = sub(s_A, s_B)
@@ -139,8 +139,9 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         gained = slab > lower
         lower = max(lower, slab)
         if lower > cutoff:
-            return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
-        # A gap g at distance d leaves the direction an angle sqrt(2 g / d): short ones need more.
+            return Separation(BEYOND_CUTOFF, upper, lower, n, a, b)
+        # Bounds g apart at distance d leave the direction an angle sqrt(2 g / d): short ones need
+        # more.
         enough = max(tolerance * min(1.0, upper / size), noise)
         if upper - lower <= enough or is_known(points, count, w):
             break
@@ -155,7 +156,7 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         upper = closer
         a, b = combine(points, count, 3), combine(points, count, 6)
         if inside:  # as far as rounding lets a thin simplex tell
-            return Gap(OVERLAP, upper, lower, n, a, b)
-        slab = -np.inf  # that of the gap was not looked at yet
+            return Separation(OVERLAP, upper, lower, n, a, b)
+        slab = -np.inf  # that along b - a was not looked at yet
     end = CLOSED if upper - slab <= max(tolerance, noise) else CLOSED_ASIDE
-    return Gap(end, upper, lower, unit(sub(b, a)), a, b)
+    return Separation(end, upper, lower, unit(sub(b, a)), a, b)

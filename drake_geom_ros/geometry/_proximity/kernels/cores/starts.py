@@ -1,8 +1,8 @@
 """Where the search for the normal of a pair of cores begins.
 
-Along the normal the gap between supporting planes is largest, so of two guesses that of the larger
-gap is the better one. A hint is the normal of an earlier answer. Poses may be others altogether
-since then: a hint is followed only if it is no worse than the line of centres.
+Along the normal the separation of supporting planes is largest, so of two guesses that of the
+larger one is the better one. A hint is the normal of an earlier answer. Poses may be others
+altogether since then: a hint is followed only if it is no worse than the line of centres.
 """
 
 import numpy as np
@@ -34,8 +34,8 @@ def hint_of(out, p):
 
 
 @compiled
-def gap_along(pair, n):
-    """Return the gap between the supporting planes along n: at most the signed distance."""
+def separation_along(pair, n):
+    """Return the separation of the supporting planes along n: at most the signed distance."""
     a, b = support_points(pair, n, 0.0)
     return dot(sub(b, a), n)
 
@@ -53,7 +53,7 @@ def start_of_sums(difference, p, n, hinted):
 @compiled
 def narrower(pair, n, narrow):
     """Return the overlap along n, or ``narrow`` where that is as narrow or n is 0."""
-    width = -gap_along(pair, n)
+    width = -separation_along(pair, n)
     return Overlap(width, n) if width < narrow.width and dot(n, n) > 0.5 else narrow
 
 
@@ -71,18 +71,18 @@ def start_of_hulls(pair, n, hinted, noise):
     Without a hint it is worth its while where both bodies are hulls.
     """
     if pair.kind_A == CONVEX and pair.kind_B == CONVEX:
-        narrow = Overlap(-gap_along(pair, n), n)
+        narrow = Overlap(-separation_along(pair, n), n)
         if narrow.width > noise:
             narrow = narrower_on_line(pair, narrow)
         return narrow, narrow.width > noise
     if not hinted:
         # To ask for it takes a fifth of the time of a point beside a hull, and nobody uses it.
         return Overlap(np.inf, n), False
-    narrow = Overlap(-gap_along(pair, n), n)
+    narrow = Overlap(-separation_along(pair, n), n)
     overlap = narrow.width > noise
     if overlap:
         line = along_centres(pair.p_AB)
-        width = -gap_along(pair, line)
+        width = -separation_along(pair, line)
         if width < -noise:
             return Overlap(width, line), False
     return narrow, overlap

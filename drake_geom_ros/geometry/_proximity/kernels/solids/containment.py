@@ -27,8 +27,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.rays import (
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     NO_TREE,
-    Body,
     Tree,
+    TreeBody,
     first_of_leaf,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
@@ -52,7 +52,7 @@ BOX_TREE = Tree(0, 1, NODE_WIDTH, 12, NODE_WIDTH + 12 * CORNERS, 1, 0, 0)
 @allocating
 def depth_in_solid(B, q, size):
     """Return how deep q lies in B [m], negative outside."""
-    point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
+    point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
     distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
     return distance if is_inside(B.shape, B.tree, q) else -distance
 
@@ -92,7 +92,7 @@ def box_as_solid(A, low, high):
                 at = NODE_WIDTH + CORNERS * (2 * f + t) + 3 * k
                 for c in range(3):
                     shape[at + c] = high[c] if corner & (4 >> c) else low[c]
-    return Body(SOLID, shape, A.R, BOX_TREE, NO_BOX)
+    return TreeBody(SOLID, shape, A.R, BOX_TREE, NO_BOX)
 
 
 @compiled

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     distance_of_cores,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
     weighted,
@@ -42,7 +42,7 @@ TOUCHING = 1
 CROSSED = 2
 
 
-class Plane(NamedTuple):
+class TrianglePlane(NamedTuple):
     """The plane of a triangle through its corner p, with the unit normal n.
 
     Heights over it count from ``near`` [m] on, for vertices may be in single precision, and
@@ -128,7 +128,7 @@ def plane_of(shape, at, other, apart):
         reach = max(reach, norm(sub(vector_at(shape, other + 3 * c), a)))
     if norm(product) > 0.0:
         noise += ROUNDING * EPS * reach * (norm(u) * (norm(v) / norm(product)))
-    return Plane(a, unit(product), CROSSING * (norm(u) + norm(v)), noise)
+    return TrianglePlane(a, unit(product), CROSSING * (norm(u) + norm(v)), noise)
 
 
 @compiled
@@ -252,7 +252,7 @@ def touch(shape, at, other, near):
         return False
     identity, origin = np.eye(3), (0.0, 0.0, 0.0)
     first, second = shape[at : at + CORNERS], shape[other : other + CORNERS]
-    pair = Pair(TRIANGLE, first, identity, TRIANGLE, second, identity, origin)
+    pair = CorePair(TRIANGLE, first, identity, TRIANGLE, second, identity, origin)
     n = sub(vector_at(shape, other), vector_at(shape, at))
     size = max(norm(vector_at(shape, at)), norm(vector_at(shape, other)))
     return distance_of_cores(pair, unit(n), size, near, near).end != BEYOND_CUTOFF

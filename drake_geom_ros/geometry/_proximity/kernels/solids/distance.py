@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     distance_of_cores,
     support_points,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Separation
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
     weighted,
@@ -83,7 +83,7 @@ def leaf_pair(A, i, B, j, p):
         kind, shape = TRIANGLE, shape[at : at + CORNERS]
     at = B.tree.corners + CORNERS * j
     corners = B.shape[at : at + CORNERS]
-    return Pair(kind, shape, A.R, TRIANGLE, corners, B.identity, scale(-1.0, p))
+    return CorePair(kind, shape, A.R, TRIANGLE, corners, B.identity, scale(-1.0, p))
 
 
 @compiled
@@ -127,7 +127,7 @@ def widest_slab(A, i, B, j, pair, noise):
 
 
 @compiled
-def point_gap(q, B, j, noise):
+def separation_of_point(q, B, j, noise):
     """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
     at = B.tree.corners + CORNERS * j
     x = sub(vector_at(B.shape, at), q)
@@ -143,12 +143,12 @@ def point_gap(q, B, j, noise):
 
 
 @compiled
-def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
-    """Return the gap of two leaves, as GJK does, but a and b are from Bo."""
+def separation_of_leaves(A, i, B, j, p, n, size, tolerance, limit):
+    """Return the separation of two leaves, as GJK does, but a and b are from Bo."""
     noise = ROUNDING * EPS * size
     if A.kind == SPHERE:
-        d, n, b = point_gap(p, B, j, noise)
-        return Gap(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
+        d, n, b = separation_of_point(p, B, j, noise)
+        return Separation(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
     pair = leaf_pair(A, i, B, j, p)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
     apart = end != OVERLAP and end != BEYOND_CUTOFF
@@ -166,7 +166,7 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
         apart = apart or lower >= -noise
     if apart:
         end = CLOSED
-    return Gap(end, upper, lower, n, add(p, a), add(p, b))
+    return Separation(end, upper, lower, n, add(p, a), add(p, b))
 
 
 @compiled
@@ -187,9 +187,9 @@ def nearest(A, B, p, n, size, tolerance, limit):
     limit, or farther than the best so far by more than ``noise``, which rounding keeps below. The
     least of what was left out is in ``lower``: with ``noise`` added to the error it is a
     certificate. Nothing that crosses is missed, if the limit is ``noise`` or more: its boxes have
-    a gap of 0, to rounding, and no best is below 0.
+    a separation of 0, to rounding, and no best is below 0.
     """
-    noise, reach = ROUNDING * EPS * size, limit
+    noise, cutoff = ROUNDING * EPS * size, limit
     path, top = walk(A, B, p), 1
     best, least, a, b, unique = math.inf, math.inf, p, p, True
     n_best = n
@@ -200,7 +200,7 @@ def nearest(A, B, p, n, size, tolerance, limit):
             break
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                end, upper, lower, n, x, y = leaf_gap(
+                end, upper, lower, n, x, y = separation_of_leaves(
                     A, k, B, m, p, n_best, size, tolerance, limit
                 )
                 if end == OVERLAP:
@@ -220,8 +220,8 @@ def nearest(A, B, p, n, size, tolerance, limit):
                 limit = min(limit, best + noise)
                 if nearer:
                     n_best, a, b = n, x, y
-    # What was left out is farther than the reach; so may be what was answered all the same.
-    end = CLOSED if best < math.inf and least <= reach else BEYOND_CUTOFF
+    # What was left out is farther than the cutoff; so may be what was answered all the same.
+    end = CLOSED if best < math.inf and least <= cutoff else BEYOND_CUTOFF
     return Nearest(end, best, min(least, best), n_best, a, b, unique)
 
 
@@ -229,9 +229,8 @@ def nearest(A, B, p, n, size, tolerance, limit):
 def push_out(A, i, B, j, p, radius, found):
     """Return (m, s): moving A by s along the unit m takes it, as far as these leaves go, out of B.
 
-    ``found`` is what ``leaf_gap`` returned. Where the leaves cross, m is the normal of B's
-    triangle and all of A's core, or A's triangle, is lifted over its plane; else m is along the
-    gap.
+    ``found`` is their ``separation_of_leaves``. Where the leaves cross, m is the normal of B's
+    triangle and all of A's core, or A's triangle, is lifted over its plane; else m is from b to a.
     """
     if found.end != OVERLAP:
         return scale(-1.0, found.n), radius - found.upper
@@ -242,8 +241,8 @@ def push_out(A, i, B, j, p, radius, found):
 
 
 @allocating
-def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
-    """Fill ``pairs`` (k, 2) with leaves of A and of B within ``reach``; return how many.
+def close_pairs(A, B, p, n, size, tolerance, cutoff, pairs):
+    """Fill ``pairs`` (k, 2) with leaves of A and of B within ``cutoff``; return how many.
 
     Whoever asks has room for as many as matter; the rest is left out: they are where to begin, and
     no answer rests on there being no more.
@@ -252,13 +251,13 @@ def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
     path, top = walk(A, B, p), 1
     count = 0
     while True:
-        top, i, j, _ = next_leaves(A, B, p, path, top, reach)
+        top, i, j, _ = next_leaves(A, B, p, path, top, cutoff)
         if i < 0:
             return count
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for t in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = leaf_gap(A, k, B, t, p, n, size, tolerance, reach + noise)
-                if found.end == OVERLAP or (found.end == CLOSED and found.upper <= reach):
+                found = separation_of_leaves(A, k, B, t, p, n, size, tolerance, cutoff + noise)
+                if found.end == OVERLAP or (found.end == CLOSED and found.upper <= cutoff):
                     pairs[count, 0], pairs[count, 1] = k, t
                     count += 1
                     if count == pairs.shape[0]:
@@ -283,7 +282,7 @@ def contacts(A, B, p, n, size, tolerance, radius, slots, most):
     count = 0
     for k in range(close_pairs(A, B, p, n, size, tolerance, radius, pairs)):
         i, j = pairs[k, 0], pairs[k, 1]
-        found = leaf_gap(A, i, B, j, p, n, size, tolerance, radius + noise)
+        found = separation_of_leaves(A, i, B, j, p, n, size, tolerance, radius + noise)
         m, s = push_out(A, i, B, j, p, radius, found)
         if s > 0.0 and dot(m, m) > 0.5:
             count = add_slot(slots, count, m, s)

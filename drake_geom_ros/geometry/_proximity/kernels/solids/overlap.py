@@ -152,20 +152,20 @@ def escape(A, B, p, t, size, tolerance, radius, most):
 def draw_back(A, B, p, t, found, size, tolerance, radius):
     """Return (t, found): t shortened along itself until A touches, and what is near then.
 
-    So it is drawn into a hole that it rests on from several sides. Newton's method on the gap; a
-    step that leads too far is cut to the gap, within which A goes anywhere.
+    So it is drawn into a hole that it rests on from several sides. Newton's method on the
+    separation; a step that leads too far is cut to the separation, within which A goes anywhere.
     """
     back_off = BACK_OFF * ROUNDING * EPS * size
     u = unit(t)
     for _ in range(MOST_SLIDES):
-        gap, slope = found.lower - radius - back_off, -dot(found.n, u)
-        if gap <= max(0.25 * tolerance, back_off):
+        separation, slope = found.lower - radius - back_off, -dot(found.n, u)
+        if separation <= max(0.25 * tolerance, back_off):
             break
-        step = min(gap / max(slope, STEEPEST), 0.5 * norm(t))
+        step = min(separation / max(slope, STEEPEST), 0.5 * norm(t))
         ahead = add_scaled(t, -step, u)
         clear, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         if not clear:
-            ahead = add_scaled(t, -min(gap, 0.5 * norm(t)), u)
+            ahead = add_scaled(t, -min(separation, 0.5 * norm(t)), u)
             _, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         t, found = ahead, there
     return t, found
@@ -179,8 +179,8 @@ def slide(A, B, p, t, found, size, tolerance, radius):
     """
     back_off = BACK_OFF * ROUNDING * EPS * size
     for _ in range(MOST_SLIDES):
-        m, gap = scale(-1.0, found.n), found.lower - radius
-        s = dot(t, m) - gap + back_off
+        m, separation = scale(-1.0, found.n), found.lower - radius
+        s = dot(t, m) - separation + back_off
         if s > 0.0 and norm(t) - s > max(0.25 * tolerance, back_off):
             clear, ahead = clearance(A, B, add_scaled(p, s, m), found.n, size, tolerance, radius)
             if clear:

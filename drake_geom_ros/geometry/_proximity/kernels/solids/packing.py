@@ -32,10 +32,10 @@ def solid_parameters(
 ) -> tuple[Floats, Indices]:
     """Return the kernel parameters of a solid and the numbers (n,) of its triangles in them.
 
-    Parameters are laid out as ``kernels.solids.tree`` says. ``hull`` are the parameters of CONVEX;
-    ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces`` (c,) a
-    triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit normal
-    and offset [m].
+    Parameters are laid out as ``kernels.solids.solid`` says. ``hull`` are the parameters of
+    CONVEX; ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces``
+    (c,) a triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit
+    normal and offset [m].
     """
     leaves = 1
     while leaves * MOST_IN_LEAF < len(corners):

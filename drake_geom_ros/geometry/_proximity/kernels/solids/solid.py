@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_sup
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import (
     NO_BOX,
     NODE_WIDTH,
-    Box,
+    NodeBox,
     box_between,
 )
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import Floats
@@ -62,14 +62,14 @@ class Tree(NamedTuple):
 NO_TREE = Tree(0, 0, 0, 0, 0, 0, 0, 0)  # of a core
 
 
-class Body(NamedTuple):
+class TreeBody(NamedTuple):
     """A, a core or a solid: its orientation R in B, its tree, and the box of its core, in A."""
 
     kind: int
     shape: Floats
     R: Floats
     tree: Tree
-    box: Box
+    box: NodeBox
 
 
 class Solid(NamedTuple):
@@ -147,7 +147,7 @@ def box_of_core(kind, shape):
 @allocating
 def body_of(kind, shape, R):
     """Return a core or a solid of orientation R in B as A."""
-    return Body(kind, shape, R, tree_of(kind, shape), box_of_core(kind, shape))
+    return TreeBody(kind, shape, R, tree_of(kind, shape), box_of_core(kind, shape))
 
 
 @allocating

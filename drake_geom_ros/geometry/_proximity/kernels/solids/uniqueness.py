@@ -17,11 +17,11 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.features import (
     feature_of,
     hold_one_point,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import leaf_gap
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import separation_of_leaves
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     NO_TREE,
-    Body,
+    TreeBody,
     first_of_leaf,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
@@ -95,7 +95,7 @@ def is_nearest_alone(A, B, p, n, size, limit):
             return count > 0, b
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = leaf_gap(A, k, B, m, p, n, size, 0.0, limit)
+                found = separation_of_leaves(A, k, B, m, p, n, size, 0.0, limit)
                 if found.end == BEYOND_CUTOFF:
                     continue
                 if found.end == OVERLAP or not hold_leaves_one_point(A, k, B, m, found.n):
@@ -127,7 +127,7 @@ def is_way_out_alone(A, B, p, q, m, depth, error, radius, size):
     aside = 2.0 * math.sqrt(depth * error * max(depth, radius) / max(between, noise))
     if depth >= radius:
         x = add_scaled(q, radius, m)
-        point = Body(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
+        point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
         alone, _ = is_nearest_alone(point, B, x, m, size, between + noise)
         if not alone or not is_inside(B.shape, B.tree, x):
             return False

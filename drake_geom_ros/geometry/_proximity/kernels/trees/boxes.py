@@ -1,4 +1,4 @@
-"""The boxes of a tree's nodes, and the gaps between them."""
+"""The boxes of a tree's nodes, and how far these are apart."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ LOWER = 0  # 3: corner of the box
 UPPER = 3  # 3
 
 
-class Box(NamedTuple):
+class NodeBox(NamedTuple):
     """A box along the axes: its middle and half its size [m]."""
 
     middle: Vector
     half: Vector
 
 
-NO_BOX = Box((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
+NO_BOX = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
 
 
 @inlined
 def box_between(below, above):
     """Return the box with these corners."""
-    return Box(
+    return NodeBox(
         (0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), 0.5 * (below[2] + above[2])),
         (0.5 * (above[0] - below[0]), 0.5 * (above[1] - below[1]), 0.5 * (above[2] - below[2])),
     )
@@ -47,13 +47,13 @@ def box_of_node(shape, tree, k):
 
 
 @inlined
-def outside(distance, reach):
-    """Return how far a coordinate is beyond a reach; 0 within."""
-    return max(abs(distance) - reach, 0.0)
+def outside(distance, half_width):
+    """Return how far a coordinate is beyond half a width; 0 within."""
+    return max(abs(distance) - half_width, 0.0)
 
 
 @compiled
-def gap_of_boxes(box_A, R, p, box_B):
+def separation_of_turned_boxes(box_A, R, p, box_B):
     """Return a lower bound [m] of the distance of two boxes, the first turned by R and moved by p.
 
     Each is put into a box along the axes of the other: the larger of both distances. Nothing here

@@ -12,9 +12,9 @@ from oracles.forms import HERE, kernel_form, row_of
 from oracles.solids import parts_gap
 from oracles.voxels import KINDS, filled_cells
 
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.bodies.grids import surface
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.grids import surface
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import SOLID
 from drake_geom_ros.geometry._proximity.tolerances import EPS
