@@ -47,7 +47,7 @@ def solid_parameters(
     header = np.array([len(corners), leaves, len(pieces), len(planes)], dtype=np.float64)
     numbers = np.empty(len(corners), dtype=np.int64)
     numbers[order] = np.arange(len(corners))
-    on_pieces = corners[numbers[pieces]].mean(axis=1)
+    on_pieces = numbers[pieces].astype(np.float64)
     lanes = lane_parameters(
         corners, nodes[:, LOWER : UPPER + 3], leaf_bounds(len(corners), leaves)
     )
