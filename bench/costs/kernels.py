@@ -14,8 +14,8 @@ import time
 import numpy as np
 from numba import njit
 
-from drake_geom_ros.evidence.bodies.bodies import COUNTS
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotations
+from bench.evidence.bodies.random_bodies import random_directions, random_rotations
+from drake_geom_ros.cross_check.bodies import COUNTS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,

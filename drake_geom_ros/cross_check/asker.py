@@ -12,7 +12,7 @@ from multiprocessing import Pipe
 from drake_geom_ros.cross_check.question import PairQuestion, QuestionBatch, Verdict, shapes_of
 from drake_geom_ros.geometry import QueryObject
 
-NEEDED = {'fcl': 'python-fcl', 'mpmath': 'mpmath'}  # what is imported: what is installed
+NEEDED = {'fcl': 'python-fcl'}  # what is imported: what is installed
 
 _LOOKS = 0.1  # [s] between two looks whether the node ends
 # A question that hangs is given up after 40 s (LostProcess); a batch of them that takes longer

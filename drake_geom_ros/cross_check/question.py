@@ -1,4 +1,4 @@
-"""What a second opinion is asked about, and what comes back; imports nothing of ``evidence``."""
+"""What a second opinion is asked about, and what comes back; imports nothing that judges."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """YAML document -> scene description (the format is ``scene.schema.json``)."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from drake_geom_ros.scene_files.description import (
 from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
 
@@ -100,13 +102,16 @@ class _SceneParser:
         urdf_path = self._file(plain['urdf'], *path, 'urdf')
         srdf_path = self._file(plain['srdf'], *path, 'srdf') if 'srdf' in plain else None
         X_WB = self._pose(plain, *path)
-        self._robots.append(RobotDescription(name, urdf_path, X_WB, srdf_path, where))
+        robot = RobotDescription(
+            name, urdf_path, X_WB, srdf_path, where, plain.get('joint_states', '')
+        )
         if plain.get('loaded', False):
             for key in _OF_READING & plain.keys():
                 raise self._document.at(*path, key).error(
                     'has no effect with `loaded: true`: geometries and filters are those that '
                     'this file lists'
                 )
+            self._robots.append(replace(robot, tree=read_link_tree(urdf_path)))
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -117,6 +122,7 @@ class _SceneParser:
         parts = urdf.read_urdf(
             data, str(urdf_path), name, urdf_path.parent, self._resolver, options
         )
+        self._robots.append(replace(robot, tree=parts.tree))
         self._warnings += parts.warnings
         if 'pose' in plain:
             try:

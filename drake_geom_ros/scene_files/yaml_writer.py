@@ -92,6 +92,7 @@ def _robot(robot: RobotDescription) -> dict[str, Any]:
         urdf=str(robot.urdf),
         srdf=str(robot.srdf) if robot.srdf else None,
         pose=plain_pose(robot.X_WB) or None,
+        joint_states=robot.joint_states or None,
         loaded=True,
     )
 

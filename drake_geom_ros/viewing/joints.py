@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId, FramePoseVector
 from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.motion import RobotMotion
@@ -30,11 +31,11 @@ class JointSliders:
     """Joint values of robots, by the names of their sources."""
 
     def __init__(
-        self, robots: Mapping[str, RobotMotion], frames: Mapping[str, FrameId], time: float = 0.0
+        self, robots: Mapping[str, RobotMotion], frames: Mapping[Frame, FrameId], time: float = 0.0
     ) -> None:
         """Begin with the values that the robots' motions have at a time [s].
 
-        ``frames`` are the scene's, by ``source::frame``.
+        ``frames`` are the scene's, by source and name.
         """
         self._robots = robots
         self.values = {name: robot.joint_values.value(time) for name, robot in robots.items()}
@@ -82,7 +83,7 @@ class JointSliders:
         kinematics, X_WB = self._robots[robot].kinematics, self._robots[robot].X_WB
         X_WLs = kinematics.link_transforms(self.values[robot], X_WB)
         links = self._links[robot]
-        ids = [self._frames[f'{robot}::{kinematics.link_names[k]}'] for k in links]
+        ids = [self._frames[robot, kinematics.link_names[k]] for k in links]
         return FramePoseVector.FromArrays(ids, poses_of_matrices(X_WLs[links]))
 
     def _column(self, joint: JointSlider) -> int:

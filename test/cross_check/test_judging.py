@@ -5,12 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from drake_geom_ros.cross_check.judging import judged
+from bench.evidence.bodies.random_bodies import box_corners
+from bench.evidence.peers import PairAnswer
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.cross_check.judging import allowed_to_others, judged
 from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, PairQuestion
-from drake_geom_ros.evidence.bodies.bodies import Body, Pair
-from drake_geom_ros.evidence.bodies.random_bodies import box_corners
-from drake_geom_ros.evidence.judging.laws import allowed_to_others
-from drake_geom_ros.evidence.peers import PairAnswer
 
 EYE = np.eye(3)
 X = np.array([1.0, 0.0, 0.0])

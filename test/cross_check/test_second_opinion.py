@@ -7,6 +7,10 @@ import signal
 import numpy as np
 import pytest
 
+from bench.evidence.hard_cases import cases
+from bench.evidence.judging.asking import BodyScene
+from bench.evidence.peers import PairAnswer
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.cross_check.question import (
     AGREED,
     DISAGREED,
@@ -19,10 +23,6 @@ from drake_geom_ros.cross_check.question import (
     shapes_of,
 )
 from drake_geom_ros.cross_check.second_opinion import MOST_LOST, SecondOpinion, body_of
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.hard_cases import cases
-from drake_geom_ros.evidence.judging.asking import BodyScene
-from drake_geom_ros.evidence.peers import PairAnswer
 from drake_geom_ros.geometry import Mesh
 
 CORNERS = np.array([[0.0, 0.0, 0.3], [0.2, 0.0, 0.3], [0.0, 0.2, 0.3], [0.0, 0.0, 0.5]])

@@ -6,8 +6,8 @@ import numpy as np
 from oracles.forms import PARAMETERS
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging.surfaces import support_value_of
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair

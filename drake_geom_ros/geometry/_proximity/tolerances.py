@@ -191,6 +191,9 @@ SAME_VOLUME = 1e-9
 # does not.
 CROSSING = 1e-6
 
-# A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
-# triangle bounds, and its winding number keeps seven digits there.
-BENEATH = 1e-9
+# How far off [-] the gap of a point and a triangle may be, relative to where the triangle is, as
+# it is computed of eight at once: the place on one that is NEEDLE wide is off by 1000 roundings.
+LANE_ERROR = 2.0**-36
+
+# Square of a triangle's width over its longest side [-] below which its normal says little.
+NEEDLE = 1e-6

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drake_geom_ros.geometry import (
     ArgumentError,
     FilterError,
@@ -17,7 +20,7 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.feeders import MESSAGES
+from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.ros.scene.twists import stamp_of
@@ -168,6 +171,13 @@ class EditableScene(HeldScene):
             since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
             self._twists.note_twists(frames, twists, stamp, since)
 
+    def note_twists(
+        self, frames: NDArray[np.int64], twists: NDArray[np.float64], stamp: int, since: Since
+    ) -> None:
+        """Note the twists V_WF (n, 6) of frames (n,) at a stamp [ns], if motion is watched."""
+        if self._twists is not None:
+            self._twists.note_twists(frames, twists, stamp, since)
+
     def lease(self, filter_id: FilterId, seconds: float) -> None:
         """Let a transient filter vanish after ``seconds``; 0: it stays."""
         self._leases.grant(filter_id, seconds)
@@ -215,7 +225,7 @@ def _stamps(posed: PosedFrames, stamp: Any, feeder: str) -> dict[int, tuple[int,
     for frames, since in posed.items():
         own = 0
         if since != ALWAYS:
-            own = stamp_of(stamp) if feeder == MESSAGES else int(since.held * 1e9)
+            own = int(since.held * 1e9) if feeder == TF else stamp_of(stamp)
         stamps.update(dict.fromkeys(frames, (own, since)))
     return stamps
 

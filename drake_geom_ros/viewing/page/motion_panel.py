@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.common.frame_names import FrameNames
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_rotations
@@ -148,11 +149,13 @@ class MotionPanel:
     # One frame.
 
     def _add_gizmo(self, gui: Any, robots: set[str]) -> None:
-        free = [name for name in self._scene.frames if name.partition('::')[0] not in robots]
+        names = FrameNames(self._scene.frames)
+        free = [frame for frame in self._scene.frames if frame[0] not in robots]
+        self._free = {names.label(frame): frame for frame in free[:_MOST_FRAMES]}
         if not free:
             return
         with gui.add_folder('Move a frame'):
-            self.frame = gui.add_dropdown('frame', (NO_FRAME, *free[:_MOST_FRAMES]))
+            self.frame = gui.add_dropdown('frame', (NO_FRAME, *self._free))
         self.frame.on_update(lambda _: self._take_frame())
         self.gizmo: Any = None
 
@@ -165,7 +168,7 @@ class MotionPanel:
         if name == NO_FRAME:
             return
         try:
-            X_WF = self._scene.X_WF(name)
+            X_WF = self._scene.X_WF(self._free[name])
         except GeometryError:
             X_WF = RigidTransform()
         wxyz = np.roll(quaternions_from_rotations(X_WF.rotation().matrix()[None])[0], 1)
@@ -179,10 +182,10 @@ class MotionPanel:
         self.place(name, np.concatenate([handle.position, np.roll(handle.wxyz, -1)]))
 
     def place(self, name: str, pose: Any) -> None:
-        """Pose a frame in the world by x y z [m] qx qy qz qw; what cannot be is left alone."""
+        """Pose a frame of the list by x y z [m] qx qy qz qw; what cannot be is left alone."""
         try:
             matrices_from_poses([pose])
-            self._scene.place(name, RigidTransform.FromArray(pose))
+            self._scene.place(self._free[name], RigidTransform.FromArray(pose))
         except RuntimeError:  # a browser may send anything, and a parent may have no pose
             return
         self._touch()

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from oracles.small_scene import TETRAHEDRON
 
+from bench.evidence.bodies.grids import L, solid
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.common import MemoryFile
-from drake_geom_ros.evidence.bodies.grids import L, solid
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Convex,
     InMemoryMesh,

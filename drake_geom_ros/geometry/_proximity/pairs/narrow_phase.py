@@ -200,36 +200,58 @@ def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts:
 
 
 @inlined
-def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
-    """Tell whether an answer is within the cutoff; of bounds alone, whether it may be."""
-    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[LEVEL_GAP]) else 0.0)
+def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+    """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
+
+    What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
+    certified that the pair is beyond the cutoff.
+    """
+    alone = math.isinf(out[LEVEL_GAP])
+    least = out[DISTANCE] - out[ERROR_BOUND]
     if penetrating:
-        return distance < -TOUCHING_DEPTH * size
-    return distance <= cutoff
+        return (least if alone else out[DISTANCE]) < -TOUCHING_DEPTH * size
+    return least <= cutoff and (alone or out[METHOD] != BOUND_ONLY)
 
 
 @inlined
-def _rounded(
-    out: Floats,
-    a: int,
-    b: int,
-    level_gap: float,
-    size: float,
-    p_WGs: Floats,
-    outer: Floats,
-    roundings: Floats,
-    counts: Indices,
-) -> float:
-    """Add the rounding of a pair's poses to its bound and return it [m]; count a wide bound.
+def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
+    """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
+
+    A kernel that stopped at a cutoff says enough about smaller ones only.
+    """
+    stopped = out[METHOD] == BOUND_ONLY and out[SLACK] - travelled <= cutoff
+    return out[LEVEL_GAP] == level_gap < math.inf and not stopped
+
+
+@inlined
+def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped-def]
+    """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
     """
-    extent = size + apart(p_WGs, a, b)
-    kept = tolerance_of_pair(level_gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+    kept = tolerance + PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
-    rounding = rounding_of_pair(a, b, extent, roundings)
+    counts[BY_METHOD + int(out[METHOD])] += 1
     out[ERROR_BOUND] += rounding
-    return rounding
+
+
+@inlined
+def _beyond(cutoff, size, rounding):  # type: ignore[no-untyped-def]
+    """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
+    return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
+
+
+@inlined
+def _recall(out, level_gap, type_a, type_b):  # type: ignore[no-untyped-def]
+    """Forget the normal from which a kernel would start, where it is not this level's.
+
+    So what one level was asked changes no digit of what another answers. With solids a kernel
+    starts from nothing: which leaves are looked at would depend on it.
+    """
+    solid = type_a == SOLID or type_b == SOLID
+    if solid or (out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf):
+        for c in range(3):
+            out[NORMAL + c] = 0.0
 
 
 @allocating
@@ -254,7 +276,8 @@ def answer_pairs(
     is known from before would make the answer depend on what was asked. A ``first`` that is not
     negative is where to begin, and then one hit is enough. A queue with room for all pairs gets
     those for which a kernel would run, with their certified least distance if there is room for
-    these too; without any room, kernels run.
+    these too; without any room, kernels run. No cutoff below 0 leaves out by depth: boxes that
+    overlap are 0 apart, and a solid may leap (see ``_may_leap``).
 
     (The records are taken apart first: to hand that of the world on made a pair of spheres take 6
     ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
@@ -266,10 +289,9 @@ def answer_pairs(
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
     level_gap, cutoff, penetrating = query.level_gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    # Not how deep they are: boxes that overlap are 0 apart, and a solid may leap (see above).
-    near_cutoff, found = max(cutoff, 0.0), 0
+    near_cutoff = max(cutoff, 0.0)
     far_cutoff = math.inf if math.isinf(level_gap) else near_cutoff
-    counts[:] = 0
+    counts[:], found = 0, 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -277,10 +299,8 @@ def answer_pairs(
         if out[SLACK] - travelled > far_cutoff:
             counts[FAR] += 1
             continue
-        size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
-        rests = latest <= out[SEEN] and 0.0 <= out[LEVEL_GAP] <= level_gap < math.inf
-        # What stopped at a cutoff says enough about smaller ones only.
-        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff):
+        size = size_of_pair(a, b, types, outer)
+        if max(stamps[a], stamps[b]) <= out[SEEN] and _stands(out, level_gap, travelled, cutoff):
             counts[CACHED] += 1
         else:
             least = -math.inf
@@ -296,17 +316,20 @@ def answer_pairs(
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
+                extent = size + apart(p_WGs, a, b)
+                tolerance = tolerance_of_pair(level_gap, a, b, outer)
+                rounding = rounding_of_pair(a, b, extent, roundings)
                 if math.isinf(level_gap):
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
-                    aim = Aim(size, tolerance_of_pair(level_gap, a, b, outer), cutoff)
+                    _recall(out, level_gap, types[a], types[b])
                     shapes = Shapes(types, starts, pool)
+                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
                     _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
-                rounding = _rounded(out, a, b, level_gap, size, p_WGs, outer, roundings, counts)
+                _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
                     raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap
-                counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, level_gap, size, rounding)
             else:
                 counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own

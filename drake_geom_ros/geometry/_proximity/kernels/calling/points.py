@@ -9,7 +9,7 @@ address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
 kind       shape type number
 body       the geometry where it is, see ``PointedBody``
 p_WQs      points (m, 3) [m]
-threshold  [m] what is farther away is left out
+threshold  [m] what is certified to be farther away is left out
 span       which points to answer, and where, see ``Span``
 answers    where they are written, see ``PointAnswers``
 ========== ========================================================================
@@ -119,19 +119,11 @@ def put_point(
 
 
 @inlined
-def take(
-    answers: PointAnswers,
-    k: int,
-    body: PointedBody,
-    threshold: float,
-    size: float,
-    rounding: float,
-    nearest: tuple[float, Vector, Vector, bool],
-) -> None:
-    """Fill row k from a closed form in G, where it is within the threshold."""
+def take(answers, k, body, threshold, size, rounding, nearest):
+    """Fill row k from a closed form in G, where it may be within the threshold."""
     distance, grad, p_GN, unique = nearest
-    if distance <= threshold:
-        bound = CLOSED_FORM_ROUNDING * size + rounding
+    bound = CLOSED_FORM_ROUNDING * size + rounding
+    if distance - bound <= threshold:
         grad_W = rotate(body.R_WG, grad)
         put_point(answers.rows, k, distance, grad_W, p_GN, bound, unique, CLOSED_FORM)
         answers.found[k] = True

@@ -202,13 +202,13 @@ def by_pair_kernel(
             out[NORMAL + c] = 0.0
         pair = SPHERE, nothing, identity, kind, body.shape, body.R_WG, p_QG_W
         call_kernel(address, *pair, 0.0, math.inf, out)
-        if out[DISTANCE] <= threshold:
+        bound = out[ERROR_BOUND] + rounding
+        if out[DISTANCE] - bound <= threshold:
             # The witness on G is measured from the point.
             p_QN_W = vector_at(out, WITNESS_B)
             p_GN = unrotate(body.R_WG, sub(p_QN_W, vector_at(p_QG_W, 0)))
             grad_W = vector_at(out, NORMAL)
-            bound, unique = out[ERROR_BOUND] + rounding, out[UNIQUE] > 0.0
-            at = k * span.n + span.g
+            unique, at = out[UNIQUE] > 0.0, k * span.n + span.g
             put_point(answers.rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
             answers.found[at] = True
             answers.counts[int(out[METHOD])] += 1

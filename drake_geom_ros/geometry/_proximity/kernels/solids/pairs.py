@@ -25,12 +25,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     BACK_OFF,
     bounds_of_depth,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
-    Solid,
-    TreeBody,
-    body_of,
-    solid_of,
-)
+from drake_geom_ros.geometry._proximity.kernels.solids.reach import nearest_within
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -150,7 +146,7 @@ def signed_distance_to_solid(
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
     A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
     n = first_direction(out, R_WB, p)
-    found = nearest(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
+    found = nearest_within(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
     end, upper, lower, n, a, b, unique = found
     if end == OVERLAP or upper - radius < -noise or is_contained(A, B, p, lower <= noise, size):
         if end == BEYOND_CUTOFF:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from drake_geom_ros.geometry._proximity.kernels.calling import extremes
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling

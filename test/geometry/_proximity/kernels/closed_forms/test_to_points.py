@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import pair_table
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     pairs as calling,

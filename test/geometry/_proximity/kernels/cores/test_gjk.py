@@ -3,7 +3,7 @@ import pytest
 from oracles.core_pairs import core_pair
 from oracles.forms import ALIGNED, hull_of, signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import vectors
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk
 from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair

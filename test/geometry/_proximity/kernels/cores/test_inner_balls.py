@@ -8,7 +8,7 @@ from oracles.core_pairs import core_pair, core_widths
 from oracles.forms import hull_of
 from oracles.shape_scenes import ShapeScene
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Box,
     Capsule,

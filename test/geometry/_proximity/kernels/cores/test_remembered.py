@@ -10,7 +10,7 @@ from numba import config
 from oracles.core_pairs import core_pair, turned
 from oracles.forms import signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
