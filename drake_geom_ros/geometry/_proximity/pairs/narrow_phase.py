@@ -200,7 +200,7 @@ def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts:
 
 
 @inlined
-def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
     """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
 
     What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
@@ -214,7 +214,7 @@ def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
+def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> bool:
     """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
 
     A kernel that stopped at a cutoff says enough about smaller ones only.
@@ -224,7 +224,7 @@ def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped-def]
+def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
     """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
@@ -236,13 +236,13 @@ def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped
 
 
 @inlined
-def _beyond(cutoff, size, rounding):  # type: ignore[no-untyped-def]
+def _beyond(cutoff: float, size: float, rounding: float) -> float:
     """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
     return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
 
 
 @inlined
-def _recall(out, level_gap, type_a, type_b):  # type: ignore[no-untyped-def]
+def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
     """Forget the normal from which a kernel would start, where it is not this level's.
 
     So what one level was asked changes no digit of what another answers. With solids a kernel
