@@ -8,9 +8,16 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
-from drake_geom_ros.geometry._proximity.runtime.handles import Flags, Integers, Reals, taker
+from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Flags,
+    Handle,
+    Integers,
+    Reals,
+    taker,
+)
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
 
 # Places of ``ReportArrays.told``.
@@ -53,7 +60,14 @@ def empty_report() -> ReportArrays:
 
 
 @inlined
-def pose_world(world, report, stale, revision, posed_rows, X_PFs):  # type: ignore[no-untyped-def]
+def pose_world(
+    world: Handle,
+    report: ReportArrays,
+    stale: bool,
+    revision: int,
+    posed_rows: Indices,
+    X_PFs: Floats,
+) -> None:
     """Give a world its poses, as ``run_cycle`` does, and report so."""
     told, moments = report.told, report.moments
     moments[BEGUN] = now()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -69,7 +69,7 @@ class FramePoseVector:
         if _are_numbers(frame_ids, poses):
             ids: Indices = frame_ids.copy()  # type: ignore[union-attr,assignment]
             X_PFs = np.empty((len(ids), POSE_WIDTH))
-            if read_frame_poses(ids, poses, X_PFs) == RISING:
+            if read_frame_poses(ids, cast(Floats, poses), X_PFs) == RISING:
                 vector._arrays = ids, X_PFs
                 return vector
         ids = _id_values(frame_ids)

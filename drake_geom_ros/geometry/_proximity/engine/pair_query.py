@@ -17,6 +17,8 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     LACKS_SLOTS,
     MADE,
     PAIRS,
+    FilterArrays,
+    ListArrays,
     filters_of,
     list_of,
 )
@@ -35,18 +37,22 @@ from drake_geom_ros.geometry._proximity.report import (
     LIST_MADE,
     LISTED,
     LISTED_PAIRS,
+    ReportArrays,
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Reals,
     taker,
 )
 from drake_geom_ros.geometry._proximity.runtime.views import part
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 
 # What is asked for.
 LIST = 0  # no more than the list, and the kernels of its pairs
@@ -82,16 +88,16 @@ _boxes_of = taker(Boxes)
 
 
 @compiled
-def run_cycle(  # type: ignore[no-untyped-def]
-    hands,
-    lacking,
-    stale,
-    revision,
-    posed_rows,
-    X_PFs,
-    ids,
-    rows,
-):
+def run_cycle(
+    hands: Handle,
+    lacking: int,
+    stale: bool,
+    revision: int,
+    posed_rows: Indices,
+    X_PFs: Floats,
+    ids: Indices,
+    rows: Floats,
+) -> int:
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
     ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
@@ -153,7 +159,9 @@ def run_cycle(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_quick_contact(world, filters, report, level_gap):  # type: ignore[no-untyped-def]
+def _is_quick_contact(
+    world: WorldArrays, filters: FilterArrays, report: ReportArrays, level_gap: float
+) -> bool:
     """Tell whether a contact was seen without a list, and report so."""
     told, moments = report.told, report.moments
     a, b = quick_contact(world, filters, level_gap, told[CONTACT_A], told[CONTACT_B])
@@ -168,7 +176,7 @@ def _is_quick_contact(world, filters, report, level_gap):  # type: ignore[no-unt
 
 
 @inlined
-def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
+def _place_of_contact(near: ListArrays, report: ReportArrays) -> int:
     """Return the number of the pair in which the last contact was, or of the one after it."""
     a, b = report.told[CONTACT_A], report.told[CONTACT_B]
     low, high = 0, near.numbers[PAIRS]
@@ -182,7 +190,15 @@ def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _answer(kernels, world, near, report, revision, query, mode):  # type: ignore[no-untyped-def]
+def _answer(
+    kernels: Addresses,
+    world: Handle,
+    near: ListArrays,
+    report: ReportArrays,
+    revision: int,
+    query: tuple[float, float, bool],
+    mode: float,
+) -> int:
     """Fill in the hits of the list's pairs; return how many there are."""
     count = near.numbers[PAIRS]
     pairs = near.pairs[:count]

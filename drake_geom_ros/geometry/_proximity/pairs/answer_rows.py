@@ -29,7 +29,9 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     promised_error_bound,
     size_of_pair,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
@@ -117,14 +119,23 @@ def frozen(ids: Indices, rows: Floats) -> PairBatch:
 
 
 @inlined
-def _put(row, column, vector):  # type: ignore[no-untyped-def]
+def _put(row: Floats, column: int, vector: Vector) -> None:
     """Write three numbers of a row from a column on; a zero is written without a sign."""
     for c in range(3):
         row[column + c] = 0.0 + vector[c]
 
 
 @compiled
-def gather_rows(hits, pairs, slots, memory, level_gap, world, ids, rows):  # type: ignore[no-untyped-def]
+def gather_rows(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    ids: Indices,
+    rows: Floats,
+) -> None:
     """Fill ids and rows of pairs of a world, given by its handle.
 
     Witness points come measured from Ao, in World axes.
@@ -133,7 +144,7 @@ def gather_rows(hits, pairs, slots, memory, level_gap, world, ids, rows):  # typ
     types, frames, outer = world.types, world.frames, world.outer
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
     for k in range(hits.size):
-        hit = np.uint64(hits[k])
+        hit = unsigned(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(memory, slots[hit]), row(rows, k)
         ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]

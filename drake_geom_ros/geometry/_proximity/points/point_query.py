@@ -30,9 +30,11 @@ from drake_geom_ros.geometry._proximity.report import (
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Integers,
     handle_of,
@@ -59,7 +61,7 @@ _hands_of = taker(PointHands)
 
 
 @compiled
-def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+def are_allowed(p_WQs: Floats) -> bool:
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
     allowed = True
     for k in range(p_WQs.shape[0]):
@@ -69,9 +71,19 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, posed_rows, X_PFs, p_WQs, threshold, rows, found, points, ids
-):
+def _run_points(
+    hands: Handle,
+    stale: bool,
+    revision: int,
+    posed_rows: Indices,
+    X_PFs: Floats,
+    p_WQs: Floats,
+    threshold: float,
+    rows: Floats,
+    found: Booleans,
+    points: Unsigned32,
+    ids: Indices,
+) -> int:
     """Do what a point query does; return how many answers there are.
 
     ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.

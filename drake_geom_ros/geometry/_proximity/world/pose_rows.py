@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
@@ -43,7 +44,7 @@ def positions_of(X_PFs: Floats) -> Floats:
 
 
 @compiled
-def read_poses(poses, Xs):  # type: ignore[no-untyped-def]
+def read_poses(poses: Floats, Xs: Floats) -> int:
     """Write the rows Xs (n, POSE_WIDTH) of ``poses`` (n, 7), x y z qx qy qz qw, normalised.
 
     Returns the first row that has a number that is not finite, a coordinate beyond FARTHEST [m] or
@@ -73,7 +74,7 @@ def read_poses(poses, Xs):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def read_frame_poses(ids, poses, Xs):  # type: ignore[no-untyped-def]
+def read_frame_poses(ids: Indices, poses: Floats, Xs: Floats) -> int:
     """Do what ``read_poses`` does; return REFUSED, READ, or RISING if the ids (n,) rise strictly.
 
     They do when frames come in their order, and then all of them are different.

@@ -326,4 +326,4 @@ class World:
         self._apply_pending()
         counts = update(self.handle, self.revision + 1)
         self.revision, self.is_stale = self.revision + 1, False
-        return counts  # type: ignore[no-any-return]
+        return counts

@@ -50,7 +50,7 @@ BOX_TREE = Tree(0, 1, NODE_WIDTH, 12, NODE_WIDTH + 12 * CORNERS, 1, 0, 0)
 
 
 @allocating
-def depth_in_solid(B, q, size):
+def depth_in_solid(B: Solid, q: Vector, size: float) -> float:
     """Return how deep q lies in B [m], negative outside."""
     point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
     distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
