@@ -151,6 +151,7 @@ def points_within_threshold(  # type: ignore[no-untyped-def]
     kernels,
     pair_kernels,
     pair_rows,
+    shapes,
     poses,
     first,
     rows,
@@ -165,9 +166,11 @@ def points_within_threshold(  # type: ignore[no-untyped-def]
 ):
     """Answer for points (m, 3) and all geometries, in each state (N, n, 7), as ``point_phase``.
 
-    Returns how many states are done; the rest is as in ``pairs_within_cutoff``, with ``points``
+    ``shapes`` are types, starts and pool of ``PointShapes``. Returns how many states are done; the
+    rest is as in ``pairs_within_cutoff``, with ``points``
     (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
     """
+    types, starts, pool = shapes
     room = p_WQs.shape[0] * world_of(world).ids.size
     Xs = np.empty((rows.size, POSE_WIDTH))
     counts = np.zeros(COUNTS, dtype=np.int64)
@@ -181,6 +184,9 @@ def points_within_threshold(  # type: ignore[no-untyped-def]
             kernels,
             pair_kernels,
             pair_rows,
+            types,
+            starts,
+            pool,
             world,
             p_WQs,
             threshold,

@@ -10,8 +10,8 @@ import math
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import BEYOND_CUTOFF, OVERLAP
 from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
     Nearest,
-    separation_of_leaves,
     nearest,
+    separation_of_leaves,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import first_of_leaf
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
