@@ -44,7 +44,6 @@ from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, ra
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     apart,
     separation_of_bounds,
-    separation_of_boxes,
 )
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     hides_contact,
@@ -55,7 +54,7 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
 from drake_geom_ros.geometry._proximity.pairs.slots import Aim, Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -390,21 +389,6 @@ def bound_pairs(
             least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
-    return found
-
-
-@compiled
-def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
-    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
-    world, found = world_of(world), 0
-    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
-    roundings, half_extents = world.roundings, world.half_extents
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if separation <= cutoff:
             hits[found] = k
             found += 1
     return found
