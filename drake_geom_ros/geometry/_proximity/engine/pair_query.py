@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
 )
 from drake_geom_ros.geometry._proximity.near.grids import Boxes, code_of
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_answers
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs, near_pairs
 from drake_geom_ros.geometry._proximity.pairs.quick_contacts import quick_contact
 from drake_geom_ros.geometry._proximity.report import (
@@ -85,25 +85,23 @@ def run_cycle(  # type: ignore[no-untyped-def]
     lacking,
     stale,
     revision,
-    named,
     given,
-    ids,
-    rows,
+    answers,
 ):
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
     ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
     cycle goes on there. If it is ``stale``, the world gets the poses ``given`` (n, POSE_WIDTH) of
-    the frames in its rows ``named`` (n,), and is updated to this ``revision``. The numbers of the
-    pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and ``rows``
-    (k, BATCH_WIDTH) if there is room for all.
+    the frames that it was told of, and is updated to this ``revision``. The numbers of the pairs
+    are written to the list's ``hits``, and their ``answers`` (k, ANSWER_WIDTH) if there is room
+    for all.
     """
     hands = _hands_of(hands)
     gap, cutoff, mode = hands.asked[GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
     moments = report.moments
     if lacking == 0:
-        pose_world(hands.world, report, stale, revision, named, given)
+        pose_world(hands.world, report, stale, revision, given)
         if mode == CONTACT and _is_plain_contact(world, filters_of(hands.filters), report, gap):
             return 1
     if lacking != LACKS_KERNELS:
@@ -133,17 +131,9 @@ def run_cycle(  # type: ignore[no-untyped-def]
     if mode > LIST:
         query = gap, cutoff, hands.asked[PENETRATING] != 0.0
         count = _answer(hands.kernels, hands.world, near, report, revision, query, mode)
-    if mode == ANSWERS and count <= ids.shape[0]:
-        gather_rows(
-            part(near.hits, 0, count),
-            near.pairs,
-            near.slots,
-            near.memory,
-            gap,
-            hands.world,
-            ids,
-            rows,
-        )
+    if mode == ANSWERS and count <= answers.shape[0]:
+        hits = part(near.hits, 0, count)
+        gather_answers(hits, near.pairs, near.slots, near.memory, gap, hands.world, answers)
     moments[ANSWERED] = now()
     return count
 

@@ -70,7 +70,7 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 @compiled
 def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, named, given, p_WQs, threshold, rows, found, points, ids
+    hands, stale, revision, given, p_WQs, threshold, rows, found, points, ids
 ):
     """Do what a point query does; return how many answers there are.
 
@@ -80,7 +80,7 @@ def _run_points(  # type: ignore[no-untyped-def]
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, named, given)
+    pose_world(hands.world, report, stale, revision, given)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -126,7 +126,7 @@ class PointQueries:
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given_for.rows, world.given
+        posed = stale, revision, world.given
         room = rows, np.empty(capacity, dtype=np.bool_), points, ids
         count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
         world.revision, world.given, world.is_stale = revision, NO_POSES, False
