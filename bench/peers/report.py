@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bench.evidence.pages import three
 from bench.peers.scenes import TENTH
 from bench.peers.timing import Taken
-from drake_geom_ros.evidence.pages import three
 
 LIBRARIES = ('ours', 'pydrake', 'MuJoCo', 'python-fcl', 'Coal')
 HEADINGS = (

@@ -17,7 +17,14 @@ from drake_geom_ros.client.results import (
     SignedDistances,
 )
 from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
-from drake_geom_ros.client.services import RefusedError, Services, exclude_between, frame_poses
+from drake_geom_ros.client.services import (
+    RefusedError,
+    Services,
+    exclude_between,
+    frame_poses,
+    joint_positions,
+)
+from drake_geom_ros.client.states import States
 
 __all__ = [
     'SceneGraphClient',
@@ -36,7 +43,9 @@ __all__ = [
     'NoAnswerError',
     'IncompleteError',
     'UnknownNameError',
+    'States',
     'frame_poses',
+    'joint_positions',
     'exclude_between',
     'sleep',
 ]

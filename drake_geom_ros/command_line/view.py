@@ -11,7 +11,7 @@ from drake_geom_ros.command_line.query import limit
 from drake_geom_ros.geometry import ACCURACY_LEVELS, FramePoseVector
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
-from drake_geom_ros.viewing.joints import Joints
+from drake_geom_ros.viewing.joints import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.page.serving import LOCALHOST, PORT, open_server, warning
@@ -72,7 +72,7 @@ def open_page(options: argparse.Namespace) -> Page:
     return Page(
         open_server(options.host, options.port),
         scene,
-        joints=Joints(motion.robots, scene.frames),
+        joints=JointSliders(motion.robots, scene.frames),
         timeline=timeline,
         max_distance=options.max_distance,
         accuracy=options.accuracy,

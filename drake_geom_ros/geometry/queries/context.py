@@ -345,7 +345,7 @@ def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
     geometries = sorted(
         (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
     )
-    packed = [g.packed_shape for g in geometries]
+    packed = [g.queried_shape.in_pairs for g in geometries]
     parameters = [numbers for _, numbers in packed]
     table = GeometryTable(
         ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),

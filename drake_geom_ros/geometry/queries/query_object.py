@@ -187,8 +187,8 @@ class QueryObject(ImageQueries):
         answers = context._engine.answer_of(query, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
         if query.is_bound or budget > 0.0:
-            return PenetrationResults(batch_of(answers).penetrating(), query.world.moment())
-        return PenetrationResults(answers, query.world.moment())
+            return PenetrationResults(batch_of(answers).penetrating(), query.world.kept_poses())
+        return PenetrationResults(answers, query.world.kept_poses())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -228,7 +228,7 @@ class QueryObject(ImageQueries):
         query = context._query(reach, accuracy, reach, False, ANSWERS)
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         answers = context._engine.answer_of(query, budget)
-        return SignedDistanceResults(answers, query.world.moment())
+        return SignedDistanceResults(answers, query.world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -289,7 +289,7 @@ class QueryObject(ImageQueries):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
-        return SignedDistanceResults(batch, world.moment())
+        return SignedDistanceResults(batch, world.kept_poses())
 
     def FindCollisionCandidates(
         self, *, accuracy: str | None = None
@@ -338,7 +338,7 @@ class QueryObject(ImageQueries):
         context = self._context
         world = context._posed_world()
         batch = context._engine.point_distances(world, p_WQs, reach)
-        return PointDistanceResults(batch, world.moment(), p_WQs)
+        return PointDistanceResults(batch, world.kept_poses(), p_WQs)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

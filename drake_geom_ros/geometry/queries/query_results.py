@@ -42,7 +42,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     PairBatch,
     PointBatch,
 )
-from drake_geom_ros.geometry._proximity.world.moment import Moment
+from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.queries.query_gradients import PairGradients, PointGradients
 from drake_geom_ros.geometry.queries.query_records import (
@@ -137,16 +137,16 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, answers: Floats | PairBatch, moment: Moment | None = None) -> None:
+    def __init__(self, answers: Floats | PairBatch, kept_poses: KeptPoses | None = None) -> None:
         """Have answers (k, ANSWER_WIDTH), which nobody changes, or a batch.
 
-        Without a ``moment``, of pairs of many states, there are no derivatives.
+        Without a ``kept_poses``, of pairs of many states, there are no derivatives.
         """
         if type(answers) is _Array:
             self._ids, self._rows = answers.view(_INT64)[_IDS], answers
         else:
             self._ids, self._rows = answers
-        self._moment = moment
+        self._kept_poses = kept_poses
 
     @property
     def _batch(self) -> PairBatch:
@@ -243,7 +243,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
         One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.penetrating(), self._moment)
+        return PenetrationResults(self._batch.penetrating(), self._kept_poses)
 
     @property
     def distance(self) -> Floats:
@@ -309,11 +309,11 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
     def __init__(
-        self, batch: PointBatch, moment: Moment | None = None, p_WQs: Floats | None = None
+        self, batch: PointBatch, kept_poses: KeptPoses | None = None, p_WQs: Floats | None = None
     ) -> None:
-        """Without a ``moment``, of points in many states, there are no derivatives."""
+        """Without a ``kept_poses``, of points in many states, there are no derivatives."""
         self._take(batch)
-        self._moment = moment
+        self._kept_poses = kept_poses
         if p_WQs is not None:
             self._p_WQs = p_WQs
 

@@ -164,9 +164,9 @@ class StateQueries:
         That is so unless every pair is certified to be farther apart than the margin.
         """
         if margin is None:
-            done, found = self._loops.overlaps(poses, _gap(accuracy), stop)
+            done, found = self._loops.overlaps(poses, _level_gap(accuracy), stop)
         else:
-            done, found = self._loops.near(poses, _gap(accuracy), margin, stop)
+            done, found = self._loops.near(poses, _level_gap(accuracy), margin, stop)
         _check_done(done, poses, stop)
         return found
 
@@ -178,13 +178,15 @@ class StateQueries:
         In their order, a lower bound being distance minus error bound. Left out is what has a
         higher one than the last of so many, or one above ``max_distance`` [m].
         """
-        done, counts, batch = self._loops.nearest(poses, _gap(accuracy), max_distance, most, stop)
+        done, counts, batch = self._loops.nearest(
+            poses, _level_gap(accuracy), max_distance, most, stop
+        )
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
     def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
-        done, counts, batch = self._loops.within(poses, _gap(accuracy), max_distance, stop)
+        done, counts, batch = self._loops.within(poses, _level_gap(accuracy), max_distance, stop)
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
@@ -200,7 +202,7 @@ def pose_gradients(results: SignedDistanceResults) -> Floats:
     return gradients_of_rows(results._rows)
 
 
-def _gap(accuracy: str) -> float:
+def _level_gap(accuracy: str) -> float:
     return math.inf if accuracy == 'bound' else LEVEL_GAPS[accuracy]
 
 

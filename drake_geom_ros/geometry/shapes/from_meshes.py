@@ -25,7 +25,7 @@ from drake_geom_ros.geometry.meshes.source import (
     numbers_of,
     surface,
 )
-from drake_geom_ros.geometry.shapes.primitives import Shape
+from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
 
 Floats = NDArray[np.float64]
 _M = TypeVar('_M', bound='_FromMesh')
@@ -135,8 +135,9 @@ class _FromMesh(Shape):
         vertices, polygons = hull_polygons(self._mesh, self.scale3())
         return PolygonSurfaceMesh.FromPolygons(polygons, vertices)
 
-    def _kernel_parameters(self) -> Floats:
-        return hull_parameters(*self.hull_surface())
+    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+        packed = PackedShape(CONVEX, hull_parameters(*self.hull_surface()))
+        return QueriedShape(packed, packed)
 
 
 class Convex(_FromMesh):
@@ -193,6 +194,15 @@ class Mesh(_FromMesh):
         that is not a mesh.
         """
         return surface(self._mesh, self.scale3())
+
+    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+        if not is_solid:
+            return super()._for_queries()
+        # Only scenes that have solids load what packs them.
+        from drake_geom_ros.geometry.meshes._solids import solid_of
+
+        packed = PackedShape(*solid_of(self._mesh, self._scales))
+        return QueriedShape(packed, packed)
 
 
 def _mesh_of(kind: str, given: object) -> MeshGiven:

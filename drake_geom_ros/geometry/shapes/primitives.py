@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,20 @@ Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
 
 
+class PackedShape(NamedTuple):
+    """What compiled code is told of a shape, as ``_proximity.kernels`` lays it out."""
+
+    kind: int  # a number of ``_proximity.kinds``
+    parameters: Floats
+
+
+class QueriedShape(NamedTuple):
+    """What a shape is to proximity queries: in pairs of geometries, and to points."""
+
+    in_pairs: PackedShape
+    to_points: PackedShape
+
+
 class Shape:
     """What all shapes share: values that compare, hash and print by their measures."""
 
@@ -45,12 +59,17 @@ class Shape:
         """Return another object that is the same shape."""
         return copy.copy(self)
 
-    def _type_number(self) -> int:
-        """Return the number of the kind, as in the kernels and in messages."""
-        return self._TYPE
+    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+        """Return what the shape is to proximity queries: the one place that says so.
 
-    def _kernel_parameters(self) -> Floats:
-        """Return what the kernels need to know, laid out as ``_proximity.kernels`` says."""
+        ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds. Raises
+        GeometryError for what cannot have the proximity role.
+        """
+        packed = PackedShape(self._TYPE, self._lengths())
+        return QueriedShape(packed, packed)
+
+    def _lengths(self) -> Floats:
+        """Return the lengths [m] that kernels work with, half of those that people measure."""
         return np.array(self._measures, dtype=np.float64)
 
     def __eq__(self, other: object) -> bool:
@@ -119,7 +138,7 @@ class Box(Shape):
         """Return width, depth and height (3,) [m]."""
         return np.array(self._measures)
 
-    def _kernel_parameters(self) -> Floats:
+    def _lengths(self) -> Floats:
         return 0.5 * self.size()
 
 
@@ -146,7 +165,7 @@ class _Swept(Shape):
         """Return the length [m]; of a capsule, the length between its two centres."""
         return float(self._measures[1])
 
-    def _kernel_parameters(self) -> Floats:
+    def _lengths(self) -> Floats:
         return np.array([self.radius(), 0.5 * self.length()])
 
 
@@ -259,7 +278,7 @@ class MeshcatCone(Shape):
         """Return the semi-axis [m] of the base along y."""
         return float(self._measures[2])
 
-    def _kernel_parameters(self) -> Floats:
+    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
         raise GeometryError('MeshcatCone: it is for pictures, and cannot have the proximity role')
 
 

@@ -2,10 +2,10 @@
 
 import pytest
 
+from bench.evidence.pages import table
 from bench.peers import chart, report
 from bench.peers.report import Measurement
 from bench.peers.timing import Taken
-from drake_geom_ros.evidence.pages import table
 
 
 def taken(microseconds, found=3):

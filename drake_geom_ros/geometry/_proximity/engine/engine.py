@@ -35,13 +35,13 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     gather_answers,
     gathered,
 )
-from drake_geom_ros.geometry._proximity.pairs.budgeted import Stepwise
+from drake_geom_ros.geometry._proximity.pairs.budgeted import BudgetedAnswers
 from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.points.point_phase import (
     POINTS_COMPILED,
     compile_point_kernels,
 )
-from drake_geom_ros.geometry._proximity.points.point_query import PointQueries
+from drake_geom_ros.geometry._proximity.points.point_query import PointDistanceQueries
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,
     BEGUN,
@@ -72,7 +72,7 @@ Indices = NDArray[np.int64]
 ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
-_GAPS = {'bound': math.inf, **LEVEL_GAPS}
+_LEVEL_GAPS = {'bound': math.inf, **LEVEL_GAPS}
 _NO_ANSWERS = np.zeros((0, ANSWER_WIDTH))
 _NO_KERNELS = ()
 _empty = np.empty
@@ -92,8 +92,8 @@ class Engine:
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
         self._queries = PreparedQueries(self._report)
-        self._steps = Stepwise(self._report)
-        self._points = PointQueries(self._report)
+        self._steps = BudgetedAnswers(self._report)
+        self._points = PointDistanceQueries(self._report)
         self._unrefined = 0
         self._kernels: Sequence[str] = _NO_KERNELS
 
@@ -144,9 +144,9 @@ class Engine:
         penetrating: bool,
         mode: int,
     ) -> Prepared:
-        """Return a query of a world under filters, in a mode of ``cycle``, to be asked again."""
-        gap = _GAPS[accuracy]
-        return self._queries.prepared(world, filters, gap, cutoff, penetrating, mode)
+        """Return a query of a world under filters, in a mode of ``pair_query``, for many asks."""
+        level_gap = _LEVEL_GAPS[accuracy]
+        return self._queries.prepared(world, filters, level_gap, cutoff, penetrating, mode)
 
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
@@ -195,12 +195,12 @@ class Engine:
             self._kernels, self._unrefined = _NO_KERNELS, 0
             if stale:
                 revision += 1
-            given = world.given
+            X_PFs = world.pending_poses
             answers = _empty((prepared.room, ANSWER_WIDTH))
-            count: int = run_cycle(prepared.hands, 0, stale, revision, given, answers)
-            world.revision, world.given, world.is_stale = revision, NO_POSES, False
+            count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, answers)
+            world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
             if count < 0:
-                count = self._go_on(prepared, count, stale, given, answers)
+                count = self._go_on(prepared, count, stale, X_PFs, answers)
             if prepared.fewest <= count <= prepared.most:
                 answers.setflags(False)  # type: ignore[call-arg]
                 answers = answers[:count]
@@ -243,10 +243,10 @@ class Engine:
         self._kernels = compile_rows(rows)
         self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
-        gap, hits = _GAPS[accuracy], np.empty(1, dtype=np.int64)
-        hits = self._steps.answer(world, pair, slots, memory, (gap, math.inf, False), hits)
+        level_gap, hits = _LEVEL_GAPS[accuracy], np.empty(1, dtype=np.int64)
+        hits = self._steps.answer(world, pair, slots, memory, (level_gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
-        return batch_of(gathered(world, hits, pair, slots, memory, gap))
+        return batch_of(gathered(world, hits, pair, slots, memory, level_gap))
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
@@ -289,14 +289,14 @@ class Engine:
         """Run a cycle without answers; return how many pairs it is about."""
         world = prepared.world
         self._kernels, self._unrefined = _NO_KERNELS, 0
-        stale, given = world.is_stale, world.given
+        stale, X_PFs = world.is_stale, world.pending_poses
         revision = world.revision + stale
-        count: int = run_cycle(prepared.hands, 0, stale, revision, given, _NO_ANSWERS)
-        world.revision, world.given, world.is_stale = revision, NO_POSES, False
-        return self._go_on(prepared, count, stale, given, _NO_ANSWERS)
+        count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, _NO_ANSWERS)
+        world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
+        return self._go_on(prepared, count, stale, X_PFs, _NO_ANSWERS)
 
     def _go_on(
-        self, prepared: Prepared, count: int, stale: bool, given: Floats, answers: Floats
+        self, prepared: Prepared, count: int, stale: bool, X_PFs: Floats, answers: Floats
     ) -> int:
         """Go on with a cycle until nothing is lacking any more, of which minus the count tells."""
         world = prepared.world
@@ -306,7 +306,7 @@ class Engine:
             else:
                 prepared.near.make_room(-count)
                 prepared.hand_over(prepared.filters)
-            count = run_cycle(prepared.hands, -count, stale, world.revision, given, answers)
+            count = run_cycle(prepared.hands, -count, stale, world.revision, X_PFs, answers)
         return count
 
     def _compile_for(self, world: World, near: NeighbourList) -> None:
@@ -330,7 +330,7 @@ class Engine:
         """Return so many answers of a cycle that had no room for them."""
         near, world = prepared.near, prepared.world
         hits = near.arrays.hits[:count]
-        answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
+        answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
         self._moments[ANSWERED] = time.perf_counter()
         return answers
 
@@ -346,7 +346,7 @@ class Engine:
         near, world = prepared.near, prepared.world
         hits = self._steps.answer_list(world, near, prepared.query, budget)
         self._unrefined = self._steps.unrefined
-        answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.gap)
+        answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
         self._moments[ANSWERED] = time.perf_counter()
         return answers
 
@@ -369,7 +369,7 @@ class Engine:
         count = len(hits)
         prepared.make_room(count)
         answers = np.empty((count, ANSWER_WIDTH))
-        memory = near.pairs, near.slots, near.memory, prepared.gap, world.handle
+        memory = near.pairs, near.slots, near.memory, prepared.level_gap, world.handle
 
         def gather(first: int, last: int) -> None:
             gather_answers(hits[first:last], *memory, answers[first:last])

@@ -15,7 +15,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.engine.pair_query import (
     ASKED,
     CUTOFF,
-    GAP,
+    LEVEL_GAP,
     MODE,
     PENETRATING,
     VERSION,
@@ -35,9 +35,9 @@ _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
 
 
 class Asked(NamedTuple):
-    """A query: the gap of its level [m], what it is about, and a mode of ``cycle``."""
+    """A query: the level's gap [m], what it is about, and a mode of ``pair_query``."""
 
-    gap: float
+    level_gap: float
     cutoff: float  # [m]
     penetrating: bool
     mode: int
@@ -53,11 +53,11 @@ class Prepared:
         'cutoff',
         'fewest',
         'filters',
-        'gap',
         'handles',
         'hands',
         'is_bound',
         'is_long',
+        'level_gap',
         'most',
         'near',
         'query',
@@ -74,12 +74,12 @@ class Prepared:
     answered_at: int  # the revision of the world for which there is an answer, under these filters
 
     def __init__(self, asked: Asked, world: World, near: NeighbourList, report: Handle) -> None:
-        self.gap, self.cutoff = asked.gap, asked.cutoff
-        self.query = asked.gap, asked.cutoff, asked.penetrating
-        self.is_bound = math.isinf(asked.gap)  # to be answered from bounds alone
+        self.level_gap, self.cutoff = asked.level_gap, asked.cutoff
+        self.query = asked.level_gap, asked.cutoff, asked.penetrating
+        self.is_bound = math.isinf(asked.level_gap)  # to be answered from bounds alone
         self._asked = np.zeros(ASKED)
-        self._asked[[GAP, CUTOFF, PENETRATING, MODE]] = (
-            *(asked.gap, asked.cutoff),
+        self._asked[[LEVEL_GAP, CUTOFF, PENETRATING, MODE]] = (
+            *(asked.level_gap, asked.cutoff),
             *(asked.penetrating, asked.mode),
         )
         self.world, self._report, self.near = world, report, near
@@ -126,14 +126,14 @@ class PreparedQueries:
         self,
         world: World,
         filters: FilterState,
-        gap: float,
+        level_gap: float,
         cutoff: float,
         penetrating: bool,
         mode: int,
     ) -> Prepared:
         """Return a query of this world under these filters."""
         if world is self._world:
-            known = self._known.get((gap, cutoff, penetrating, mode))
+            known = self._known.get((level_gap, cutoff, penetrating, mode))
             if (
                 known is not None
                 and known.handles is known.near.handles
@@ -141,7 +141,7 @@ class PreparedQueries:
                 and known.version == filters.version
             ):
                 return known
-        return self._prepare(world, filters, Asked(gap, cutoff, penetrating, mode))
+        return self._prepare(world, filters, Asked(level_gap, cutoff, penetrating, mode))
 
     def forget_list(self, cutoff: float) -> None:
         """Give back the list that queries with such a cutoff work on."""

@@ -2,5 +2,5 @@
 
 Enters: a world, the filters, a cutoff [m]. Leaves: pairs (k, 2) with i < j, less the filtered,
 each with the slot in which its last answer is kept. Grids for many bodies, all pairs for few;
-margins let a list stand for many cycles. Imports ``world``, ``filters`` and ``runtime``.
+skins let a list stand for many cycles. Imports ``world``, ``filters`` and ``runtime``.
 """

@@ -25,8 +25,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
-from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_bound, size_of_pair
+from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
+    promised_error_bound,
+    size_of_pair,
+)
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import row, wide_integers
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
@@ -96,15 +101,15 @@ class PointBatch(NamedTuple):
 
 
 def gathered(
-    world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, gap: float
+    world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, level_gap: float
 ) -> Floats:
     """Return the answers (k, ANSWER_WIDTH) of hits (k,) among pairs (n, 2) with slots (n,).
 
-    ``gap`` [m] is that of the level that was asked for. Nobody can change them: whoever asks again
-    gets the same array.
+    ``level_gap`` [m] is that of the level that was asked for. Nobody can change them: whoever asks
+    again gets the same array.
     """
     answers = np.empty((len(hits), ANSWER_WIDTH))
-    gather_answers(hits, pairs, slots, memory, gap, world.handle, answers)
+    gather_answers(hits, pairs, slots, memory, level_gap, world.handle, answers)
     answers.flags.writeable = False
     return answers
 
@@ -115,24 +120,60 @@ def batch_of(answers: Floats) -> PairBatch:
 
 
 @inlined
-def _put(row, column, vector):  # type: ignore[no-untyped-def]
+def _put(row: Floats, column: int, vector: Vector) -> None:
     """Write three numbers of a row from a column on; a zero is written without a sign."""
     for c in range(3):
         row[column + c] = 0.0 + vector[c]
 
 
 @compiled
-def gather_rows(hits, pairs, slots, memory, gap, world, ids, rows):  # type: ignore[no-untyped-def]
+def gather_rows(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    ids: Indices,
+    rows: Floats,
+) -> None:
     """Fill ids (k, 2) and rows (k, BATCH_WIDTH) of pairs of a world, given by its handle."""
-    _gather(hits, pairs, slots, memory, gap, world, rows)
+    _gather(hits, pairs, slots, memory, level_gap, world, rows)
     world_ids = world_of(world).ids
     for k in range(hits.size):
-        hit = np.uint64(hits[k])
+        hit = unsigned(hits[k])
         ids[k, 0], ids[k, 1] = world_ids[pairs[hit, 0]], world_ids[pairs[hit, 1]]
 
 
+@compiled
+def gather_answers(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    answers: Floats,
+) -> None:
+    """Fill answers (k, ANSWER_WIDTH) of pairs of a world, given by its handle."""
+    _gather(hits, pairs, slots, memory, level_gap, world, answers)
+    ids = world_of(world).ids
+    for k in range(hits.size):
+        hit = unsigned(hits[k])
+        told = wide_integers(row(answers, k), IDS)
+        told[0], told[1] = ids[pairs[hit, 0]], ids[pairs[hit, 1]]
+
+
 @inlined
-def _gather(hits, pairs, slots, memory, gap, world, rows):  # type: ignore[no-untyped-def]
+def _gather(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    rows: Floats,
+) -> None:
     """Fill the first BATCH_WIDTH columns of rows.
 
     Witness points come measured from Ao, in World axes.
@@ -141,14 +182,14 @@ def _gather(hits, pairs, slots, memory, gap, world, rows):  # type: ignore[no-un
     types, frames, outer = world.types, world.frames, world.outer
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
     for k in range(hits.size):
-        hit = np.uint64(hits[k])
+        hit = unsigned(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(memory, slots[hit]), row(rows, k)
         for c in range(PAIR_WIDTH):
             told[c] = out[c]
         least = out[DISTANCE]
         told[DEPTH] = -least
-        promised = promised_bound(gap, a, b, types, outer, p_WGs, roundings)
+        promised = promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings)
         if out[METHOD] == BOUND_ONLY:
             least, promised = least - out[ERROR_BOUND], math.inf
         elif out[METHOD] == MESH and least < 0.0:
@@ -167,14 +208,3 @@ def _gather(hits, pairs, slots, memory, gap, world, rows):  # type: ignore[no-un
         _put(told, P_FBCB, add(sub(p_WB, p_WFb), p_BCb))
         _put(told, P_ACA, unrotate(row(R_WGs, a), p_ACa))
         _put(told, P_BCB, unrotate(row(R_WGs, b), p_BCb))
-
-
-@compiled
-def gather_answers(hits, pairs, slots, memory, gap, world, answers):  # type: ignore[no-untyped-def]
-    """Fill answers (k, ANSWER_WIDTH) of pairs of a world, given by its handle."""
-    _gather(hits, pairs, slots, memory, gap, world, answers)
-    ids = world_of(world).ids
-    for k in range(hits.size):
-        hit = np.uint64(hits[k])
-        told = wide_integers(row(answers, k), IDS)
-        told[0], told[1] = ids[pairs[hit, 0]], ids[pairs[hit, 1]]

@@ -30,9 +30,11 @@ from drake_geom_ros.geometry._proximity.report import (
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Integers,
     handle_of,
@@ -59,7 +61,7 @@ _hands_of = taker(PointHands)
 
 
 @compiled
-def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+def are_allowed(p_WQs: Floats) -> bool:
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
     allowed = True
     for k in range(p_WQs.shape[0]):
@@ -69,18 +71,27 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, given, p_WQs, threshold, rows, found, points, ids
-):
+def _run_points(
+    hands: Handle,
+    stale: bool,
+    revision: int,
+    X_PFs: Floats,
+    p_WQs: Floats,
+    threshold: float,
+    rows: Floats,
+    found: Booleans,
+    points: Unsigned32,
+    ids: Indices,
+) -> int:
     """Do what a point query does; return how many answers there are.
 
-    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``cycle``. Answers
-    for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,) comes
-    in as does not matter.
+    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
+    Answers for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,)
+    comes in as does not matter.
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, given)
+    pose_world(hands.world, report, stale, revision, X_PFs)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -104,7 +115,7 @@ def _run_points(  # type: ignore[no-untyped-def]
     return count
 
 
-class PointQueries:
+class PointDistanceQueries:
     """Answers the point queries of one engine."""
 
     def __init__(self, report: ReportArrays) -> None:
@@ -126,10 +137,10 @@ class PointQueries:
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given
-        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
-        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
-        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
+        asked = p_WQs, threshold
+        count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
+        world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])
         there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])

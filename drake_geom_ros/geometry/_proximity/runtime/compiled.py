@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from numba import cfunc, config, njit, types, version_info
 from numba.core import event
@@ -105,6 +105,9 @@ if CACHE_FOLDER:
     event.register('numba:compile', _Compiling())
 
 
+# What is compiled is called as it was before, so it keeps its type.
+_F = TypeVar('_F', bound=Callable[..., Any])
+
 # Called with the name of what is compiled, its number and that of the last, when it begins.
 Tell: TypeAlias = Callable[[str, int, int], None]
 
@@ -135,7 +138,7 @@ def compilation(
     return listening
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def compiled(function: _F) -> _F:
     """Return the function compiled on its first call, without the GIL, divisions as in NumPy.
 
     It makes no arrays and counts no references to those that it is handed: to count them took half
@@ -143,31 +146,36 @@ def compiled(function: Callable[..., Any]) -> Any:
     Compiling fails where it makes one. Whoever returns an array, in a record too, has to count as
     its callers do, else the array is lost or freed twice; a test looks at all of them.
     """
-    return _compiled(function)
+    dispatcher: _F = _compiled(function)
+    return dispatcher
 
 
-def inlined(function: Callable[..., Any]) -> Any:
+def inlined(function: _F) -> _F:
     """Return the function compiled as ``compiled`` does, for callers that must not call it.
 
     For what is small and called for every pair: LLVM leaves many such calls as they are, and to
     hand arrays and tuples over costs more than the work (half of the narrow phase of 1000 balls).
     """
-    return _compiled(function, forceinline=True)
+    dispatcher: _F = _compiled(function, forceinline=True)
+    return dispatcher
 
 
-def allocating(function: Callable[..., Any]) -> Any:
+def allocating(function: _F) -> _F:
     """Return the function compiled as ``compiled`` does, for one that makes arrays."""
-    return _compiled(function, counted=True)
+    dispatcher: _F = _compiled(function, counted=True)
+    return dispatcher
 
 
-def view(function: Callable[..., Any]) -> Any:
+def view(function: _F) -> _F:
     """Return the function compiled to what shows a part of an array and holds no reference to it.
 
     See ``intermediate``; without that it counts references.
     """
     if intermediate is not None and not config.DISABLE_JIT:
-        return getattr(intermediate, function.__name__)
-    return _compiled(function, forceinline=True)
+        shown: _F = getattr(intermediate, function.__name__)
+        return shown
+    dispatcher: _F = _compiled(function, forceinline=True)
+    return dispatcher
 
 
 def made(function: Callable[..., Any]) -> Any:

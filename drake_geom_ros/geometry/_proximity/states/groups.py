@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap, least_possible
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
+    least_possible,
+    separation_of_aabbs,
+)
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -30,7 +34,11 @@ class Groups(NamedTuple):
     numbers: Indices  # (k,) of pairs of geometries
     centres: Floats  # (g, 3) of the boxes [m]; room, as all that follows
     halves: Floats  # (g, 3) half the sizes [m]
-    gaps: Floats  # (m,) of the boxes [m]
+    separations: Floats  # (m,) of the boxes [m]
+
+
+# As compiled code is handed them: see ``pairs.slots``.
+GroupArrays: TypeAlias = tuple[Indices, Indices, Indices, Indices, Indices, Floats, Floats, Floats]
 
 
 def groups_of(groups: Indices, pairs: Indices) -> Groups:
@@ -48,13 +56,13 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
         numbers=numbers,
         centres=np.zeros((count, 3)),
         halves=np.zeros((count, 3)),
-        gaps=np.zeros(len(known)),
+        separations=np.zeros(len(known)),
     )
 
 
 @inlined
-def put_boxes(groups, world):  # type: ignore[no-untyped-def]
-    """Put a box around each group, and find the gaps between them; a half space has none."""
+def put_boxes(groups: Groups, world: WorldArrays) -> None:
+    """Put a box around each group, and find how far they are apart; a half space has none."""
     types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
     for g in range(groups.firsts.size - 1):
         for c in range(3):
@@ -73,14 +81,24 @@ def put_boxes(groups, world):  # type: ignore[no-untyped-def]
             rounding = 4.0 * EPS * max(abs(lower), abs(upper))
             groups.centres[g, c] = centre
             groups.halves[g, c] = max(upper - centre, centre - lower) + rounding
-    for m in range(groups.gaps.size):
+    for m in range(groups.separations.size):
         a, b = groups.pairs[m, 0], groups.pairs[m, 1]
-        groups.gaps[m] = box_gap(groups.centres, groups.halves, a, b)
+        groups.separations[m] = separation_of_aabbs(groups.centres, groups.halves, a, b)
 
 
 @inlined
-def collect(groups, first, last, skipped, most, pairs, world, order, bounds):  # type: ignore[no-untyped-def]
-    """Collect the numbers of pairs that may be nearer than ``most`` [m]; return how many.
+def collect(
+    groups: Groups,
+    first: int,
+    last: int,
+    skipped: int,
+    cutoff: float,
+    pairs: Indices,
+    world: WorldArrays,
+    order: Indices,
+    bounds: Floats,
+) -> int:
+    """Collect the numbers of pairs that may be nearer than ``cutoff`` [m]; return how many.
 
     Of pairs of groups from the first up to the last, without it, and without the one ``skipped``;
     ``bounds`` (k,) [m] get what is known of those that are collected.
@@ -89,13 +107,15 @@ def collect(groups, first, last, skipped, most, pairs, world, order, bounds):  #
     roundings, half_extents = world.roundings, world.half_extents
     count = 0
     for m in range(first, last):
-        if m == skipped or groups.gaps[m] > max(most, 0.0):  # boxes that overlap have a gap of 0
+        if m == skipped or groups.separations[m] > max(
+            cutoff, 0.0
+        ):  # boxes that overlap are 0 apart
             continue
         for r in range(groups.starts[m], groups.starts[m + 1]):
             k = groups.numbers[r]
             a, b = pairs[k, 0], pairs[k, 1]
             bound = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
-            if bound <= most:
+            if bound <= cutoff:
                 order[count], bounds[k] = k, bound
                 count += 1
     return count

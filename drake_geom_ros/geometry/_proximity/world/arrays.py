@@ -36,7 +36,7 @@ class WorldArrays(NamedTuple):
     waiting: Flags
     R_FGs: Matrices
     p_FGs: Vectors
-    kept: Rows  # see ``posing``
+    kept: Rows  # see ``pose_update``
     types: Integers
     starts: Integers  # (n + 1,)
     pool: Reals

@@ -14,6 +14,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import Entry, compiled, given
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
@@ -45,7 +46,7 @@ def positions_of(X_PFs: Floats) -> Floats:
 
 
 @compiled
-def read_poses(poses, Xs):  # type: ignore[no-untyped-def]
+def read_poses(poses: Floats, Xs: Floats) -> int:
     """Write the rows Xs (n, POSE_WIDTH) of ``poses`` (n, 7), x y z qx qy qz qw, normalised.
 
     Returns the first row that has a number that is not finite, a coordinate beyond FARTHEST [m] or
@@ -74,7 +75,7 @@ def read_poses(poses, Xs):  # type: ignore[no-untyped-def]
     return poses.shape[0]
 
 
-def _read_frame_poses(ids, known, poses, Xs):  # type: ignore[no-untyped-def]
+def _read_frame_poses(ids: Indices, known: Indices, poses: Floats, Xs: Floats) -> int:
     """Do what ``read_poses`` does for frames by their ids (n,); return what these are.
 
     That is RISING where they rise strictly, as when frames come in their order, and then all of

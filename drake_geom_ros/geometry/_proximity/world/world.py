@@ -13,7 +13,7 @@ from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.runtime.threads import share
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
-from drake_geom_ros.geometry._proximity.world.moment import Moment, Posed
+from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, packed_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import (
     PACE,
@@ -85,10 +85,10 @@ class World:
         self.is_stale = True  # world poses and bounds have to be brought up to date
         self.revision = 0  # of the world poses: grows with each update
         # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
-        self.given_for, self.given = _NOBODY, NO_POSES
+        self.pending_frames, self.pending_poses = _NOBODY, NO_POSES
         self.is_whole = False  # nobody waits for a first pose
         # That of now, if there is a result that asked for it.
-        self._moment: ReferenceType[Moment] | None = None
+        self._kept_poses: ReferenceType[KeptPoses] | None = None
         self.frames = frames
         self.geometries = geometries
         self._R_PFs = np.tile(np.eye(3), (count, 1, 1))
@@ -130,7 +130,8 @@ class World:
         self.ball_centres, self.ball_radii = balls_inside(table.types, table.starts, table.pool)
         levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
-        # In one array (n, 5), for each that compiled code is given takes time: see ``posing``.
+        # In one array (n, 5), for each that compiled code is given takes time: see
+        # ``pose_update``.
         self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
         self._hand_over()
 
@@ -139,13 +140,13 @@ class World:
         self._hand_over()  # the arrays of a copy are elsewhere
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, '_moment': None}  # results refer to this world, not to a copy
+        return {**self.__dict__, '_kept_poses': None}  # results refer to this world, not to a copy
 
     def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        self._moment = None
-        self._posed_now = Posed(
+        self._kept_poses = None
+        self._posed_now = PosedWorld(
             ids=table.ids,
             types=table.types,
             starts=table.starts,
@@ -196,13 +197,13 @@ class World:
     @property
     def R_PFs(self) -> Floats:
         """Orientations of the frames in their parents (nf, 3, 3)."""
-        self._take_given()
+        self._apply_pending()
         return self._R_PFs
 
     @property
     def p_PFs(self) -> Floats:
         """Positions of the frames in their parents (nf, 3) [m]."""
-        self._take_given()
+        self._apply_pending()
         return self._p_PFs
 
     @property
@@ -217,7 +218,7 @@ class World:
 
     def copy(self) -> World:
         """Return a world with poses of its own; the tables, which never change, are shared."""
-        self._take_given()
+        self._apply_pending()
         other = World.__new__(World)
         other.__dict__.update(self.__dict__)
         for name, value in self.__dict__.items():
@@ -283,60 +284,64 @@ class World:
 
         A pose that did not change is not a move.
         """
-        if self.given_for is not named:
-            self._take_given()
-            self.given_for = named
+        if self.pending_frames is not named:
+            self._apply_pending()
+            self.pending_frames = named
             self._named[: len(named.rows)] = named.rows
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
-        self.given, self.is_stale = X_PFs, True
+        self.pending_poses, self.is_stale = X_PFs, True
         # Results that are still there have to remember where things were.
-        if self._moment is not None:
-            moment, self._moment = self._moment(), None
-            if moment is not None:
-                moment.keep()
+        if self._kept_poses is not None:
+            kept_poses, self._kept_poses = self._kept_poses(), None
+            if kept_poses is not None:
+                kept_poses.keep()
 
-    def _take_given(self) -> None:
+    def _apply_pending(self) -> None:
         """Have the poses that were given in ``_R_PFs`` and ``_p_PFs``, and their frames marked."""
-        given, self.given = self.given, NO_POSES
-        if len(given):
-            set_poses(self.given_for.rows, given, self.handle)
+        pending_poses, self.pending_poses = self.pending_poses, NO_POSES
+        if len(pending_poses):
+            set_poses(self.pending_frames.rows, pending_poses, self.handle)
 
     def update_shared(self) -> tuple[int, int]:
         """Do what ``update`` does, by threads."""
         if not self.is_stale:
             return 0, 0
-        rows, given, revision = self.given_for.rows, self.given, self.revision + 1
+        rows, pending_poses, revision = (
+            self.pending_frames.rows,
+            self.pending_poses,
+            self.revision + 1,
+        )
 
         def set_some(first: int, last: int) -> None:
-            set_poses(rows[first:last], given[first:last], self.handle)
+            set_poses(rows[first:last], pending_poses[first:last], self.handle)
 
         def pose_some(first: int, last: int) -> int:
             moved: int = update_geometries(self.handle, revision, first, last)
             return moved
 
-        share(len(given), set_some)
+        share(len(pending_poses), set_some)
         frames = update_frames(self.handle)
         is_new = bool(self._moved[0])
         geometries = sum(share(self.geometry_count if is_new else len(self.movable), pose_some))
         self._moved[:] = False
-        self.revision, self.given, self.is_stale = revision, NO_POSES, False
+        self.revision, self.pending_poses, self.is_stale = revision, NO_POSES, False
         return frames, geometries
 
-    def moment(self) -> Moment:
-        """Return the moment of the last update, which no later one reaches."""
-        moment = None if self._moment is None else self._moment()
-        if moment is None:
-            moment = Moment()
-            moment.now = self._posed_now
-            self._moment = ref(moment)
-        return moment
+    def kept_poses(self) -> KeptPoses:
+        """Return the poses of the last update, which no later one reaches."""
+        kept_poses = None if self._kept_poses is None else self._kept_poses()
+        if kept_poses is None:
+            kept_poses = KeptPoses()
+            kept_poses.now = self._posed_now
+            self._kept_poses = ref(kept_poses)
+        return kept_poses
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self.is_stale:
             return 0, 0
-        self._take_given()
+        self._apply_pending()
         counts = update(self.handle, self.revision + 1)
         self.revision, self.is_stale = self.revision + 1, False
-        return counts  # type: ignore[no-any-return]
+        return counts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotations
+from bench.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_parameters
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     AREA,
     AREA_VECTOR,
@@ -32,10 +33,10 @@ def solid_parameters(
 ) -> tuple[Floats, Indices]:
     """Return the kernel parameters of a solid and the numbers (n,) of its triangles in them.
 
-    Parameters are laid out as ``kernels.solids.tree`` says. ``hull`` are the parameters of CONVEX;
-    ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces`` (c,) a
-    triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit normal
-    and offset [m].
+    Parameters are laid out as ``kernels.solids.solid`` says. ``hull`` are the parameters of
+    CONVEX; ``corners`` (n, 3, 3) [m] of the triangles, counter-clockwise from outside; ``pieces``
+    (c,) a triangle of each connected surface; ``planes`` (f, 4) of the hull's faces: outward unit
+    normal and offset [m].
     """
     leaves = 1
     while leaves * MOST_IN_LEAF < len(corners):
@@ -46,8 +47,11 @@ def solid_parameters(
     header = np.array([len(corners), leaves, len(pieces), len(planes)], dtype=np.float64)
     numbers = np.empty(len(corners), dtype=np.int64)
     numbers[order] = np.arange(len(corners))
-    on_pieces = corners[numbers[pieces]].mean(axis=1)
-    parts = hull, header, nodes, corners, on_pieces, planes, np.array([float(len(hull))])
+    on_pieces = numbers[pieces].astype(np.float64)
+    lanes = lane_parameters(
+        corners, nodes[:, LOWER : UPPER + 3], leaf_bounds(len(corners), leaves)
+    )
+    parts = hull, header, nodes, corners, on_pieces, planes, lanes, np.array([float(len(hull))])
     return np.concatenate([part.ravel() for part in parts]), numbers
 
 
