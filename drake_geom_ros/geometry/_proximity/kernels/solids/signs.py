@@ -3,9 +3,9 @@
 A place is a point of six numbers: its coordinates rounded, then what rounding took off. So a
 vertex that a pose without rotation has moved is known to the last bit. A sign is that of a
 determinant of differences of places: told by floats where its error bound allows, else summed
-without error as an expansion, a sum of floats that do not overlap (Shewchuk, Discrete & Computational Geometry 18 (3),
-1997). Places may be off by ``off`` [m], as a rotation leaves them: then what is no larger than
-that makes it counts as 0, and nothing is summed.
+without error as an expansion, a sum of floats that do not overlap (Shewchuk, Discrete &
+Computational Geometry 18 (3), 1997). Places may be off by ``off`` [m], as a rotation leaves them:
+then what is no larger than that makes it counts as 0, and nothing is summed.
 """
 
 from typing import TypeAlias
