@@ -113,7 +113,9 @@ class Job:
         ``ids`` (n,) are values of the frames that states pose, those of the arms if there are any.
         Raises PoseError as ``PackedScene.of`` does.
         """
-        scene, geometry_ids = PackedScene.of(context, ids, still_poses(arms, ids))
+        scene, geometry_ids = PackedScene.of(
+            context, ids, still_poses(arms, ids), about_points=question.want == 'points'
+        )
         return cls(scene, question, arms), geometry_ids
 
     @cached_property

@@ -15,12 +15,18 @@ from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell
 from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
-from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, Named, World
+from drake_geom_ros.geometry._proximity.world.world import (
+    FrameTable,
+    GeometryTable,
+    Named,
+    World,
+)
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes, pooled
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
@@ -259,6 +265,12 @@ class SceneGraphContext:
             )
         return world
 
+    def _pointed_world(self) -> World:
+        """Return the world for a query about points, which knows what shapes are to them."""
+        world = self._posed_world()
+        know_point_shapes(world, self._model)
+        return world
+
     def _query(
         self, usual: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
     ) -> Prepared:
@@ -346,16 +358,16 @@ def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
         (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
     )
     packed = [g.queried_shape.in_pairs for g in geometries]
-    parameters = [numbers for _, numbers in packed]
+    types, starts, pool = pooled(packed)
     table = GeometryTable(
         ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
         frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
         R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
         p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
         roundings=_roundings(model, geometries),
-        types=np.array([kind for kind, _ in packed], dtype=np.int64),
-        starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
-        pool=np.concatenate([np.zeros(0), *parameters]),
+        types=types,
+        starts=starts,
+        pool=pool,
     )
     return frames, table
 

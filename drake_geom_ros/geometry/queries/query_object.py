@@ -336,7 +336,7 @@ class QueryObject(ImageQueries):
         if not are_allowed(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
-        world = context._posed_world()
+        world = context._pointed_world()
         batch = context._engine.point_distances(world, p_WQs, reach)
         return PointDistanceResults(batch, world.kept_poses(), p_WQs)
 

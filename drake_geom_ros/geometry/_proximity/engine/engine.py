@@ -251,10 +251,10 @@ class Engine:
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
         self._kernels, self._unrefined = _NO_KERNELS, 0
-        if world.shape_types <= POINTS_COMPILED:
+        if world.point_shapes.kinds <= POINTS_COMPILED:
             return self._points.answer(world, p_WQs, threshold)
         begun = time.perf_counter()
-        self._kernels = compile_point_kernels(world.shape_types)
+        self._kernels = compile_point_kernels(world.point_shapes.kinds)
         spent = time.perf_counter() - begun
         batch = self._points.answer(world, p_WQs, threshold)
         self._moments[:COMPILED] -= spent

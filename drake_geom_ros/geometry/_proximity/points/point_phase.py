@@ -58,6 +58,9 @@ def point_phase(
     addresses: Addresses,
     pair_addresses: Addresses,
     pair_rows: Indices,
+    types: Indices,
+    starts: Indices,
+    pool: Floats,
     world: Handle,
     p_WQs: Floats,
     threshold: float,
@@ -69,13 +72,13 @@ def point_phase(
 ) -> int:
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``world`` is a
-    handle. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in
-    the order of points, then ids. ``found`` (m n,) comes in as False, ``counts`` get how many
-    answers there are by each method.
+    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``types`` (n,),
+    ``starts`` (n + 1,) and ``pool`` what it is to them; ``world`` is a handle. The first of
+    ``rows`` (m n, POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in the order of points,
+    then ids. ``found`` (m n,) comes in as False, ``counts`` get how many answers there are by
+    each method.
     """
     world = world_of(world)
-    types, starts, pool = world.types, world.starts, world.pool
     R_WGs, p_WGs, roundings, outer = world.R_WGs, world.p_WGs, world.roundings, world.outer
     m, n, answers = p_WQs.shape[0], types.size, PointAnswers(rows, found, counts)
     for first in range(0, m, BLOCK):

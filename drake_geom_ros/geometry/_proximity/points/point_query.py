@@ -37,11 +37,12 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
     Handle,
     HandleField,
     Integers,
+    Reals,
     handle_of,
     taker,
 )
 from drake_geom_ros.geometry._proximity.runtime.views import part
-from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
+from drake_geom_ros.geometry._proximity.world.world import NO_POSES, PointShapes, World
 from drake_geom_ros.math.tolerances import FARTHEST
 
 Floats = NDArray[np.float64]
@@ -55,6 +56,9 @@ class PointHands(NamedTuple):
     kernels: HandleField  # addresses by shape type
     pair_kernels: HandleField  # the addresses of the pair table
     pair_rows: Integers  # (n,) of points to each geometry in that table
+    types: Integers  # these three of ``PointShapes``
+    starts: Integers
+    pool: Reals
 
 
 _hands_of = taker(PointHands)
@@ -100,6 +104,9 @@ def _run_points(
         hands.kernels,
         hands.pair_kernels,
         hands.pair_rows,
+        hands.types,
+        hands.starts,
+        hands.pool,
         hands.world,
         p_WQs,
         threshold,
@@ -121,6 +128,7 @@ class PointDistanceQueries:
     def __init__(self, report: ReportArrays) -> None:
         self._report = report
         self._world: World | None = None
+        self._shapes: PointShapes | None = None
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, '_world': None}  # the handles of a copy are others
@@ -130,7 +138,7 @@ class PointDistanceQueries:
 
         The kernels are there, and the points ``are_allowed``.
         """
-        if self._world is not world:
+        if self._world is not world or self._shapes is not world.point_shapes:
             self._hand_over(world)
         capacity = len(p_WQs) * world.geometry_count
         rows = np.empty((capacity, POINT_WIDTH))
@@ -148,7 +156,13 @@ class PointDistanceQueries:
 
     def _hand_over(self, world: World) -> None:
         """Take another world."""
-        pair_rows = POINT_ROWS[world.geometries.types]
-        self._kept = handle_of(self._report), world.handle, pair_rows  # by the handle of handles
-        hands = PointHands(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES, pair_rows)
+        self._shapes = shapes = world.point_shapes
+        types, starts, pool = shapes.types, shapes.starts, shapes.pool
+        pair_rows = POINT_ROWS[types]
+        # By the handle of handles.
+        self._kept = handle_of(self._report), world.handle, pair_rows, types, starts, pool
+        hands = PointHands(
+            *(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES),
+            *(pair_rows, types, starts, pool),
+        )
         self._world, self._hands = world, handle_of(hands)

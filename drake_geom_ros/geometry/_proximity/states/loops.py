@@ -170,6 +170,7 @@ def points_within_threshold(
     kernels: Addresses,
     pair_kernels: Addresses,
     pair_rows: Indices,
+    shapes: tuple[Indices, Indices, Floats],
     poses: Floats,
     first: int,
     rows: Indices,
@@ -184,9 +185,11 @@ def points_within_threshold(
 ) -> int:
     """Answer for points (m, 3) and all geometries, in each state (N, n, 7), as ``point_phase``.
 
-    Returns how many states are done; the rest is as in ``pairs_within_cutoff``, with ``points``
+    ``shapes`` are types, starts and pool of ``PointShapes``. Returns how many states are done; the
+    rest is as in ``pairs_within_cutoff``, with ``points``
     (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
     """
+    types, starts, pool = shapes
     room = p_WQs.shape[0] * world_of(world).ids.size
     Xs = np.empty((rows.size, POSE_WIDTH))
     counts = np.zeros(COUNTS, dtype=np.int64)
@@ -200,6 +203,9 @@ def points_within_threshold(
             kernels,
             pair_kernels,
             pair_rows,
+            types,
+            starts,
+            pool,
             world,
             p_WQs,
             threshold,

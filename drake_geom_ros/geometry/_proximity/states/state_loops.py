@@ -164,14 +164,16 @@ class StateLoops:
         Sorted by (point, id).
         """
         table = self._world.geometries
-        compile_point_kernels(self._world.shape_types)
+        types, starts, pool, kinds = self._world.point_shapes
+        compile_point_kernels(kinds)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
             return points_within_threshold(
                 POINT_ADDRESSES,
                 ADDRESSES,
-                POINT_ROWS[table.types],
+                POINT_ROWS[types],
+                (types, starts, pool),
                 poses,
                 first,
                 self._rows,

@@ -47,6 +47,15 @@ class GeometryTable(NamedTuple):
     pool: Floats
 
 
+class PointShapes(NamedTuple):
+    """What the geometries are to points: a mesh, a hull in pairs, may be its surface to them."""
+
+    types: Indices  # (n,) shape type numbers
+    starts: Indices  # (n + 1,)
+    pool: Floats
+    kinds: frozenset[int]  # those of the types
+
+
 class Named:
     """Frames of a world that poses are given for, looked up once."""
 
@@ -121,7 +130,10 @@ class World:
         self.roundings = np.zeros((n, 2))
         # Of the box around Go, in World axes, that holds the body wherever rounding put it [m].
         self.half_extents = np.zeros((n, 3))
-        self.shape_types = frozenset(table.types.tolist())
+        # To points the same, until somebody who asks about them sets it otherwise.
+        kinds = frozenset(table.types.tolist())
+        self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
+        self.has_point_shapes = False
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].

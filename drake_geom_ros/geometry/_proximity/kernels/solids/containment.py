@@ -27,6 +27,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.rays import (
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     NO_TREE,
+    Solid,
     Tree,
     TreeBody,
     first_of_leaf,
@@ -36,6 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NO_BOX
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID, SPHERE, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 

@@ -26,7 +26,12 @@ from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     bounds_of_depth,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.reach import nearest_within
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    Solid,
+    TreeBody,
+    body_of,
+    solid_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
