@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.kinds import OPEN
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import (
@@ -18,6 +18,8 @@ from drake_geom_ros.geometry._proximity.runtime.handles import (
     Reals,
     taker,
 )
+from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
 
 # Places of ``ReportArrays.told``.
@@ -65,7 +67,6 @@ def pose_world(
     report: ReportArrays,
     stale: bool,
     revision: int,
-    posed_rows: Indices,
     X_PFs: Floats,
 ) -> None:
     """Give a world its poses, as ``run_cycle`` does, and report so."""
@@ -74,7 +75,7 @@ def pose_world(
     told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
     if stale:
         if X_PFs.shape[0] > 0:
-            set_poses(posed_rows, X_PFs, world)
+            set_poses(part(world_of(world).named, 0, X_PFs.shape[0]), X_PFs, world)
         told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
     moments[POSED], moments[KNOWING] = now(), 0.0
 
@@ -85,4 +86,4 @@ CACHED = 1
 POSTPONED = 2
 WIDE = 3
 BY_METHOD = 4
-COUNTS = BY_METHOD + BOUND_ONLY + 1
+COUNTS = BY_METHOD + OPEN + 1

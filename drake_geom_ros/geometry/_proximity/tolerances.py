@@ -149,9 +149,9 @@ SHARPER = 1e-3
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
 
-# A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
-# has no volume, and its faces no sides.
-FLAT_HULL = 1e-9
+# A mesh whose least extent is below this [-], relative to the largest, is flat: of its thickness
+# rounding leaves fewer than four digits, and its faces have no sides.
+FLAT_HULL = 1e-12
 
 # Squares of lengths [m^2] between these have lost no digit to underflow, and none to overflow.
 SMALL_SQUARE = 2.0**-900

@@ -24,7 +24,7 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
 )
 from drake_geom_ros.geometry._proximity.near.grids import Boxes, code_of
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_answers
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import near_pairs
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.pairs.quick_contacts import quick_contact
@@ -43,7 +43,7 @@ from drake_geom_ros.geometry._proximity.report import (
     report_of,
 )
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
-from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import (
@@ -94,25 +94,23 @@ def run_cycle(
     lacking: int,
     stale: bool,
     revision: int,
-    posed_rows: Indices,
     X_PFs: Floats,
-    ids: Indices,
-    rows: Floats,
+    answers: Floats,
 ) -> int:
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
     ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
     cycle goes on there. If it is ``stale``, the world gets the poses ``X_PFs`` (n, POSE_WIDTH) of
-    the frames in its rows ``posed_rows`` (n,), and is updated to this ``revision``. The numbers of
-    the pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and ``rows``
-    (k, BATCH_WIDTH) if there is room for all.
+    the frames that it was told of, and is updated to this ``revision``. The numbers of the pairs
+    are written to the list's ``hits``, and their ``answers`` (k, ANSWER_WIDTH) if there is room
+    for all.
     """
     hands = _hands_of(hands)
     level_gap, cutoff, mode = hands.asked[LEVEL_GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
     moments = report.moments
     if lacking == 0:
-        pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
+        pose_world(hands.world, report, stale, revision, X_PFs)
         if mode == CONTACT and _is_quick_contact(
             world, filters_of(hands.filters), report, level_gap
         ):
@@ -144,17 +142,10 @@ def run_cycle(
     if mode > LIST:
         query = level_gap, cutoff, hands.asked[PENETRATING] != 0.0
         count = _answer(hands.kernels, hands.world, near, report, revision, query, mode)
-    if mode == ANSWERS and count <= ids.shape[0]:
-        gather_rows(
-            part(near.hits, 0, count),
-            near.pairs,
-            near.slots,
-            near.memory,
-            level_gap,
-            hands.world,
-            ids,
-            rows,
-        )
+    if mode == ANSWERS and count <= answers.shape[0]:
+        hits = part(near.hits, 0, count)
+        rows = near.pairs, near.slots, near.memory
+        gather_answers(hits, *rows, level_gap, hands.world, answers)
     moments[ANSWERED] = now()
     return count
 

@@ -57,10 +57,10 @@ witness points     Ca and Cb, the points that attain a distance or a depth
 penetration depth  -phi of bodies that overlap: the least translation that separates
 Minkowski          D = {a - b}, which holds the origin where A and B overlap; the ball about the
 difference         origin that just fits into D has the depth as radius
-separation         how far apart two bodies are, as bounds tell it: a slab, boxes, balls
+separation         how far apart two bodies are, as bounds tell it: a slab along an axis, or boxes
 level gap          how far apart an accuracy level lets the certified bounds of an answer be
 cutoff             the distance beyond which nobody asks; of points it is pydrake's *threshold*
-skin               what the box of a body is grown by, so that a list of neighbours lasts
+skin               what a body's box is grown by, for a list of neighbours to stand for a while
 core               what is left of a body when the ball that it is grown by is taken away
 separating axis    a direction along which a slab between the bodies is empty
 certificate        two numbers that phi is between: a pair of points above, a slab below

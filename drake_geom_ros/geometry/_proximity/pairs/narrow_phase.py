@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, R
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
+    vanishes,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -100,7 +101,9 @@ def _call_in_order(
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
-    if types[b] <= CONVEX and is_extreme(aim.size, p_AB_W):
+    extreme = is_extreme(aim.size, p_AB_W)
+    extreme = extreme or vanishes(types[a], shape_a) or vanishes(types[b], shape_b)
+    if extreme and types[b] <= CONVEX:
         call_at_one_metre(
             kernels[AT_ONE_METRE],
             address,

@@ -79,7 +79,6 @@ def _run_points(
     hands: Handle,
     stale: bool,
     revision: int,
-    posed_rows: Indices,
     X_PFs: Floats,
     p_WQs: Floats,
     threshold: float,
@@ -96,7 +95,7 @@ def _run_points(
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
+    pose_world(hands.world, report, stale, revision, X_PFs)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -146,9 +145,9 @@ class PointDistanceQueries:
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.pending_frames.rows, world.pending_poses
-        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
-        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
+        X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
+        asked = p_WQs, threshold
+        count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])

@@ -20,7 +20,7 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from numba import cfunc, config, njit, version_info
+from numba import cfunc, config, njit, types, version_info
 from numba.core import event
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
@@ -186,19 +186,53 @@ def made(function: Callable[..., Any]) -> Any:
     return _compiled(function, counted=True, kept=False)
 
 
+def given(number: Any, dimensions: int) -> Any:
+    """Return the type of arrays that are given by anybody: of any strides, and only read."""
+    return types.Array(number, dimensions, 'A', readonly=True)
+
+
+class Entry:
+    """A function that is compiled for arguments of some types alone, when first called.
+
+    ``call`` raises TypeError for others, instead of compiling another version, so that whoever is
+    given anything at all needs not look at it first: in the first cycle after other work each look
+    costs a microsecond or two. It keeps the lock of the interpreter, for what is soon done: to
+    give that back and take it again costs as much once more.
+    """
+
+    __slots__ = ('_function', '_types', 'call')
+
+    def __init__(self, function: Callable[..., Any], *kinds: Any) -> None:
+        self._function, self._types = function, kinds
+        self.call: Callable[..., Any] = self._uncompiled if config.DISABLE_JIT else self._first
+
+    def _first(self, *arguments: Any) -> Any:
+        dispatcher = _compiled(self._function, nogil=False)
+        dispatcher.compile(self._types)
+        dispatcher.disable_compile()
+        self.call = dispatcher
+        return dispatcher(*arguments)
+
+    def _uncompiled(self, *arguments: Any) -> Any:
+        if any(a.ndim != kind.ndim for a, kind in zip(arguments, self._types, strict=True)):
+            raise TypeError('another number of dimensions')
+        return self._function(*arguments)
+
+
 def _compiled(
     function: Callable[..., Any],
     *,
     forceinline: bool = False,
     counted: bool = False,
     kept: bool = True,
+    nogil: bool = True,
 ) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER
     try:
         dispatcher = njit(
             cache=kept and bool(CACHE_FOLDER),
-            nogil=True,
+            nogil=nogil,
             error_model='numpy',
             forceinline=forceinline,
             **options(counted=counted),

@@ -49,7 +49,7 @@ TURNED = 8.0 * EPS  # of a corner that is turned and moved, over how far it is f
 # The faces of a box, two triangles each, counter-clockwise from outside: corner k is at the upper
 # end of x, y, z where k has the bits 4, 2, 1.
 QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-BOX_TREE = Tree(0, 1, NODE_WIDTH, 12, NODE_WIDTH + 12 * CORNERS, 1, 0, 0)
+BOX_TREE = Tree(0, 1, NODE_WIDTH, 12, NODE_WIDTH + 12 * CORNERS, 1, 0, 0, 0, 0)
 
 
 @allocating

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.lanes import (
     BOX_LANES,
     LANES,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE, Tree
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import INNER_BOX, Tree
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 Floats = NDArray[np.float64]
@@ -62,7 +62,7 @@ def groups_in(blocks: int, levels: int, level: int) -> int:
 def lane_tree_of(tree: Tree) -> LaneTree:
     """Return the tree for points of a solid with this ``Tree``."""
     blocks, levels = blocks_of(tree.leaves)
-    boxes = tree.planes_at + PLANE * tree.planes
+    boxes = tree.boxes_at + INNER_BOX * tree.boxes
     groups = halvings = 0
     while 1 << halvings < blocks:
         halvings += 1
