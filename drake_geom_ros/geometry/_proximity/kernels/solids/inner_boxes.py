@@ -55,7 +55,7 @@ def goes_into(a: Vector, b: Vector, c: Vector, low: Vector, high: Vector) -> boo
 @compiled
 def cell_at(lines: Floats, x: float) -> int:
     """Return the number of the cell between lines (n,) that holds x, or the nearest."""
-    k: int = np.searchsorted(lines, x) - 1
+    k = int(np.searchsorted(lines, x)) - 1
     return min(max(k, 0), lines.size - 2)
 
 
