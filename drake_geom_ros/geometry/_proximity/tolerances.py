@@ -197,3 +197,8 @@ LANE_ERROR = 2.0**-36
 
 # Square of a triangle's width over its longest side [-] below which its normal says little.
 NEEDLE = 1e-6
+
+# Of boxes within solids: the sine of two axes below which their product is no axis, and three unit
+# vectors' determinant squared from which on they tell a point.
+PARALLEL = 1e-6
+INDEPENDENT = 1e-4

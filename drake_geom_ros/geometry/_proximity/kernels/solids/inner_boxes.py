@@ -7,10 +7,26 @@ nothing can be added. Of a union of boxes they are all that a solid has; of what
 
 import numpy as np
 
+from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
+    bounds_if_box,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.rays import INSIDE, Posed, where_is
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, tree_of
-from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, sub, vector_at
-from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    CORNERS,
+    INNER_BOX,
+    Tree,
+    TreeBody,
+    tree_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    dot,
+    sub,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    SOLID,
+)
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
@@ -187,3 +203,26 @@ def inner_boxes(shape: Floats, xs: Floats, ys: Floats, zs: Floats, boxes: Indice
                     + sums[x, y, z]
                 )
     return full_boxes(sums, boxes)
+
+
+@allocating
+def boxes_in(shape: Floats, tree: Tree) -> Floats:
+    """Return the boxes (k, 6) within a solid."""
+    boxes = np.empty((tree.boxes, INNER_BOX))
+    for k in range(tree.boxes):
+        for c in range(INNER_BOX):
+            boxes[k, c] = shape[tree.boxes_at + INNER_BOX * k + c]
+    return boxes
+
+
+@allocating
+def boxes_of(A: TreeBody) -> Floats:
+    """Return boxes (k, 6) within a body, along its axes: lower and upper corners."""
+    if A.kind == SOLID:
+        return boxes_in(A.shape, A.tree)
+    is_box, low, high = bounds_if_box(A)
+    boxes = np.empty((1 if is_box else 0, INNER_BOX))
+    for k in range(boxes.shape[0]):
+        for c in range(3):
+            boxes[k, c], boxes[k, c + 3] = low[c], high[c]
+    return boxes

@@ -26,7 +26,6 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radiu
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
     FLUSH,
-    bounds_if_box,
     depth_in_solid,
     is_contained,
 )
@@ -44,11 +43,10 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
     way_out_of_hull,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
 from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
-    INNER_BOX,
     Solid,
-    Tree,
     TreeBody,
     middle_of_triangle,
 )
@@ -311,29 +309,6 @@ def deepest_touching(
         y = middle_of_triangle(B.shape, B.tree, pairs[k, 1])
         least = max(least, depth_in_solid(B, x, size), depth_in_body(A, B, p, y, size, radius))
     return least
-
-
-@allocating
-def boxes_in(shape: Floats, tree: Tree) -> Floats:
-    """Return the boxes (k, 6) within a solid."""
-    boxes = np.empty((tree.boxes, INNER_BOX))
-    for k in range(tree.boxes):
-        for c in range(INNER_BOX):
-            boxes[k, c] = shape[tree.boxes_at + INNER_BOX * k + c]
-    return boxes
-
-
-@allocating
-def boxes_of(A: TreeBody) -> Floats:
-    """Return boxes (k, 6) within a body, along its axes: lower and upper corners."""
-    if A.kind == SOLID:
-        return boxes_in(A.shape, A.tree)
-    is_box, low, high = bounds_if_box(A)
-    boxes = np.empty((1 if is_box else 0, INNER_BOX))
-    for k in range(boxes.shape[0]):
-        for c in range(3):
-            boxes[k, c], boxes[k, c + 3] = low[c], high[c]
-    return boxes
 
 
 @allocating

@@ -29,10 +29,9 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.tolerances import INDEPENDENT, PARALLEL
 
 MOST_NODES = 400
-PARALLEL = 1e-6  # sine of axes below which their product is no axis
-INDEPENDENT = 1e-4  # of three unit vectors' determinant squared, from which on they tell a point
 NO_BOUND = -math.inf
 
 
