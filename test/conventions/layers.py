@@ -86,13 +86,13 @@ _CORE = ('math', 'common', 'sensors', 'geometry', 'scene_files')
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
-    'ros/scene': ((*_HELD, 'geometry/render'), ('numpy',)),
-    'ros/inputs': ((*_HELD, 'trajectories', 'ros/inputs'), ('numpy',)),
+    'ros/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
+    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
         (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
         ('numpy', 'ROS'),
     ),
-    'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/services': ((*_HELD, 'batch', 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
     'ros/viewer': (
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),

@@ -149,9 +149,9 @@ SHARPER = 1e-3
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
 
-# A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
-# has no volume, and its faces no sides.
-FLAT_HULL = 1e-9
+# A mesh whose least extent is below this [-], relative to the largest, is flat: of its thickness
+# rounding leaves fewer than four digits, and its faces have no sides.
+FLAT_HULL = 1e-12
 
 # Squares of lengths [m^2] between these have lost no digit to underflow, and none to overflow.
 SMALL_SQUARE = 2.0**-900
@@ -190,10 +190,6 @@ SAME_VOLUME = 1e-9
 # to their size, and they are in each other for as long: a vertex in single precision that touches
 # does not.
 CROSSING = 1e-6
-
-# A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
-# triangle bounds, and its winding number keeps seven digits there.
-BENEATH = 1e-9
 
 # How far off [-] the gap of a point and a triangle may be, relative to where the triangle is, as
 # it is computed of eight at once: the place on one that is NEEDLE wide is off by 1000 roundings.

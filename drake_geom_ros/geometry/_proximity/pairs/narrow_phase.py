@@ -9,7 +9,6 @@ starts from the pair's last normal.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, R
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
+    vanishes,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -45,7 +45,6 @@ from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, ra
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     apart,
     separation_of_bounds,
-    separation_of_boxes,
 )
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     hides_contact,
@@ -53,9 +52,11 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue
+from drake_geom_ros.geometry._proximity.pairs.slots import Aim, Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -70,31 +71,23 @@ Indices = NDArray[np.int64]
 
 
 @inlined
-def _code(type_a, type_b):  # type: ignore[no-untyped-def]
+def _code(type_a: int, type_b: int) -> int:
     """Return where a pair of types stands in ROW_OF_TYPES."""
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
 
 
-class Shapes(NamedTuple):
-    """Type numbers, and where in the pool the parameters are."""
-
-    types: Indices
-    starts: Indices
-    pool: Floats
-
-
-class Aim(NamedTuple):
-    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
-
-    size: float
-    tolerance: float
-    cutoff: float
-
-
 @inlined
-def _call_in_order(  # type: ignore[no-untyped-def]
-    a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out
-):
+def _call_in_order(
+    a: int,
+    b: int,
+    kernels: Addresses,
+    shapes: Shapes,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    p_AB_W: Floats,
+    aim: Aim,
+    out: Floats,
+) -> None:
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
     types, starts, pool = shapes.types, shapes.starts, shapes.pool
     swapped = types[a] > types[b]
@@ -108,7 +101,9 @@ def _call_in_order(  # type: ignore[no-untyped-def]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
-    if types[b] <= CONVEX and is_extreme(aim.size, p_AB_W):
+    extreme = is_extreme(aim.size, p_AB_W)
+    extreme = extreme or vanishes(types[a], shape_a) or vanishes(types[b], shape_b)
+    if extreme and types[b] <= CONVEX:
         call_at_one_metre(
             kernels[AT_ONE_METRE],
             address,
@@ -148,7 +143,7 @@ def _call_in_order(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
+def _may_leap(out: Floats, moved: float, type_a: int, type_b: int) -> bool:
     """Tell whether the distance can have changed by more than both bodies have moved [m].
 
     A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
@@ -159,7 +154,7 @@ def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
+def _take_narrower(out: Floats, bounds: Floats, moved: float) -> None:
     """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
 
     A support value changes by no more than the points do, so the distance of convex bodies by no
@@ -175,7 +170,7 @@ def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
+def _slack(least: float, travelled: float, type_a: int, type_b: int) -> float:
     """Return a least distance plus the travels of the same time [m], rounded down.
 
     What the turn of a half space moves has no bound.
@@ -186,7 +181,7 @@ def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _least(out, level_gap, size, rounding):  # type: ignore[no-untyped-def]
+def _least(out: Floats, level_gap: float, size: float, rounding: float) -> float:
     """Return what the distance is at least [m], by an answer that was computed for ``level_gap``.
 
     ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
@@ -198,7 +193,7 @@ def _least(out, level_gap, size, rounding):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-def]
+def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts: Indices) -> None:
     """Put pair k into the queue, with its least distance if that has room for it."""
     waiting[counts[POSTPONED]] = k
     if distances.size > 0:
@@ -207,7 +202,7 @@ def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-
 
 
 @inlined
-def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
     """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
 
     What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
@@ -221,7 +216,7 @@ def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
+def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> bool:
     """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
 
     A kernel that stopped at a cutoff says enough about smaller ones only.
@@ -231,7 +226,7 @@ def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped-def]
+def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
     """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
@@ -243,13 +238,13 @@ def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped
 
 
 @inlined
-def _beyond(cutoff, size, rounding):  # type: ignore[no-untyped-def]
+def _beyond(cutoff: float, size: float, rounding: float) -> float:
     """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
     return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
 
 
 @inlined
-def _recall(out, level_gap, type_a, type_b):  # type: ignore[no-untyped-def]
+def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
     """Forget the normal from which a kernel would start, where it is not this level's.
 
     So what one level was asked changes no digit of what another answers. With solids a kernel
@@ -262,9 +257,19 @@ def _recall(out, level_gap, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @allocating
-def answer_pairs(  # type: ignore[no-untyped-def]
-    kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
-):
+def answer_pairs(
+    kernels: Addresses,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    world: Handle,
+    revision: int,
+    query: tuple[float, float, bool],
+    first: int,
+    queue: tuple[Indices, Floats],
+    hits: Indices,
+    counts: Indices,
+) -> int:
     """Bring the slots of the pairs up to date that may be within the cutoff; return how many are.
 
     ``kernels`` are addresses, ``world`` is a handle; ``query`` and ``queue`` are plain tuples of
@@ -342,7 +347,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # type: ignore[no-untyped-def]
+def bound_pairs(
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    world: Handle,
+    revision: int,
+    query: tuple[float, float, bool],
+    hits: Indices,
+    counts: Indices,
+) -> int:
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 
     No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
@@ -378,21 +392,6 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
             least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
-    return found
-
-
-@compiled
-def near_pairs(pairs, world, cutoff, hits):  # type: ignore[no-untyped-def]
-    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
-    world, found = world_of(world), 0
-    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
-    roundings, half_extents = world.roundings, world.half_extents
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if separation <= cutoff:
             hits[found] = k
             found += 1
     return found

@@ -35,9 +35,11 @@ from drake_geom_ros.geometry._proximity.report import (
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Integers,
     Reals,
@@ -68,7 +70,7 @@ _hands_of = taker(PointHands)
 
 
 @compiled
-def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+def are_allowed(p_WQs: Floats) -> bool:
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
     allowed = True
     for k in range(p_WQs.shape[0]):
@@ -78,9 +80,18 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, posed_rows, X_PFs, p_WQs, threshold, rows, found, points, ids
-):
+def _run_points(
+    hands: Handle,
+    stale: bool,
+    revision: int,
+    X_PFs: Floats,
+    p_WQs: Floats,
+    threshold: float,
+    rows: Floats,
+    found: Booleans,
+    points: Unsigned32,
+    ids: Indices,
+) -> int:
     """Do what a point query does; return how many answers there are.
 
     ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
@@ -89,7 +100,7 @@ def _run_points(  # type: ignore[no-untyped-def]
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
+    pose_world(hands.world, report, stale, revision, X_PFs)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -154,9 +165,9 @@ class PointDistanceQueries:
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.pending_frames.rows, world.pending_poses
-        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
-        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
+        X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
+        asked = p_WQs, threshold
+        count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         return count, PointBatch(ids, points, rows)
 

@@ -25,7 +25,7 @@ from drake_geom_ros.geometry._proximity.points.sharing import (
     shared_point_distances,
 )
 from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
-from drake_geom_ros.geometry._proximity.states.groups import groups_of
+from drake_geom_ros.geometry._proximity.states.groups import GroupArrays, groups_of
 from drake_geom_ros.geometry._proximity.states.loops import (
     any_overlap,
     pairs_within_cutoff,
@@ -58,7 +58,7 @@ class StateLoops:
         on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
         apart = len(world.frames.ids) + alone
         _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
-        self._groups = tuple(groups_of(groups, pairs))
+        self._groups: GroupArrays = groups_of(groups, pairs)[:]
         self._memory = empty_memory(len(pairs))
 
     def _compile(self, level_gap: float) -> None:
@@ -141,7 +141,7 @@ class StateLoops:
         self._compile(level_gap)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
-            return pairs_within_cutoff(  # type: ignore[no-any-return]
+            return pairs_within_cutoff(
                 ADDRESSES,
                 poses,
                 first,
@@ -183,7 +183,7 @@ class StateLoops:
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
-            return points_within_threshold(  # type: ignore[no-any-return]
+            return points_within_threshold(
                 POINT_ADDRESSES,
                 ADDRESSES,
                 POINT_ROWS[types],
