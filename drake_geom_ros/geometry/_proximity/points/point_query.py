@@ -132,7 +132,7 @@ def _there(world: World, found: PointBatch) -> PointBatch:
     if world.is_whole:
         return found
     there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, found.ids)])
-    return PointBatch(*(column[there] for column in found))
+    return PointBatch(found.ids[there], found.points[there], found.rows[there])
 
 
 class PointDistanceQueries:
@@ -156,7 +156,8 @@ class PointDistanceQueries:
         if is_worth_sharing(world, len(p_WQs)):
             return self._answer_shared(world, p_WQs, threshold)
         count, found = self._run(world, p_WQs, threshold)
-        return _there(world, PointBatch(*(column[:count] for column in found)))
+        there = found.ids[:count], found.points[:count], found.rows[:count]
+        return _there(world, PointBatch(*there))
 
     def _run(self, world: World, p_WQs: Floats, threshold: float) -> tuple[int, PointBatch]:
         """Answer in one call; return how many answers there are, the first of what is returned."""
