@@ -134,7 +134,15 @@ LAYERS = {
     ),
     # What is shown, without a library that shows it; and the page, which one draws.
     'viewing': (
-        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
+        (
+            'math',
+            'common',
+            'geometry',
+            'geometry/queries',
+            'scene_files',
+            'trajectories',
+            'viewing',
+        ),
         ('numpy', 'yaml'),
     ),
     'viewing/page': (
