@@ -54,6 +54,11 @@ class SolidHunt:
         self.judged = self.refused = 0
         self._rng = np.random.default_rng([seed, SIDE])
 
+    @property
+    def laws_broken(self) -> set[str]:
+        """The laws that were broken."""
+        return {law for law, _ in self.broken}
+
     def generation(self) -> None:
         """Make solids, place them, and judge what is answered."""
         rng = self._rng

@@ -172,4 +172,6 @@ def signed_distance_to_solid(
         a = add_scaled(a, radius, n)
         b = add_scaled(a, distance, n)
         error = max(upper - lower, 0.0) + noise
+        if kind_A == SPHERE and lower <= noise:  # its middle may be on the other side
+            error += 2.0 * upper
         write_row(out, R_WB, p, scale(-1.0, n), a, b, (distance, error), unique, MESH)

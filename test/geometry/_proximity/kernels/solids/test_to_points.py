@@ -11,7 +11,7 @@ from oracles.shape_scenes import ShapeScene
 
 from bench.evidence.bodies import grids
 from bench.evidence.bodies.random_bodies import random_directions, random_rotation
-from drake_geom_ros.geometry import Mesh, MeshData
+from drake_geom_ros.geometry import Mesh, MeshData, Sphere
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
 
@@ -99,6 +99,17 @@ def test_beneath_a_face_of_a_large_flat_solid_the_sign_is_in_the_bound():
     points = np.column_stack((rng.uniform(0, 1.5, 400), rng.uniform(0, 300, 400), 0.03 - depths))
     found = scene.posed([0, 0, 0]).query.ComputeSignedDistanceToPoint(points)
     assert max(outside_its_bound(corners, found, points)) <= 1.0
+
+
+def test_of_a_ball_smaller_than_rounding_the_sign_is_in_the_bound_too():
+    corners, _ = solid('flat')
+    mesh = Mesh.FromMeshData(MeshData(*SOLIDS['flat']()))
+    scene, radius = ShapeScene(mesh, Sphere(1e-14), solid=True), 1e-14
+    for depth in 10.0 ** np.linspace(-14, -10, 40):
+        p = [0.4, 100.0, 0.03 - depth]
+        pair = scene.pair([0, 0, 0], p)
+        truth = float(signed_distance(corners, p)) - radius
+        assert abs(pair.distance - truth) <= pair.error_bound
 
 
 @pytest.mark.parametrize('name', ['flat', 'corner', 'needles'])
