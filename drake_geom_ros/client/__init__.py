@@ -2,6 +2,10 @@
 
 ``SceneGraphClient`` is for scripts: it has its own node, and its calls wait for the answer.
 ``SceneListener``, ``Services`` and ``HeldFilter`` are for nodes that spin themselves.
+
+In: a node's name, and what is asked by names.
+Out: results with names; errors that say who did not answer.
+May import: ``math``, ``common``; numpy, ROS.
 """
 
 from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient

@@ -29,7 +29,7 @@ PROXIMITY_ROOMS = {
         ('numpy', 'numba', 'llvmlite'),
     ),
     f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
-    'geometry/_proximity/world': (_WORLD, ('numpy',)),
+    'geometry/_proximity/world': (_WORLD, ('numpy', 'numba')),
     'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),
     'geometry/_proximity/report': (_REPORT, ('numpy',)),
     'geometry/_proximity/pairs': (_PAIRS, ('numpy',)),

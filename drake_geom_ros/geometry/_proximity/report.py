@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
+from drake_geom_ros.geometry._proximity.kinds import OPEN
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
@@ -86,4 +86,4 @@ CACHED = 1
 POSTPONED = 2
 WIDE = 3
 BY_METHOD = 4
-COUNTS = BY_METHOD + BOUND_ONLY + 1
+COUNTS = BY_METHOD + OPEN + 1

@@ -149,9 +149,9 @@ SHARPER = 1e-3
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
 
-# A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
-# has no volume, and its faces no sides.
-FLAT_HULL = 1e-9
+# A mesh whose least extent is below this [-], relative to the largest, is flat: of its thickness
+# rounding leaves fewer than four digits, and its faces have no sides.
+FLAT_HULL = 1e-12
 
 # Squares of lengths [m^2] between these have lost no digit to underflow, and none to overflow.
 SMALL_SQUARE = 2.0**-900
@@ -197,3 +197,8 @@ LANE_ERROR = 2.0**-36
 
 # Square of a triangle's width over its longest side [-] below which its normal says little.
 NEEDLE = 1e-6
+
+# Of boxes within solids: the sine of two axes below which their product is no axis, and three unit
+# vectors' determinant squared from which on they tell a point.
+PARALLEL = 1e-6
+INDEPENDENT = 1e-4

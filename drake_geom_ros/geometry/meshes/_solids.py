@@ -20,15 +20,20 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import (
     unlisted_parameters,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import first_crossing
-from drake_geom_ros.geometry._proximity.kernels.solids.packing import solid_parameters
+from drake_geom_ros.geometry._proximity.kernels.solids.packing import (
+    solid_parameters,
+    with_boxes,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, tree_of
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,
+    LARGE_SIZE,
     NO_VOLUME,
     SAME_VOLUME,
+    SMALL_SIZE,
 )
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import connected_pieces
@@ -62,6 +67,7 @@ def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
 def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     name = name_of(source)
     factors = np.array(scale)
+    check_size(triangles_of(source).vertices, factors, name)
     hull_vertices, hull_triangles = hull_of(source)
     hull_vertices, hull_triangles = hull_vertices * factors, turned(hull_triangles, factors)
     vertices, triangles = triangles_of(source)
@@ -92,8 +98,22 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     crowded = kept[crowded[live[crowded]]]
     parameters, numbers = solid_parameters(hull, corners[live], largest, planes)
     check_simple(parameters, numbers[largest], numbers[crowded], name)
+    parameters = with_boxes(parameters)
     parameters.flags.writeable = False
     return SOLID, parameters
+
+
+def check_size(vertices: Floats, factors: Floats, name: str) -> None:
+    """Raise MeshFileError for a scaled mesh of which products of three lengths leave float64."""
+    with np.errstate(over='ignore', under='ignore'):
+        farthest = float(np.abs(vertices * factors).max(initial=0.0))
+        size = float((np.ptp(vertices, axis=0) * np.abs(factors)).max()) if len(vertices) else 1.0
+    if farthest > LARGE_SIZE or size < SMALL_SIZE:
+        raise MeshFileError(
+            f'{name}: scaled by {factors.tolist()}, it reaches to {farthest:g} m and is '
+            f'{size:g} m large; a solid is at least {SMALL_SIZE:.3g} m large, and no coordinate '
+            f'of it is beyond {LARGE_SIZE:.3g} m. {_ADVICE}'
+        )
 
 
 def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
@@ -204,6 +224,7 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1, keepdims=True)
     largest = np.argsort(-areas[:, 0], kind='stable')[:MOST_PLANES]
+    largest = largest[areas[largest, 0] > 0.0]
     normals, a = (normals / areas)[largest], a[largest]
     return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 

@@ -212,9 +212,20 @@ class StateQueries:
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
-    def points(self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices) -> Found:
-        """Return ComputeSignedDistanceToPoint of points (m, 3) in each state (N, n, 7)."""
-        done, counts, batch = self._loops.points(poses, p_WQs, threshold, stop)
+    def points(
+        self,
+        poses: Floats,
+        p_WQs: Floats,
+        threshold: float,
+        stop: Indices,
+        *,
+        shared: bool = False,
+    ) -> Found:
+        """Return ComputeSignedDistanceToPoint of points (m, 3) in each state (N, n, 7).
+
+        The points of a single state may be ``shared`` out to all threads.
+        """
+        done, counts, batch = self._loops.points(poses, p_WQs, threshold, stop, shared=shared)
         _check_done(done, poses, stop)
         return counts, PointDistanceResults(batch)
 

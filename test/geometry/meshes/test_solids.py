@@ -6,8 +6,8 @@ import trimesh
 from oracles.forms import row_of
 from oracles.solids import surface_of
 
-from bench.evidence.bodies.bodies import Body
 from bench.evidence.bodies.grids import surface
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import (
     Box,
     GeometryInstance,
@@ -205,10 +205,12 @@ def test_a_cube_with_junctions_counts_as_its_hull():
 def test_triangles_without_area_belong_to_no_surface(seed):
     """A cube that touches walls of an L, with such triangles in any of its edges, touches it."""
     bare = np.array(L.triangles)
-    mesh = with_junctions(L, edges_of(L, 4, seed))
+    edges = edges_of(L, 4, seed)
+    mesh = with_junctions(L, edges)
     kind, parameters = solid_of(mesh, ONES)
     assert kind == SOLID
-    assert tree_of(SOLID, parameters).triangles == len(bare) + 4
+    assert len(edges) >= 2
+    assert tree_of(SOLID, parameters).triangles == len(bare) + len(edges)
     B = Body('Solid', mesh.vertices, triangles=mesh.triangles)
     for corner in ([1.0, 1.0, 0.0], [1.0, 1.0, 0.5], [2.0, 0.0, 0.0], [0.25, 0.25, 1.0]):
         at = np.array(corner)
@@ -248,3 +250,29 @@ def test_scales_and_mirror_images():
     for scale in ((2.0, 3.0, 0.5), (-1.0, 1.0, 1.0), (-1.0, -2.0, -3.0)):
         assert solid_of(MeshData(L.vertices, L.triangles), scale)[0] == SOLID
     assert solid_of(L, ONES)[1] is solid_of(surface_of('L'), ONES)[1]  # by content
+
+
+@pytest.mark.parametrize('scale', [1e150, 1e250, 1e60])
+def test_a_solid_too_large_for_products_of_lengths_is_refused_with_the_reason(scale):
+    with pytest.raises(MeshFileError, match='no coordinate of it is beyond'):
+        solid_of(L, (scale, 1.0, scale))
+    with pytest.raises(MeshFileError, match='at least'):
+        solid_of(MeshData(np.array(L.vertices) / scale, L.triangles), ONES)
+
+
+@pytest.mark.parametrize('scale', [1e40, 1e-40])
+def test_solids_of_any_other_size_are_taken(scale):
+    kind, _ = solid_of(MeshData(np.array(L.vertices) * scale, L.triangles), ONES)
+    assert kind == SOLID
+
+
+@pytest.mark.parametrize('thick', [1e-8, 1e-9, 1e-11])
+def test_a_prism_may_be_thin(thick):
+    """A plate is a cube, an L an L, however thin."""
+    assert solid_of(MeshData(CORNERS, CUBE), (1.0, 0.7, thick))[0] == CONVEX
+    assert solid_of(MeshData(CORNERS * [1, 0.7, thick], CUBE), ONES)[0] == CONVEX
+    assert solid_of(MeshData(np.array(L.vertices) * [1, 1, thick], L.triangles), ONES)[0] == SOLID
+    plate = Body('Solid', CORNERS * [1, 0.7, thick], triangles=CUBE)
+    ball = Body('Sphere', (0.1,), p=np.array([0.3, 0.3, 0.2]))
+    out = row_of(ball, plate)
+    assert abs(out[0] - (0.1 - thick)) <= out[10] <= 1e-12

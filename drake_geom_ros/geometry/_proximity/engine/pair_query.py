@@ -25,7 +25,8 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
 from drake_geom_ros.geometry._proximity.near.grids import Boxes, code_of
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_answers
-from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs, near_pairs
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import near_pairs
+from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.pairs.quick_contacts import quick_contact
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,

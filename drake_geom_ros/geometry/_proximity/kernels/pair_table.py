@@ -132,7 +132,7 @@ class PairRow:
         return load_kernel(self.kernel)
 
 
-CLOSED, ITERATIVE, TRIANGLES, _ = Method
+CLOSED, ITERATIVE, TRIANGLES, *_ = Method
 _CORES = 'convex.pairs.signed_distance_of_cores'
 BY_PAIR_KERNEL = 'closed_forms.to_points.by_pair_kernel'
 _SOLIDS = 'solids.pairs.signed_distance_to_solid'

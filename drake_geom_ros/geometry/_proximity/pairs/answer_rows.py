@@ -24,7 +24,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH, OPEN
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     promised_error_bound,
     size_of_pair,
@@ -192,7 +192,7 @@ def _gather(
         promised = promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings)
         if out[METHOD] == BOUND_ONLY:
             least, promised = least - out[ERROR_BOUND], math.inf
-        elif out[METHOD] == MESH and least < 0.0:
+        elif (out[METHOD] == MESH or out[METHOD] == OPEN) and least < 0.0:
             promised = math.inf  # of overlapping solids: see ``kernels.solids.overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
         told[OVERLAPS] = 1.0 if least < touching else 0.0

@@ -6,8 +6,10 @@ import math
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
-from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 
 
@@ -138,3 +140,18 @@ def apart(p_WGs: Floats, a: int, b: int) -> float:
     """Return no less than the distance [m] of two origins, what no square overflows."""
     x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
     return abs(x) + abs(y) + abs(z)
+
+
+@compiled
+def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
+    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
+    world, found = world_of(world), 0
+    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
+    roundings, half_extents = world.roundings, world.half_extents
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        if separation <= cutoff:
+            hits[found] = k
+            found += 1
+    return found

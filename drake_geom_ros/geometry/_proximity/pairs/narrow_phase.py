@@ -17,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, R
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
+    vanishes,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -44,7 +45,6 @@ from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, ra
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     apart,
     separation_of_bounds,
-    separation_of_boxes,
 )
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     hides_contact,
@@ -55,7 +55,7 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
 from drake_geom_ros.geometry._proximity.pairs.slots import Aim, Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
 from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -101,7 +101,9 @@ def _call_in_order(
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
-    if types[b] <= CONVEX and is_extreme(aim.size, p_AB_W):
+    extreme = is_extreme(aim.size, p_AB_W)
+    extreme = extreme or vanishes(types[a], shape_a) or vanishes(types[b], shape_b)
+    if extreme and types[b] <= CONVEX:
         call_at_one_metre(
             kernels[AT_ONE_METRE],
             address,
@@ -200,7 +202,7 @@ def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts:
 
 
 @inlined
-def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
+def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
     """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
 
     What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
@@ -214,7 +216,7 @@ def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
+def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> bool:
     """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
 
     A kernel that stopped at a cutoff says enough about smaller ones only.
@@ -224,7 +226,7 @@ def _stands(out, level_gap, travelled, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped-def]
+def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
     """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
@@ -236,13 +238,13 @@ def _widen(out, tolerance, extent, rounding, counts):  # type: ignore[no-untyped
 
 
 @inlined
-def _beyond(cutoff, size, rounding):  # type: ignore[no-untyped-def]
+def _beyond(cutoff: float, size: float, rounding: float) -> float:
     """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
     return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
 
 
 @inlined
-def _recall(out, level_gap, type_a, type_b):  # type: ignore[no-untyped-def]
+def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
     """Forget the normal from which a kernel would start, where it is not this level's.
 
     So what one level was asked changes no digit of what another answers. With solids a kernel
@@ -390,21 +392,6 @@ def bound_pairs(
             least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
-    return found
-
-
-@compiled
-def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
-    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
-    world, found = world_of(world), 0
-    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
-    roundings, half_extents = world.roundings, world.half_extents
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if separation <= cutoff:
             hits[found] = k
             found += 1
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,10 @@ from drake_geom_ros.geometry._proximity.points.point_phase import (
     POINT_ADDRESSES,
     POINT_ROWS,
     point_phase,
+)
+from drake_geom_ros.geometry._proximity.points.sharing import (
+    is_worth_sharing,
+    shared_point_distances,
 )
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,
@@ -122,6 +127,14 @@ def _run_points(
     return count
 
 
+def _there(world: World, found: PointBatch) -> PointBatch:
+    """Return the answers about geometries that do not wait for a pose."""
+    if world.is_whole:
+        return found
+    there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, found.ids)])
+    return PointBatch(found.ids[there], found.points[there], found.rows[there])
+
+
 class PointDistanceQueries:
     """Answers the point queries of one engine."""
 
@@ -140,6 +153,14 @@ class PointDistanceQueries:
         """
         if self._world is not world or self._shapes is not world.point_shapes:
             self._hand_over(world)
+        if is_worth_sharing(world, len(p_WQs)):
+            return self._answer_shared(world, p_WQs, threshold)
+        count, found = self._run(world, p_WQs, threshold)
+        there = found.ids[:count], found.points[:count], found.rows[:count]
+        return _there(world, PointBatch(*there))
+
+    def _run(self, world: World, p_WQs: Floats, threshold: float) -> tuple[int, PointBatch]:
+        """Answer in one call; return how many answers there are, the first of what is returned."""
         capacity = len(p_WQs) * world.geometry_count
         rows = np.empty((capacity, POINT_WIDTH))
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
@@ -149,10 +170,18 @@ class PointDistanceQueries:
         asked = p_WQs, threshold
         count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
-        if world.is_whole:
-            return PointBatch(ids[:count], points[:count], rows[:count])
-        there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])
-        return PointBatch(ids[there], points[there], rows[there])
+        return count, PointBatch(ids, points, rows)
+
+    def _answer_shared(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
+        """Answer by threads, in a world that is posed first."""
+        self._run(world, p_WQs[:0], threshold)
+        found, by_method = shared_point_distances(world, p_WQs, threshold)
+        report, capacity = self._report, len(p_WQs) * world.geometry_count
+        report.told[[CONSIDERED, LISTED_PAIRS]] = capacity
+        report.counts[BY_METHOD:] = by_method[: report.counts.size - BY_METHOD]
+        report.counts[FAR] = capacity - len(found.ids)
+        report.moments[ANSWERED] = time.perf_counter()
+        return _there(world, found)
 
     def _hand_over(self, world: World) -> None:
         """Take another world."""

@@ -119,7 +119,15 @@ def put_point(
 
 
 @inlined
-def take(answers, k, body, threshold, size, rounding, nearest):
+def take(
+    answers: PointAnswers,
+    k: int,
+    body: PointedBody,
+    threshold: float,
+    size: float,
+    rounding: float,
+    nearest: tuple[float, Vector, Vector, bool],
+) -> None:
     """Fill row k from a closed form in G, where it may be within the threshold."""
     distance, grad, p_GN, unique = nearest
     bound = CLOSED_FORM_ROUNDING * size + rounding

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.lanes import (
     BOX_LANES,
     LANES,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import INNER_BOX, Tree
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ class LaneTree(NamedTuple):
 
 
 @inlined
-def blocks_of(leaves):
+def blocks_of(leaves: int) -> tuple[int, int]:
     """Return (blocks, levels of boxes above them) over a power of two of leaves."""
     blocks, levels = max(leaves // 2, 1), 1
     while blocks > 1 << BITS * levels:
@@ -47,22 +47,22 @@ def blocks_of(leaves):
 
 
 @inlined
-def boxes_in(blocks, levels, level):
+def boxes_in(blocks: int, levels: int, level: int) -> int:
     """Return how many boxes there are at a level, the top one 0."""
     return max(blocks >> BITS * (levels - 1 - level), 1)
 
 
 @inlined
-def groups_in(blocks, levels, level):
+def groups_in(blocks: int, levels: int, level: int) -> int:
     """Return how many groups the boxes of a level are in."""
     return (boxes_in(blocks, levels, level) + LANES - 1) // LANES
 
 
 @compiled
-def lane_tree_of(tree):
+def lane_tree_of(tree: Tree) -> LaneTree:
     """Return the tree for points of a solid with this ``Tree``."""
     blocks, levels = blocks_of(tree.leaves)
-    boxes = tree.planes_at + PLANE * tree.planes
+    boxes = tree.boxes_at + INNER_BOX * tree.boxes
     groups = halvings = 0
     while 1 << halvings < blocks:
         halvings += 1
@@ -72,7 +72,7 @@ def lane_tree_of(tree):
 
 
 @inlined
-def first_of_block(tree, lanes, k):
+def first_of_block(tree: Tree, lanes: LaneTree, k: int) -> int:
     """Return the first triangle of block k, the first of a leaf; that of the next one ends it."""
     return k * tree.triangles >> lanes.halvings
 

@@ -17,6 +17,7 @@ import numpy as np
 from numba import config, types
 from numba.extending import intrinsic
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import NEEDLE, SMALL_SQUARE
 
@@ -95,13 +96,15 @@ if config.DISABLE_JIT:
         """Return bits: which of the gaps are not beyond the limit."""
         return sum(1 << k for k in range(LANES) if not gaps[k] > limit)
 
-    def near_boxes(shape: Any, at: int, q: Any, limit: float, gaps: Any) -> tuple[int, int]:
+    def near_boxes(
+        shape: Floats, at: int, q: Vector, limit: float, gaps: Floats
+    ) -> tuple[int, int]:
         """Do what the compiled ``near_boxes`` does."""
         with np.errstate(all='ignore'):
             gaps[:] = _gaps_of_boxes(list(shape[at : at + BOX_LANES].reshape(6, LANES)), list(q))
         return _within(gaps, limit), int(np.argmin(gaps))
 
-    def near_triangles(shape: Any, at: int, q: Any, limit: float, loose: float) -> int:
+    def near_triangles(shape: Floats, at: int, q: Vector, limit: float, loose: float) -> int:
         """Do what the compiled ``near_triangles`` does."""
         corners = list(shape[at : at + TRIANGLE_LANES].reshape(9, LANES))
         with np.errstate(all='ignore'):
@@ -198,8 +201,8 @@ else:
     _POINT = types.UniTuple(types.float64, 3)
 
     @intrinsic
-    def _near_boxes(typingctx, address, q, limit, gaps):
-        def codegen(context, builder, signature, values):
+    def _near_boxes(typingctx: Any, address: Any, q: Any, limit: Any, gaps: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             begin, q, limit, to = values
             gaps = _gaps_of_boxes(*_arguments(builder, begin, 6, q))
             stored = builder.store(gaps.value, builder.inttoptr(to, _DOUBLES.as_pointer()))
@@ -212,8 +215,8 @@ else:
         return types.int64(types.intp, _POINT, types.float64, types.intp), codegen
 
     @intrinsic
-    def _near_triangles(typingctx, address, q, limit, loose):
-        def codegen(context, builder, signature, values):
+    def _near_triangles(typingctx: Any, address: Any, q: Any, limit: Any, loose: Any) -> Any:
+        def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             begin, q, limit, loose = values
             least, most = _gaps_of_triangles(*_arguments(builder, begin, 9, q))
             known = _least(_least_of(most), _Vector(builder, _spread(builder, limit)))
@@ -223,16 +226,18 @@ else:
         return types.int64(types.intp, _POINT, types.float64, types.float64), codegen
 
     @intrinsic
-    def lowest(typingctx, bits):
+    def lowest(typingctx: Any, bits: Any) -> Any:
         """Return the number of the lowest bit that is set."""
 
-        def codegen(context, builder, signature, values):
+        def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             return builder.cttz(values[0], ir.Constant(ir.IntType(1), 1))
 
         return types.int64(types.int64), codegen
 
     @inlined
-    def near_boxes(shape, at, q, limit, gaps):
+    def near_boxes(
+        shape: Floats, at: int, q: Vector, limit: float, gaps: Floats
+    ) -> tuple[int, int]:
         """Fill the gaps (LANES,) [m] of q and the boxes from a place on.
 
         Returns (bits, lane): which of them are not known to be beyond the limit, and the nearest.
@@ -241,7 +246,7 @@ else:
         return found & ((1 << LANES) - 1), lowest(found >> LANES | 1 << (LANES - 1))
 
     @inlined
-    def near_triangles(shape, at, q, limit, loose):
+    def near_triangles(shape: Floats, at: int, q: Vector, limit: float, loose: float) -> int:
         """Return bits: which triangles from a place on may be the nearest of them to q.
 
         That is so of those that are not farther than the limit, and not than what another is at

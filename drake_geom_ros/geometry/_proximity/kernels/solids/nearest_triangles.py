@@ -18,6 +18,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import (
     MOST_WAITING,
+    LaneTree,
     boxes_in,
     first_of_block,
     groups_in,
@@ -30,8 +31,9 @@ from drake_geom_ros.geometry._proximity.kernels.solids.lanes import (
     near_boxes,
     near_triangles,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, Tree
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, sub, vector_at
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LANE_ERROR, ROUNDING
 
@@ -56,7 +58,7 @@ class Room(NamedTuple):
 
 
 @allocating
-def room_for(lanes, count):
+def room_for(lanes: LaneTree, count: int) -> Room:
     """Return room for so many triangles that are as near as the nearest."""
     firsts = np.zeros(lanes.levels, dtype=np.int64)
     for level in range(1, lanes.levels):
@@ -74,7 +76,7 @@ def room_for(lanes, count):
 
 
 @inlined
-def rounding_at(distance, extent):
+def rounding_at(distance: float, extent: float) -> float:
     """Return what the distance [m] of a point from a triangle of a solid may be off by.
 
     All is computed from the differences of corners and the point, none of which is longer than the
@@ -84,13 +86,13 @@ def rounding_at(distance, extent):
 
 
 @inlined
-def same_at(distance, extent):
+def same_at(distance: float, extent: float) -> float:
     """Return how much farther [m] another triangle may be that is not known to be farther."""
     return 2.0 * rounding_at(distance, extent)
 
 
 @inlined
-def vector_to(shape, tree, j, q):
+def vector_to(shape: Floats, tree: Tree, j: int, q: Vector) -> Vector:
     """Return the vector from q to the point of triangle j that is nearest to it."""
     at = tree.corners + CORNERS * j
     a, b = sub(vector_at(shape, at), q), sub(vector_at(shape, at + 3), q)
@@ -99,7 +101,17 @@ def vector_to(shape, tree, j, q):
 
 
 @inlined
-def _look_at_block(shape, tree, lanes, k, q, extent, best, count, room):
+def _look_at_block(
+    shape: Floats,
+    tree: Tree,
+    lanes: LaneTree,
+    k: int,
+    q: Vector,
+    extent: float,
+    best: float,
+    count: int,
+    room: Room,
+) -> tuple[float, int]:
     """Take what is near of block k; return (best, count), the count FULL without room for it."""
     first, last = first_of_block(tree, lanes, k), first_of_block(tree, lanes, k + 1)
     at, loose = lanes.blocks_at + TRIANGLE_LANES * k, LANE_ERROR * (best + extent)
@@ -123,7 +135,7 @@ def _look_at_block(shape, tree, lanes, k, q, extent, best, count, room):
 
 
 @compiled
-def _without_farther(room, count, limit):
+def _without_farther(room: Room, count: int, limit: float) -> int:
     """Drop the triangles that are farther than a limit [m]; return how many are left."""
     kept = 0
     for i in range(count):
@@ -136,13 +148,15 @@ def _without_farther(room, count, limit):
 
 
 @inlined
-def _put(top, level, box, gap, room):
+def _put(top: int, level: int, box: int, gap: float, room: Room) -> None:
     """Put a box among those that wait."""
     room.levels[top], room.boxes[top], room.waiting[top] = level, box, gap
 
 
 @compiled
-def nearest_triangles(shape, tree, lanes, q, extent, room):
+def nearest_triangles(
+    shape: Floats, tree: Tree, lanes: LaneTree, q: Vector, extent: float, room: Room
+) -> int:
     """Find the nearest triangles to q; return how many, or FULL.
 
     They are the first of the room's, in no order, and no other is as near, to rounding. Left out

@@ -11,6 +11,9 @@ caught between two bounds, and the same steps serve every kind of A:
 - *Below*: a ball of A around a point that lies at depth d in B moves at least its radius plus d.
   The deepest points of A in the contacts found above are tried, and its middle.
 
+Of solids and boxes the boxes within them come first (``separations``): the least translation that
+parts these is a lower bound, and where it is seen to part the bodies it is the depth.
+
 Bodies are given as in ``distance``. A is its core grown by a ball of ``radius``.
 """
 
@@ -40,6 +43,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
     way_out_of_hull,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
+from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     Solid,
     TreeBody,
@@ -307,6 +312,32 @@ def deepest_touching(
 
 
 @allocating
+def by_boxes(
+    A: TreeBody, B: Solid, p: Vector, least: float, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector]:
+    """Return (least, depth, t, b) of the depth by boxes within the bodies, if they tell.
+
+    The least translation that parts the boxes is a lower bound, ``least`` or more. If it is seen
+    to part the bodies too it is the depth; else that is infinite.
+    """
+    noise = ROUNDING * EPS * size
+    if A.kind != SOLID and A.kind != BOX and A.kind != CONVEX:
+        return least, math.inf, p, p
+    _, longest = way_out_of_hull(A, B, p, radius)
+    upper = longest + 2.0 * BACK_OFF * noise
+    found = least_parting(boxes_of(A), boxes_in(B.shape, B.tree), A.R, p, upper, noise)
+    least = max(least, found.lower)
+    if not found.parts:
+        return least, math.inf, p, p
+    for turn in range(2):  # as it is, and a little farther
+        t = add_scaled(found.t, turn * BACK_OFF * noise, unit(found.t))
+        clear, ahead = clearance(A, B, add(p, t), scale(-1.0, unit(t)), size, tolerance, radius)
+        if clear:  # whoever reports it takes the step back off
+            return least, norm(found.t) + BACK_OFF * noise, t, ahead.b
+    return least, math.inf, p, p
+
+
+@allocating
 def bounds_of_depth(
     A: TreeBody, B: Solid, p: Vector, found: Nearest, size: float, tolerance: float, radius: float
 ) -> tuple[float, float, Vector, Vector]:
@@ -326,6 +357,9 @@ def bounds_of_depth(
         ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_in_solid(B, middle_of(A, p), size))
     depth, t_best, b_best = math.inf, p, p
+    least, depth, t_best, b_best = by_boxes(A, B, p, least, size, tolerance, radius)
+    if depth - least <= enough:
+        return depth, min(least, depth), t_best, b_best
     count = push_of(A, B, p, found, size, tolerance, radius, pushes)
     for k in range(count + 1):
         if depth - least <= enough:

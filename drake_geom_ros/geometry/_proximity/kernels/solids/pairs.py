@@ -1,10 +1,10 @@
 """Signed distance of a core or a solid from a solid: one kernel for every row with a solid.
 
 A solid is the closed body that a mesh bounds, dents, holes and cavities and all. Apart, the answer
-is the distance of the surfaces (``distance``), as exact as that of two cores. Overlapping,
-it is minus the length of a translation that is verified to separate, and ``error_bound`` tells how
-much shorter the shortest may be (``overlap``). Where surfaces do not meet, points on each
-that lie in the other tell (``containment``).
+is the distance of the surfaces (``distance``), as exact as that of two cores. Overlapping, it is
+minus the length of a translation that is verified to separate, and ``error_bound`` tells how much
+shorter the shortest may be (``overlap``); the method OPEN says that this is much. Where surfaces
+do not cross, triangles that touch tell, and one of each piece (``containment``).
 """
 
 import math
@@ -44,10 +44,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, OPEN, SPHERE
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
+
+OPEN_SHARE = 0.1  # of a depth [-] that the shortest way out may be less by: more leaves it open
+LOOSE = 4.0 * BACK_OFF  # roundings that a depth may be off by all the same
 
 
 @compiled
@@ -121,11 +124,12 @@ def write_overlap(
     """Fill the row of a pair that overlaps."""
     depth, least, t, b = bounds_of_depth(A, B, p, found, size, tolerance, radius)
     noise = ROUNDING * EPS * size
-    m, unique = unit(t), found.unique and depth - least <= tolerance + 4.0 * BACK_OFF * noise
+    m, unique = unit(t), found.unique and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
     error = max(depth - least, 0.0) + (1.0 + BACK_OFF) * noise
     a = add_scaled(b, -depth, m)
-    write_row(out, R_WB, p, m, a, b, (-depth, error), unique, MESH)
+    method = OPEN if depth - least > max(OPEN_SHARE * depth, tolerance + LOOSE * noise) else MESH
+    write_row(out, R_WB, p, m, a, b, (-depth, error), unique, method)
 
 
 @allocating

@@ -13,13 +13,16 @@ from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
     nearest,
     separation_of_leaves,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import first_of_leaf
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import Solid, TreeBody, first_of_leaf
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 
 
 @allocating
-def least_beyond(A, B, p, n, size, tolerance, limit):
+def least_beyond(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, limit: float
+) -> float:
     """Return what surfaces are apart at least [m] if that is beyond a limit, else -infinity."""
     path, top, least = walk(A, B, p), 1, math.inf
     while True:
@@ -36,7 +39,9 @@ def least_beyond(A, B, p, n, size, tolerance, limit):
 
 
 @allocating
-def nearest_within(A, B, p, n, size, tolerance, limit):
+def nearest_within(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, limit: float
+) -> Nearest:
     """Return what ``nearest`` does without a limit, or that all is beyond one [m]."""
     if limit < math.inf:
         least = least_beyond(A, B, p, n, size, tolerance, limit)

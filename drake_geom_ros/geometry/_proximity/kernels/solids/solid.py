@@ -2,9 +2,9 @@
 
 Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
 children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; the number of a triangle of
-each connected piece of the surface; the planes of the hull's largest faces; the tree for points
-(``lane_tree``); last the place of the header. Everything is in the solid's frame, and here B's
-frame is where all is computed: A, its origin at p, is turned into it. A may be a core of
+each connected piece of the surface; the planes of the hull's largest faces; boxes in it; the tree
+for points (``lane_tree``); last the place of the header. Everything is in the solid's frame, and
+here B's frame is where all is computed: A, its origin at p, is turned into it. A may be a core of
 ``supports`` or a solid: a core is a tree of one leaf.
 """
 
@@ -37,7 +37,7 @@ from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
 
-HEADER = 4  # numbers: triangles, leaves, pieces, planes
+HEADER = 5  # numbers: triangles, leaves, pieces, planes, boxes
 AREA_VECTOR = 6  # 3: sum of the triangles' normals times areas [m^2]
 AREA = 9  # sum of the areas [m^2]
 CENTRE = 10  # 3: mean of the triangles' points
@@ -45,6 +45,7 @@ RADIUS = 13  # of a ball around the centre that holds the triangles [m]
 MOMENT = 14  # norm of the sum of normals times areas times middles, from the centre [m^3]
 CORNERS = 9  # numbers a triangle
 PLANE = 4  # numbers a plane: outward normal, offset
+INNER_BOX = 6  # numbers a box: its lower and its upper corner
 
 
 class Tree(NamedTuple):
@@ -58,9 +59,11 @@ class Tree(NamedTuple):
     pieces: int
     planes_at: int
     planes: int
+    boxes_at: int
+    boxes: int
 
 
-NO_TREE = Tree(0, 0, 0, 0, 0, 0, 0, 0)  # of a core
+NO_TREE = Tree(0, 0, 0, 0, 0, 0, 0, 0, 0, 0)  # of a core
 
 
 class TreeBody(NamedTuple):
@@ -93,7 +96,10 @@ def tree_of(kind: int, shape: Floats) -> Tree:
     corners = nodes + NODE_WIDTH * (2 * leaves - 1)
     pieces_at = corners + CORNERS * triangles
     planes_at = pieces_at + pieces
-    return Tree(nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes)
+    boxes, boxes_at = int(shape[header + 4]), planes_at + PLANE * planes
+    return Tree(
+        nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes, boxes_at, boxes
+    )
 
 
 @inlined

@@ -9,17 +9,30 @@ even so, the bound holds both signs.
 """
 
 import math
+from typing import Any
 
-from drake_geom_ros.geometry._proximity.kernels.calling.points import put_point, seen
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
+    PointAnswers,
+    PointedBody,
+    Span,
+    put_point,
+    seen,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_tree_of
 from drake_geom_ros.geometry._proximity.kernels.solids.nearest_triangles import (
     FEW,
     FULL,
+    Room,
     nearest_triangles,
     room_for,
     rounding_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, normal_of, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    CORNERS,
+    Tree,
+    normal_of,
+    tree_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import (
     FIRST_RATIO,
     next_ratio,
@@ -38,6 +51,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import MESH
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, SAME_DIRECTION
 
@@ -50,7 +64,7 @@ AT_SURFACE = 4.0
 
 
 @compiled
-def side_of_triangle(shape, tree, j, q):
+def side_of_triangle(shape: Floats, tree: Tree, j: int, q: Vector) -> int:
     """Return on which side of the plane of triangle j the point q is, UNSURE to rounding.
 
     What the determinant may be off by is Shewchuk's (Discrete & Computational Geometry 18 (3),
@@ -71,7 +85,7 @@ def side_of_triangle(shape, tree, j, q):
 
 
 @compiled
-def side_by_winding(shape, tree, q):
+def side_by_winding(shape: Floats, tree: Tree, q: Vector) -> int:
     """Return on which side of the surface q is by its winding number, UNSURE to rounding."""
     ratio = FIRST_RATIO
     while True:
@@ -85,7 +99,9 @@ def side_by_winding(shape, tree, q):
 
 
 @compiled
-def side_of_surface(shape, tree, q, distance, noise, count, room):
+def side_of_surface(
+    shape: Floats, tree: Tree, q: Vector, distance: float, noise: float, count: int, room: Room
+) -> int:
     """Return on which side of the surface q is, by the nearest triangles, the first of the room's.
 
     All that b is on are among these, and other points that are as near ask for the same side. One
@@ -107,7 +123,7 @@ def side_of_surface(shape, tree, q, distance, noise, count, room):
 
 
 @compiled
-def first_of(count, room):
+def first_of(count: int, room: Room) -> int:
     """Return the place of the nearest triangle in the room, of equal ones that of least number."""
     best = 0
     for i in range(1, count):
@@ -120,7 +136,7 @@ def first_of(count, room):
 
 
 @compiled
-def direction_of(shape, tree, i, noise, side, room):
+def direction_of(shape: Floats, tree: Tree, i: int, noise: float, side: int, room: Room) -> Vector:
     """Return the unit vector along which the distance grows, as triangle i of the room has it."""
     if room.away[i] > noise:
         return scale(-1.0 if side != INSIDE else 1.0, unit(vector_in(room.vectors, i)))
@@ -129,7 +145,9 @@ def direction_of(shape, tree, i, noise, side, room):
 
 
 @compiled
-def is_one_direction(shape, tree, grad, noise, side, count, room):
+def is_one_direction(
+    shape: Floats, tree: Tree, grad: Vector, noise: float, side: int, count: int, room: Room
+) -> bool:
     """Tell whether the distance grows along about the same direction by all nearest triangles."""
     for i in range(count):
         if dot(direction_of(shape, tree, i, noise, side, room), grad) < SAME_DIRECTION:
@@ -138,7 +156,15 @@ def is_one_direction(shape, tree, grad, noise, side, count, room):
 
 
 @allocating
-def to_solid(address, kind, body, p_WQs, threshold, span, answers):
+def to_solid(
+    address: Any,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a solid."""
     shape = body.shape
     tree = tree_of(kind, shape)

@@ -171,8 +171,15 @@ def test_a_box_too_wide_for_its_slot_by_the_last_bit(kind, more, truth):
     assert (out[calling.ERROR_BOUND] <= 1e-12) or truth
 
 
-@pytest.mark.parametrize('origin', [(0.0, 0.0, 0.0), (5e5, 4e6, 0.0)])
-@pytest.mark.parametrize('thin', [2.0**-29, 2.0**-7])
+@pytest.mark.parametrize(
+    ('thin', 'origin'),
+    [
+        (2.0**-29, (0.0, 0.0, 0.0)),
+        (2.0**-7, (0.0, 0.0, 0.0)),
+        (2.0**-7, (5e5, 4e6, 0.0)),
+        (2.0**-20, (5e5, 4e6, 0.0)),
+    ],
+)
 def test_a_sheet_that_fills_its_slot_touches(thin, origin):
     """Of 1.9e-9 m and of 8 mm: no wall of the slot is crossed, and none is cleared."""
     x, y, z = origin
