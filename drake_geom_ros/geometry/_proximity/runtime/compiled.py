@@ -20,7 +20,8 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from numba import cfunc, config, njit, types, version_info
+import numpy as np
+from numba import cfunc, config, from_dtype, njit, types, version_info
 from numba.core import event
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
@@ -186,9 +187,14 @@ def made(function: Callable[..., Any]) -> Any:
     return _compiled(function, counted=True, kept=False)
 
 
-def given(number: Any, dimensions: int) -> Any:
+def given(number: type[Any], dimensions: int) -> Any:
     """Return the type of arrays that are given by anybody: of any strides, and only read."""
-    return types.Array(number, dimensions, 'A', readonly=True)
+    return types.Array(from_dtype(np.dtype(number)), dimensions, 'A', readonly=True)
+
+
+def own(number: type[Any], dimensions: int) -> Any:
+    """Return the type of arrays of one's own, in one piece."""
+    return types.Array(from_dtype(np.dtype(number)), dimensions, 'C')
 
 
 class Entry:

@@ -11,11 +11,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.runtime.arrays import Indices
-from drake_geom_ros.geometry._proximity.runtime.compiled import Entry, compiled, given
+from drake_geom_ros.geometry._proximity.runtime.compiled import Entry, compiled, given, own
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 Floats = NDArray[np.float64]
@@ -98,8 +97,8 @@ def _read_frame_poses(ids: Indices, known: Indices, poses: Floats, Xs: Floats) -
 # Poses as they are given, ids beside them, into rows of one's own: see ``_read_frame_poses``.
 FRAME_POSES = Entry(
     _read_frame_poses,
-    given(types.int64, 1),
-    types.Array(types.int64, 1, 'C'),
-    given(types.float64, 2),
-    types.Array(types.float64, 2, 'C'),
+    given(np.int64, 1),
+    own(np.int64, 1),
+    given(np.float64, 2),
+    own(np.float64, 2),
 )

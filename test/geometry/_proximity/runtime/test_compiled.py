@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import config, types
+from numba import config
 from numba.core import event
 
 import drake_geom_ros
@@ -72,8 +72,8 @@ def _count_up(array, room):
 
 
 def test_an_entry_takes_what_it_is_for_and_compiles_nothing_for_others():
-    reals = types.Array(types.float64, 1, 'C')
-    entry = compiled.Entry(_count_up, compiled.given(types.float64, 1), reals)
+    given, own = compiled.given(np.float64, 1), compiled.own(np.float64, 1)
+    entry = compiled.Entry(_count_up, given, own)
     some, room = np.arange(6.0), np.zeros(3)
     held = some[::2]
     held.flags.writeable = False
