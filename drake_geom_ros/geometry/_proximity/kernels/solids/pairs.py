@@ -85,9 +85,9 @@ def write_beyond(out, A, B, R_WB, p, n, lower, radius, noise):
 @compiled
 def write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius):
     """Fill the row of a pair that overlaps."""
-    depth, least, t, b = bounds_of_depth(A, B, p, found, size, tolerance, radius)
+    depth, least, t, b, alone = bounds_of_depth(A, B, p, found, size, tolerance, radius)
     noise = ROUNDING * EPS * size
-    m, unique = unit(t), found.unique and depth - least <= tolerance + LOOSE * noise
+    m, unique = unit(t), alone and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
     error = max(depth - least, 0.0) + (1.0 + BACK_OFF) * noise
     a = add_scaled(b, -depth, m)

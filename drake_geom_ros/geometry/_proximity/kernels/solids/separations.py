@@ -29,22 +29,26 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
+from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 MOST_NODES = 400
 PARALLEL = 1e-6  # sine of axes below which their product is no axis
 INDEPENDENT = 1e-4  # of three unit vectors' determinant squared, from which on they tell a point
+TIES = 8.0  # roundings that translations as long may differ by
 NO_BOUND = -math.inf
 
 
 class Parting(NamedTuple):
     """What is known of the least translation: it is no shorter than ``lower``.
 
-    ``parts`` tells that ``t`` (3,) parts all boxes and is as long as ``lower``, to rounding.
+    ``parts`` tells that ``t`` (3,) parts all boxes and is as long as ``lower``, to rounding, and
+    ``alone`` that none as long does along a clearly different direction.
     """
 
     lower: float
     t: Vector
     parts: bool
+    alone: bool
 
 
 @allocating
@@ -202,13 +206,24 @@ def is_listed(bounds, lengths, count, new, length):
     return False
 
 
+@compiled
+def is_alone(ways, bounds, lengths, count, t, longest):
+    """Tell whether no node up to that length goes along a clearly different direction than t."""
+    for k in range(count):
+        if lengths[k] <= longest:
+            _, other = shortest(ways, bounds[k])
+            if dot(unit(other), unit(t)) < SAME_DIRECTION:
+                return False
+    return True
+
+
 @allocating
 def least_parting(mine, its, R, p, upper, noise):
     """Return the ``Parting`` of boxes (k, 6) of A, turned by R and moved by p, from boxes of B.
 
     ``lower`` is no more than ``upper`` [m], which parts them; ``noise`` [m] is rounding.
     """
-    nothing = Parting(0.0, (0.0, 0.0, 0.0), False)
+    nothing = Parting(0.0, (0.0, 0.0, 0.0), False, False)
     if mine.shape[0] == 0 or its.shape[0] == 0:
         return nothing
     ways, slack = directions_of(R)
@@ -223,18 +238,19 @@ def least_parting(mine, its, R, p, upper, noise):
                 node = k
         length = lengths[node] if count > 0 else upper
         if length >= upper - noise:
-            return Parting(max(upper - noise, 0.0), (0.0, 0.0, 0.0), False)
+            return Parting(max(upper - noise, 0.0), (0.0, 0.0, 0.0), False, False)
         here[:] = bounds[node]
         _, t = shortest(ways, here)
         pair, deep = most_overlapping(width, ways, t)
         if deep <= noise or count + ways.shape[0] > MOST_NODES:
-            return Parting(max(length - noise, 0.0), t, deep <= noise)
+            alone = is_alone(ways, bounds, lengths, count, t, length + TIES * noise)
+            return Parting(max(length - noise, 0.0), t, deep <= noise, alone)
         count, least = count - 1, length
         bounds[node], lengths[node] = bounds[count], lengths[count]
         for d in range(ways.shape[0]):
             before = here[d]
             if width[pair, d] <= before:  # rounding hides that it is beyond this bound
-                return Parting(max(least - noise, 0.0), t, False)
+                return Parting(max(least - noise, 0.0), t, False, False)
             if width[pair, d] < upper:
                 here[d] = width[pair, d]
                 feasible, t = shortest(ways, here)
