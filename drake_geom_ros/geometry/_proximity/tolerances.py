@@ -190,3 +190,15 @@ SAME_VOLUME = 1e-9
 # to their size, and they are in each other for as long: a vertex in single precision that touches
 # does not.
 CROSSING = 1e-6
+
+# How far off [-] the gap of a point and a triangle may be, relative to where the triangle is, as
+# it is computed of eight at once: the place on one that is NEEDLE wide is off by 1000 roundings.
+LANE_ERROR = 2.0**-36
+
+# Square of a triangle's width over its longest side [-] below which its normal says little.
+NEEDLE = 1e-6
+
+# Of boxes within solids: the sine of two axes below which their product is no axis, and three unit
+# vectors' determinant squared from which on they tell a point.
+PARALLEL = 1e-6
+INDEPENDENT = 1e-4

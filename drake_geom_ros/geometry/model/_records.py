@@ -146,5 +146,8 @@ def is_solid(record: GeometryRecord) -> bool:
 
 def check_for_queries(record: GeometryRecord) -> None:
     """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
-    if record.proximity is not None:
-        _ = record.queried_shape
+    if record.proximity is None:
+        return
+    _ = record.queried_shape
+    if isinstance(record.shape, Mesh) and not is_solid(record):
+        record.shape._tell_if_open()

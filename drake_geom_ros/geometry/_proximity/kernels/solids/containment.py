@@ -24,9 +24,11 @@ from drake_geom_ros.geometry._proximity.kernels.solids.rays import (
     swaps_axes,
     triangle_of,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.signs import Triangle
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     NO_TREE,
+    Solid,
     Tree,
     TreeBody,
     first_of_leaf,
@@ -36,6 +38,7 @@ from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NO_BOX
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID, SPHERE, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
@@ -50,7 +53,7 @@ BOX_TREE = Tree(0, 1, NODE_WIDTH, 12, NODE_WIDTH + 12 * CORNERS, 1, 0, 0, 0, 0)
 
 
 @allocating
-def depth_in_solid(B, q, size):
+def depth_in_solid(B: Solid, q: Vector, size: float) -> float:
     """Return how deep q lies in B [m], negative outside."""
     point = TreeBody(SPHERE, np.zeros(1), B.identity, NO_TREE, NO_BOX)
     distance = nearest(point, B, q, FIRST_NORMAL, size, 0.0, math.inf).upper
@@ -58,7 +61,7 @@ def depth_in_solid(B, q, size):
 
 
 @compiled
-def bounds_if_box(A):
+def bounds_if_box(A: TreeBody) -> tuple[bool, Vector, Vector]:
     """Return (is_box, low, high): whether a core is a box along its axes, and its corners."""
     if A.kind == BOX:
         x, y, z = A.shape[0], A.shape[1], A.shape[2]
@@ -80,7 +83,7 @@ def bounds_if_box(A):
 
 
 @allocating
-def box_as_solid(A, low, high):
+def box_as_solid(A: TreeBody, low: Vector, high: Vector) -> TreeBody:
     """Return a box as the solid of its twelve triangles."""
     shape = np.zeros(NODE_WIDTH + 12 * CORNERS + 1)
     for c in range(3):
@@ -96,7 +99,11 @@ def box_as_solid(A, low, high):
 
 
 @compiled
-def beside(T, S, apart):
+def beside(
+    T: Triangle,
+    S: Triangle,
+    apart: float,
+) -> bool:
     """Tell whether the boxes around two triangles are farther apart than that."""
     (a, b, c), (x, y, z) = T, S
     for k in range(3):
@@ -108,7 +115,16 @@ def beside(T, S, apart):
 
 
 @allocating
-def meet_anywhere(A, B, p, mine, its, reach, told, heard):
+def meet_anywhere(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    mine: Posed,
+    its: Posed,
+    reach: float,
+    told: Indices,
+    heard: Indices,
+) -> bool:
     """Tell whether triangles of A and B that meet show that these overlap.
 
     ``told`` (n,) and ``heard`` (m,) get what is known of each triangle of A and of B. ``mine`` and
@@ -133,7 +149,7 @@ def meet_anywhere(A, B, p, mine, its, reach, told, heard):
 
 
 @compiled
-def is_piece_within(posed, other):
+def is_piece_within(posed: Posed, other: Posed) -> bool:
     """Tell whether what is just beneath a triangle of any piece of a solid is in the other."""
     tree = posed.tree
     for k in range(tree.pieces):
@@ -144,7 +160,7 @@ def is_piece_within(posed, other):
 
 
 @compiled
-def is_touched_within(posed, other, told):
+def is_touched_within(posed: Posed, other: Posed, told: Indices) -> bool:
     """Tell whether what is beneath a triangle, of which only a touch is known, is in the other."""
     for j in range(told.size):
         if told[j] == TOUCH and is_beneath_within(triangle_of(posed, j), other):
@@ -153,7 +169,7 @@ def is_touched_within(posed, other, told):
 
 
 @compiled
-def rounding_of_places(A, p):
+def rounding_of_places(A: TreeBody, p: Vector) -> float:
     """Return how far off [m] the corners of a solid A may be in B; 0 where nothing is rounded."""
     if swaps_axes(A.R):
         return 0.0
@@ -164,7 +180,7 @@ def rounding_of_places(A, p):
 
 
 @allocating
-def have_inside_in_common(A, B, p, touches, size):
+def have_inside_in_common(A: TreeBody, B: Solid, p: Vector, touches: bool, size: float) -> bool:
     """Tell whether two solids have an inside in common.
 
     If they have, a face of what they have in common lies on a triangle of one, and just beneath it
@@ -186,7 +202,7 @@ def have_inside_in_common(A, B, p, touches, size):
 
 
 @allocating
-def is_contained(A, B, p, touches, size):
+def is_contained(A: TreeBody, B: Solid, p: Vector, touches: bool, size: float) -> bool:
     """Tell whether A and B overlap, where their surfaces do not cross, as ``nearest`` sees it.
 
     ``touches`` tells that these may have a point in common, to rounding: solids and boxes are then

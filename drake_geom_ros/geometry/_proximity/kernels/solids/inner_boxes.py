@@ -7,10 +7,27 @@ nothing can be added. Of a union of boxes they are all that a solid has; of what
 
 import numpy as np
 
+from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
+    bounds_if_box,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.rays import INSIDE, Posed, where_is
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, tree_of
-from drake_geom_ros.geometry._proximity.kernels.vectors import Vector, cross, dot, sub, vector_at
-from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    CORNERS,
+    INNER_BOX,
+    Tree,
+    TreeBody,
+    tree_of,
+)
+from drake_geom_ros.geometry._proximity.kernels.vectors import (
+    cross,
+    dot,
+    sub,
+    vector_at,
+)
+from drake_geom_ros.geometry._proximity.kinds import (
+    SOLID,
+)
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
 ORDERS = ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0))
@@ -18,7 +35,9 @@ ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
 @compiled
-def reach_of(u, v, w, axis, half):
+def reach_of(
+    u: Vector, v: Vector, w: Vector, axis: Vector, half: Vector
+) -> tuple[float, float, float]:
     """Return (least, most, reach) of a triangle along an axis, and of a box about the origin."""
     x, y, z = dot(axis, u), dot(axis, v), dot(axis, w)
     reach = abs(axis[0]) * half[0] + abs(axis[1]) * half[1] + abs(axis[2]) * half[2]
@@ -26,7 +45,7 @@ def reach_of(u, v, w, axis, half):
 
 
 @compiled
-def goes_into(a, b, c, low, high):
+def goes_into(a: Vector, b: Vector, c: Vector, low: Vector, high: Vector) -> bool:
     """Tell whether a triangle goes into the inside of a box, or may: no axis parts them.
 
     Along the box's axes coordinates are compared as they are, so a face of it is not gone into.
@@ -50,14 +69,14 @@ def goes_into(a, b, c, low, high):
 
 
 @compiled
-def cell_at(lines, x):
+def cell_at(lines: Floats, x: float) -> int:
     """Return the number of the cell between lines (n,) that holds x, or the nearest."""
-    k = np.searchsorted(lines, x) - 1
+    k = int(np.searchsorted(lines, x)) - 1
     return min(max(k, 0), lines.size - 2)
 
 
 @allocating
-def cells_within(posed, xs, ys, zs):
+def cells_within(posed: Posed, xs: Floats, ys: Floats, zs: Floats) -> Indices:
     """Return which cells between lines along x, y and z are in a solid, (l, m, n) of 0 and 1."""
     filled = np.ones((xs.size - 1, ys.size - 1, zs.size - 1), dtype=np.int64)
     shape, tree = posed.shape, posed.tree
@@ -90,7 +109,7 @@ def cells_within(posed, xs, ys, zs):
 
 
 @compiled
-def is_full(sums, low, high):
+def is_full(sums: Indices, low: Indices, high: Indices) -> bool:
     """Tell whether a box of cells is full, by the sums of all cells before each corner."""
     inside = (
         sums[high[0], high[1], high[2]]
@@ -106,7 +125,7 @@ def is_full(sums, low, high):
 
 
 @allocating
-def grow_box(sums, low, high, order):
+def grow_box(sums: Indices, low: Indices, high: Indices, order: tuple[int, int, int]) -> None:
     """Grow a full box of cells from ``low`` to ``high`` (3,), along one axis after the other."""
     for turn in range(3):
         k = order[turn]
@@ -123,7 +142,7 @@ def grow_box(sums, low, high, order):
 
 
 @compiled
-def is_known(boxes, count, low, high):
+def is_known(boxes: Indices, count: int, low: Indices, high: Indices) -> bool:
     """Tell whether a box of cells lies in one of ``boxes`` (n, 6)."""
     for k in range(count):
         holds = True
@@ -135,7 +154,7 @@ def is_known(boxes, count, low, high):
 
 
 @allocating
-def full_boxes(sums, boxes):
+def full_boxes(sums: Indices, boxes: Indices) -> int:
     """Fill ``boxes`` (n, 6) with the largest full boxes of cells, as far as there is room.
 
     From each full cell all six orders of axes are grown along.
@@ -161,7 +180,7 @@ def full_boxes(sums, boxes):
 
 
 @allocating
-def inner_boxes(shape, xs, ys, zs, boxes):
+def inner_boxes(shape: Floats, xs: Floats, ys: Floats, zs: Floats, boxes: Indices) -> int:
     """Fill ``boxes`` (n, 6) with boxes of cells that are in a solid; return how many there are.
 
     A box is given by the numbers of its first lines along x, y, z, and of its last, in
@@ -184,3 +203,26 @@ def inner_boxes(shape, xs, ys, zs, boxes):
                     + sums[x, y, z]
                 )
     return full_boxes(sums, boxes)
+
+
+@allocating
+def boxes_in(shape: Floats, tree: Tree) -> Floats:
+    """Return the boxes (k, 6) within a solid."""
+    boxes = np.empty((tree.boxes, INNER_BOX))
+    for k in range(tree.boxes):
+        for c in range(INNER_BOX):
+            boxes[k, c] = shape[tree.boxes_at + INNER_BOX * k + c]
+    return boxes
+
+
+@allocating
+def boxes_of(A: TreeBody) -> Floats:
+    """Return boxes (k, 6) within a body, along its axes: lower and upper corners."""
+    if A.kind == SOLID:
+        return boxes_in(A.shape, A.tree)
+    is_box, low, high = bounds_if_box(A)
+    boxes = np.empty((1 if is_box else 0, INNER_BOX))
+    for k in range(boxes.shape[0]):
+        for c in range(3):
+            boxes[k, c], boxes[k, c + 3] = low[c], high[c]
+    return boxes

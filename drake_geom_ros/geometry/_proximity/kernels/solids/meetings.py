@@ -12,8 +12,15 @@ lies in S of A's surface are edges and corners that go on above S, and faces tha
 it; and along such an edge all that is beneath S is in one wedge between faces of A.
 """
 
-from drake_geom_ros.geometry._proximity.kernels.solids.signs import apart, side, turn
+from drake_geom_ros.geometry._proximity.kernels.solids.signs import (
+    Signs,
+    Triangle,
+    apart,
+    side,
+    turn,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 # What is told, bit by bit.
@@ -30,25 +37,25 @@ OVER = 1
 
 
 @inlined
-def has_both(signs):
+def has_both(signs: Signs) -> bool:
     """Tell whether corners are on both sides of a plane."""
     return min(signs) < 0 and max(signs) > 0
 
 
 @inlined
-def is_flat(signs):
+def is_flat(signs: Signs) -> bool:
     """Tell whether all corners are in a plane."""
     return min(signs) == max(signs) == 0
 
 
 @inlined
-def is_off(signs):
+def is_off(signs: Signs) -> bool:
     """Tell whether all corners are on one side of a plane, and none is in it."""
     return min(signs) > 0 or max(signs) < 0
 
 
 @compiled
-def alone(signs):
+def alone(signs: Signs) -> tuple[int, bool]:
     """Return (k, up): the corner that is alone on its side of a plane, and whether that is above.
 
     The others are in the plane or beyond; where one is in the plane and two are off it, to one
@@ -68,7 +75,10 @@ def alone(signs):
 
 
 @inlined
-def beginning_with(T, k):
+def beginning_with(
+    T: Triangle,
+    k: int,
+) -> Triangle:
     """Return the corners of a triangle, in their turn, from number k on."""
     if k == 0:
         return T
@@ -78,7 +88,13 @@ def beginning_with(T, k):
 
 
 @compiled
-def order_on_line(T, S, over_S, over_T, off):
+def order_on_line(
+    T: Triangle,
+    S: Triangle,
+    over_S: Signs,
+    over_T: Signs,
+    off: float,
+) -> int:
     """Return how the parts of T and S lie in the line that their planes have in common.
 
     ``over_S`` are the sides of S's plane on which T's corners are. With the corners p and x alone,
@@ -103,7 +119,12 @@ def order_on_line(T, S, over_S, over_T, off):
 
 
 @compiled
-def areas_overlap(T, S, axis, off):
+def areas_overlap(
+    T: Triangle,
+    S: Triangle,
+    axis: int,
+    off: float,
+) -> bool:
     """Tell whether triangles of one plane have an area in common, as seen along an axis.
 
     They have none if all of one is beyond an edge of the other, or on it.
@@ -123,7 +144,9 @@ def areas_overlap(T, S, axis, off):
 
 
 @compiled
-def normal_of_places(T):
+def normal_of_places(
+    T: Triangle,
+) -> Vector:
     """Return the normal of a triangle, rounded, as long as twice its area."""
     u, _ = apart(T[1], T[0])
     v, _ = apart(T[2], T[0])
@@ -131,7 +154,7 @@ def normal_of_places(T):
 
 
 @inlined
-def axis_along(n):
+def axis_along(n: Vector) -> int:
     """Return the axis that is the most along n."""
     x, y, z = abs(n[0]), abs(n[1]), abs(n[2])
     if x >= y and x >= z:
@@ -140,14 +163,22 @@ def axis_along(n):
 
 
 @compiled
-def sides_of(T, S, off):
+def sides_of(
+    T: Triangle,
+    S: Triangle,
+    off: float,
+) -> Signs:
     """Return on which sides of T's plane the corners of S are."""
     a, b, c = T
     return side(a, b, c, S[0], off), side(a, b, c, S[1], off), side(a, b, c, S[2], off)
 
 
 @compiled
-def meeting(T, S, off):
+def meeting(
+    T: Triangle,
+    S: Triangle,
+    off: float,
+) -> int:
     """Return what T and S tell, as bits; places may be off by ``off`` [m] if that is not 0."""
     over_T = sides_of(T, S, off)
     if is_off(over_T):

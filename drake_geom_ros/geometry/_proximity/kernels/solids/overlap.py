@@ -26,7 +26,6 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radiu
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
     FLUSH,
-    bounds_if_box,
     depth_in_solid,
     is_contained,
 )
@@ -34,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
     PUSH_LENGTH,
     PUSH_WAY,
     PUSH_WIDTH,
+    Nearest,
     close_pairs,
     contacts,
     nearest,
@@ -43,10 +43,11 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
     way_out_of_hull,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
 from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
-    INNER_BOX,
     Solid,
+    TreeBody,
     middle_of_triangle,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
@@ -73,6 +74,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -93,7 +95,9 @@ BEYOND_HULL = 1e-3  # of the hulls' way out [-]: so far ways as short are told f
 
 
 @compiled
-def clearance(A, B, p, n, size, tolerance, radius):
+def clearance(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, radius: float
+) -> tuple[bool, Nearest]:
     """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found.
 
     It is apart if no surfaces cross or are nearer than touching, and neither body is in the other:
@@ -106,7 +110,9 @@ def clearance(A, B, p, n, size, tolerance, radius):
 
 
 @allocating
-def where_it_touches(A, B, p, m, size, tolerance, radius):
+def where_it_touches(
+    A: TreeBody, B: Solid, p: Vector, m: Vector, size: float, tolerance: float, radius: float
+) -> Vector:
     """Return the point of B where A at p touches the hull of B, out along the unit m.
 
     Rounding says that they cross. Somewhat farther out they do not, and are nearest at that point,
@@ -125,7 +131,16 @@ def where_it_touches(A, B, p, m, size, tolerance, radius):
 
 
 @allocating
-def push_of(A, B, p, found, size, tolerance, radius, pushes):
+def push_of(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+    pushes: Floats,
+) -> int:
     """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
     count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
     if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
@@ -140,7 +155,16 @@ def push_of(A, B, p, found, size, tolerance, radius, pushes):
 
 
 @allocating
-def escape(A, B, p, t, size, tolerance, radius, most):
+def escape(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+    most: float,
+) -> tuple[bool, Vector, Nearest]:
     """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * ROUNDING * EPS * size
@@ -159,7 +183,16 @@ def escape(A, B, p, t, size, tolerance, radius, most):
 
 
 @compiled
-def draw_back(A, B, p, t, found, size, tolerance, radius):
+def draw_back(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> tuple[Vector, Nearest]:
     """Return (t, found): t shortened along itself until A touches, and what is near then.
 
     So it is drawn into a hole that it rests on from several sides. Newton's method on the
@@ -182,7 +215,16 @@ def draw_back(A, B, p, t, found, size, tolerance, radius):
 
 
 @compiled
-def slide(A, B, p, t, found, size, tolerance, radius):
+def slide(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> tuple[Vector, Vector, Vector, Vector]:
     """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
 
     There it touches with the point a of its core, at b, and m is the normal out of B.
@@ -202,7 +244,9 @@ def slide(A, B, p, t, found, size, tolerance, radius):
 
 
 @compiled
-def depth_in_body(A, B, p, x, size, radius):
+def depth_in_body(
+    A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float
+) -> float:
     """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
     q = unrotate(A.R, sub(x, p))
     kind, shape = A.kind, A.shape
@@ -224,7 +268,7 @@ def depth_in_body(A, B, p, x, size, radius):
 
 
 @compiled
-def deepest_at(A, B, p, x, size, radius):
+def deepest_at(A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float) -> float:
     """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it.
 
     Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
@@ -234,7 +278,18 @@ def deepest_at(A, B, p, x, size, radius):
 
 
 @allocating
-def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
+def deepest_touching(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    a: Vector,
+    b: Vector,
+    m: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> float:
     """Return a lower bound of the depth [m] by points near where A touches after the move by t.
 
     They are the point a of A's core and b of B's surface that touch then, what is half-way between
@@ -258,30 +313,9 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
 
 
 @allocating
-def boxes_in(shape, tree):
-    """Return the boxes (k, 6) within a solid."""
-    boxes = np.empty((tree.boxes, INNER_BOX))
-    for k in range(tree.boxes):
-        for c in range(INNER_BOX):
-            boxes[k, c] = shape[tree.boxes_at + INNER_BOX * k + c]
-    return boxes
-
-
-@allocating
-def boxes_of(A):
-    """Return boxes (k, 6) within a body, along its axes: lower and upper corners."""
-    if A.kind == SOLID:
-        return boxes_in(A.shape, A.tree)
-    is_box, low, high = bounds_if_box(A)
-    boxes = np.empty((1 if is_box else 0, INNER_BOX))
-    for k in range(boxes.shape[0]):
-        for c in range(3):
-            boxes[k, c], boxes[k, c + 3] = low[c], high[c]
-    return boxes
-
-
-@allocating
-def by_boxes(A, B, p, least, size, tolerance, radius):
+def by_boxes(
+    A: TreeBody, B: Solid, p: Vector, least: float, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector, bool]:
     """Return (least, depth, t, b, alone) of the depth by boxes within the bodies, if they tell.
 
     The least translation that parts the boxes is a lower bound, ``least`` or more. If it is seen
@@ -306,7 +340,9 @@ def by_boxes(A, B, p, least, size, tolerance, radius):
 
 
 @allocating
-def bounds_of_depth(A, B, p, found, size, tolerance, radius):
+def bounds_of_depth(
+    A: TreeBody, B: Solid, p: Vector, found: Nearest, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector, bool]:
     """Return (depth, least, t, b, alone) of A at p, which overlaps with B.
 
     ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.

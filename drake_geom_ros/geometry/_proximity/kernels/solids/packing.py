@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import inner_boxes
+from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_parameters
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     AREA,
     AREA_VECTOR,
@@ -56,7 +57,10 @@ def solid_parameters(
     numbers = np.empty(len(corners), dtype=np.int64)
     numbers[order] = np.arange(len(corners))
     on_pieces = numbers[pieces].astype(np.float64)
-    parts = hull, header, nodes, corners, on_pieces, planes, np.array([float(len(hull))])
+    lanes = lane_parameters(
+        corners, nodes[:, LOWER : UPPER + 3], leaf_bounds(len(corners), leaves)
+    )
+    parts = hull, header, nodes, corners, on_pieces, planes, lanes, np.array([float(len(hull))])
     return np.concatenate([part.ravel() for part in parts]), numbers
 
 
@@ -67,12 +71,13 @@ def with_boxes(parameters: Floats) -> Floats:
     corners = parameters[tree.corners : end].reshape(-1, 3, 3)
     lines = [_lines(corners[:, :, k], corners) for k in range(3)]
     cells = np.empty((MOST_BOXES, 6), dtype=np.int64)
-    cells = cells[: inner_boxes(parameters, *lines, cells)]
+    cells = cells[: inner_boxes(parameters, lines[0], lines[1], lines[2], cells)]
     boxes = np.column_stack([lines[k % 3][cells[:, k]] for k in range(6)])
     thickness = (boxes[:, 3:] - boxes[:, :3]).min(axis=1)
     boxes = boxes[np.argsort(-thickness, kind='stable')[:KEPT_BOXES]]
     header = int(parameters[-1])
-    parameters = np.concatenate((parameters[:-1], boxes.ravel(), parameters[-1:]))
+    before, behind = parameters[: tree.boxes_at], parameters[tree.boxes_at :]
+    parameters = np.concatenate((before, boxes.ravel(), behind))
     parameters[header + HEADER - 1] = len(boxes)
     return parameters
 

@@ -19,13 +19,19 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     local_support,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import is_contained
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import Nearest, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import hull_support
 from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     BACK_OFF,
     bounds_of_depth,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.reach import nearest_within
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    Solid,
+    TreeBody,
+    body_of,
+    solid_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -39,6 +45,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, OPEN, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
@@ -47,7 +54,7 @@ LOOSE = 4.0 * BACK_OFF  # roundings that a depth may be off by all the same
 
 
 @compiled
-def first_direction(out, R_WB, p):
+def first_direction(out: Floats, R_WB: Floats, p: Vector) -> Vector:
     """Return the unit n out of A by the hint in a result row, in B's axes; else towards Bo."""
     n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
     if dot(n, n) > 0.5:
@@ -57,7 +64,17 @@ def first_direction(out, R_WB, p):
 
 
 @compiled
-def write_row(out, R_WB, p, m, a, b, interval, unique, method):
+def write_row(
+    out: Floats,
+    R_WB: Floats,
+    p: Vector,
+    m: Vector,
+    a: Vector,
+    b: Vector,
+    interval: tuple[float, float],
+    unique: bool,
+    method: int,
+) -> None:
     """Fill the row: m out of B, points a and b from Bo, all in B; interval (distance, error)."""
     distance, error = interval
     write(
@@ -73,7 +90,17 @@ def write_row(out, R_WB, p, m, a, b, interval, unique, method):
 
 
 @compiled
-def write_beyond(out, A, B, R_WB, p, n, lower, radius, noise):
+def write_beyond(
+    out: Floats,
+    A: TreeBody,
+    B: Solid,
+    R_WB: Floats,
+    p: Vector,
+    n: Vector,
+    lower: float,
+    radius: float,
+    noise: float,
+) -> None:
     """Fill the row of a pair that is farther apart than ``lower``, which is beyond the cutoff."""
     a = add_scaled(add(p, hull_support(A, n)), radius, n)
     upper = norm(sub(local_support(CONVEX, B.shape, scale(-1.0, n), 0.0), a))
@@ -83,7 +110,17 @@ def write_beyond(out, A, B, R_WB, p, n, lower, radius, noise):
 
 
 @compiled
-def write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius):
+def write_overlap(
+    out: Floats,
+    A: TreeBody,
+    B: Solid,
+    R_WB: Floats,
+    p: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> None:
     """Fill the row of a pair that overlaps."""
     depth, least, t, b, alone = bounds_of_depth(A, B, p, found, size, tolerance, radius)
     noise = ROUNDING * EPS * size
@@ -97,8 +134,17 @@ def write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius):
 
 @allocating
 def signed_distance_to_solid(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Write the result row of any bounded shape and a solid."""
     radius = core_radius(kind_A, shape_A)
     p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))
@@ -109,7 +155,7 @@ def signed_distance_to_solid(
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
     A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
     n = first_direction(out, R_WB, p)
-    found = nearest(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
+    found = nearest_within(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
     end, upper, lower, n, a, b, unique = found
     if end == OVERLAP or upper - radius < -noise or is_contained(A, B, p, lower <= noise, size):
         if end == BEYOND_CUTOFF:

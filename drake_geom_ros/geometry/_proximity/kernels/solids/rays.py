@@ -11,15 +11,15 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.solids.signs import (
     Place,
+    Triangle,
     side,
     two_product,
     two_sum,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, Tree, first_of_leaf
-from drake_geom_ros.geometry._proximity.kernels.trees.boxes import box_of_node
+from drake_geom_ros.geometry._proximity.kernels.trees.boxes import NodeBox, box_of_node
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import DEEPEST, Floats, is_leaf
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     add_scaled,
     norm,
@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
@@ -63,7 +64,7 @@ class Posed(NamedTuple):
 
 
 @compiled
-def swaps_axes(R):
+def swaps_axes(R: Floats) -> bool:
     """Tell whether a rotation takes axes to axes: it rounds nothing."""
     for i in range(3):
         for j in range(3):
@@ -73,7 +74,7 @@ def swaps_axes(R):
 
 
 @inlined
-def place_of(posed, at):
+def place_of(posed: Posed, at: int) -> Place:
     """Return the place of the point (3,) that is at ``at`` in the parameters of a posed solid."""
     v = rotate(posed.R, vector_at(posed.shape, at))
     x, dx = two_sum(v[0], posed.p[0])
@@ -83,14 +84,20 @@ def place_of(posed, at):
 
 
 @inlined
-def triangle_of(posed, j):
+def triangle_of(posed: Posed, j: int) -> Triangle:
     """Return the places of the corners of triangle j."""
     at = posed.tree.corners + CORNERS * j
     return place_of(posed, at), place_of(posed, at + 3), place_of(posed, at + 6)
 
 
 @inlined
-def weighed(a, b, c, shares, k):
+def weighed(
+    a: Place,
+    b: Place,
+    c: Place,
+    shares: Vector,
+    k: int,
+) -> tuple[float, float]:
     """Return coordinate k of ``place_on``, and what rounding took off."""
     x, dx = two_product(shares[0], a[k])
     y, dy = two_product(shares[1], b[k])
@@ -102,7 +109,10 @@ def weighed(a, b, c, shares, k):
 
 
 @compiled
-def place_on(T, shares):
+def place_on(
+    T: Triangle,
+    shares: Vector,
+) -> Place:
     """Return the place on a triangle that has these shares of its corners, to 100 bits."""
     a, b, c = T
     x, dx = weighed(a, b, c, shares, 0)
@@ -112,7 +122,7 @@ def place_on(T, shares):
 
 
 @compiled
-def misses_box(box, q, d, slack):
+def misses_box(box: NodeBox, q: Vector, d: Vector, slack: float) -> bool:
     """Tell whether the segment from q to q + d is farther than ``slack`` from a box, or may be."""
     first, last = 0.0, 1.0
     for k in range(3):
@@ -127,7 +137,12 @@ def misses_box(box, q, d, slack):
 
 
 @compiled
-def through(T, q, far, off):
+def through(
+    T: Triangle,
+    q: Place,
+    far: Place,
+    off: float,
+) -> tuple[bool, int]:
     """Return (told, count): by T the segment from q to ``far`` leaves (1) or enters (-1), or not.
 
     Not told where it meets an edge, or q is on T.
@@ -148,7 +163,7 @@ def through(T, q, far, off):
 
 
 @allocating
-def count_through(posed, q, d):
+def count_through(posed: Posed, q: Place, d: Vector) -> tuple[bool, int]:
     """Return (told, count) of all triangles that the segment from q to q + d goes through."""
     stack = np.empty(DEEPEST, dtype=np.int64)
     stack[0], top, count = 0, 1, 0
@@ -176,7 +191,7 @@ def count_through(posed, q, d):
 
 
 @compiled
-def where_is(posed, q):
+def where_is(posed: Posed, q: Place) -> int:
     """Return whether a place is INSIDE a posed solid, OUTSIDE, or that is UNTOLD."""
     root, x = box_of_node(posed.shape, posed.tree, 0), (q[0], q[1], q[2])
     seen = sub(unrotate(posed.R, sub(x, posed.p)), root.middle)
@@ -194,7 +209,10 @@ def where_is(posed, q):
 
 
 @compiled
-def is_beneath_within(T, posed):
+def is_beneath_within(
+    T: Triangle,
+    posed: Posed,
+) -> bool:
     """Tell whether what is just beneath a triangle is in a posed solid that does not cross it."""
     for shares in PLACES:
         where = where_is(posed, place_on(T, shares))

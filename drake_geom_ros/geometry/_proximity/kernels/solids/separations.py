@@ -16,7 +16,6 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.solids.rays import swaps_axes
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     add_scaled,
     column,
@@ -28,12 +27,15 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_at,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
+from drake_geom_ros.geometry._proximity.tolerances import (
+    INDEPENDENT,
+    PARALLEL,
+    SAME_DIRECTION,
+)
 
 MOST_NODES = 400
-PARALLEL = 1e-6  # sine of axes below which their product is no axis
-INDEPENDENT = 1e-4  # of three unit vectors' determinant squared, from which on they tell a point
 TIES = 8.0  # roundings that translations as long may differ by
 NO_BOUND = -math.inf
 
@@ -52,7 +54,7 @@ class Parting(NamedTuple):
 
 
 @allocating
-def directions_of(R):
+def directions_of(R: Floats) -> tuple[Floats, float]:
     """Return (directions (2 n, 3), slack): axes and their reverses; slack [-] of one left out."""
     ways, count, slack = np.empty((30, 3)), 0, 0.0
     for k in range(15):
@@ -77,7 +79,9 @@ def directions_of(R):
 
 
 @allocating
-def widths_of(mine, its, R, p, ways, slack, upper):
+def widths_of(
+    mine: Floats, its: Floats, R: Floats, p: Vector, ways: Floats, slack: float, upper: float
+) -> Floats:
     """Return the widths (k, 2 n) of each two boxes that less than ``upper`` lets overlap.
 
     A width is how far one of A's is to be moved along a direction to be beyond one of B's.
@@ -105,7 +109,7 @@ def widths_of(mine, its, R, p, ways, slack, upper):
 
 
 @compiled
-def on_axes(bounds):
+def on_axes(bounds: Floats) -> tuple[bool, Vector]:
     """Return (feasible, t) of the shortest t within bounds along three axes and their reverses."""
     t = (
         max(bounds[0], 0.0) - max(bounds[1], 0.0),
@@ -119,7 +123,9 @@ def on_axes(bounds):
 
 
 @compiled
-def weights_of(m, n, o, a, b, c):
+def weights_of(
+    m: Vector, n: Vector, o: Vector, a: float, b: float, c: float
+) -> tuple[bool, Vector]:
     """Return (told, t): m . t = a, n . t = b, o . t = c, and t is no negative sum of m, n, o."""
     volume = dot(m, cross(n, o))
     if volume * volume < INDEPENDENT:
@@ -134,7 +140,7 @@ def weights_of(m, n, o, a, b, c):
 
 
 @compiled
-def longest_foot(ways, bounds):
+def longest_foot(ways: Floats, bounds: Floats) -> Vector:
     """Return the shortest t within bounds along any directions, as the longest that some ask for.
 
     One, two or three bounds that t presses on ask for a t, and all within all bounds are no
@@ -168,7 +174,7 @@ def longest_foot(ways, bounds):
 
 
 @compiled
-def shortest(ways, bounds):
+def shortest(ways: Floats, bounds: Floats) -> tuple[bool, Vector]:
     """Return (feasible, t): the shortest t within bounds, or that there is none."""
     if ways.shape[0] == 6:
         return on_axes(bounds)
@@ -179,7 +185,7 @@ def shortest(ways, bounds):
 
 
 @compiled
-def most_overlapping(width, ways, t):
+def most_overlapping(width: Floats, ways: Floats, t: Vector) -> tuple[int, float]:
     """Return (k, depth) of the two boxes that overlap the most after the move by t."""
     best, deepest = -1, -math.inf
     for k in range(width.shape[0]):
@@ -194,7 +200,7 @@ def most_overlapping(width, ways, t):
 
 
 @compiled
-def is_listed(bounds, lengths, count, new, length):
+def is_listed(bounds: Floats, lengths: Floats, count: int, new: Floats, length: float) -> bool:
     """Tell whether a node of the same bounds is there."""
     for k in range(count):
         if lengths[k] == length:
@@ -207,7 +213,9 @@ def is_listed(bounds, lengths, count, new, length):
 
 
 @compiled
-def is_alone(ways, bounds, lengths, count, t, longest):
+def is_alone(
+    ways: Floats, bounds: Floats, lengths: Floats, count: int, t: Vector, longest: float
+) -> bool:
     """Tell whether no node up to that length goes along a clearly different direction than t."""
     for k in range(count):
         if lengths[k] <= longest:
@@ -218,7 +226,9 @@ def is_alone(ways, bounds, lengths, count, t, longest):
 
 
 @allocating
-def least_parting(mine, its, R, p, upper, noise):
+def least_parting(
+    mine: Floats, its: Floats, R: Floats, p: Vector, upper: float, noise: float
+) -> Parting:
     """Return the ``Parting`` of boxes (k, 6) of A, turned by R and moved by p, from boxes of B.
 
     ``lower`` is no more than ``upper`` [m], which parts them; ``noise`` [m] is rounding.

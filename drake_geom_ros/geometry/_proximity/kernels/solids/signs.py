@@ -13,10 +13,13 @@ from typing import TypeAlias
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 Place: TypeAlias = tuple[float, float, float, float, float, float]
+Triangle: TypeAlias = tuple[Place, Place, Place]
+Signs: TypeAlias = tuple[int, int, int]
 
 SPLITTER = 2.0**27 + 1.0
 # Of a determinant of differences, over the sum of its products' sizes: each of three factors is
@@ -26,7 +29,7 @@ MOST_PARTS = 1600  # six triple products of expansions of four parts, four parts
 
 
 @inlined
-def two_sum(a, b):
+def two_sum(a: float, b: float) -> tuple[float, float]:
     """Return (s, e) with s + e = a + b exactly, s the rounded sum (Knuth)."""
     s = a + b
     t = s - a
@@ -34,7 +37,7 @@ def two_sum(a, b):
 
 
 @inlined
-def halves(a):
+def halves(a: float) -> tuple[float, float]:
     """Return two numbers of 26 bits at most, whose sum is a (Dekker)."""
     c = SPLITTER * a
     high = c - (c - a)
@@ -42,7 +45,7 @@ def halves(a):
 
 
 @inlined
-def two_product(a, b):
+def two_product(a: float, b: float) -> tuple[float, float]:
     """Return (p, e) with p + e = a b exactly, p the rounded product."""
     p = a * b
     (ah, al), (bh, bl) = halves(a), halves(b)
@@ -50,7 +53,7 @@ def two_product(a, b):
 
 
 @inlined
-def grow(parts, count, x):
+def grow(parts: Floats, count: int, x: float) -> int:
     """Add x to an expansion, smallest part first; return how many parts it has then."""
     kept = 0
     for k in range(count):
@@ -65,7 +68,7 @@ def grow(parts, count, x):
 
 
 @compiled
-def difference(parts, a, b, c):
+def difference(parts: Floats, a: Place, b: Place, c: int) -> int:
     """Write coordinate c of a - b as an expansion; return how many parts it has."""
     count = grow(parts, 0, a[c])
     count = grow(parts, count, -b[c])
@@ -74,7 +77,9 @@ def difference(parts, a, b, c):
 
 
 @compiled
-def add_products(total, count, sign, edges, counts, k):
+def add_products(
+    total: Floats, count: int, sign: float, edges: Floats, counts: Indices, k: Signs
+) -> int:
     """Add sign u_k[0] v_k[1] w_k[2], k a permutation of axes, to an expansion."""
     for i in range(counts[0, k[0]]):
         for j in range(counts[1, k[1]]):
@@ -91,7 +96,7 @@ def add_products(total, count, sign, edges, counts, k):
 
 
 @allocating
-def exact_sign(a, b, c, d, axis):
+def exact_sign(a: Place, b: Place, c: Place, d: Place, axis: int) -> int:
     """Return the sign of ``det(b - a, c - a, d - a)``.
 
     With ``axis`` >= 0 the unit vector along that axis stands for the last column.
@@ -117,7 +122,7 @@ def exact_sign(a, b, c, d, axis):
 
 
 @inlined
-def apart(a, b):
+def apart(a: Place, b: Place) -> tuple[Vector, Vector]:
     """Return the difference of two places, rounded, and bounds of what it is made of."""
     x = (a[0] - b[0]) + (a[3] - b[3])
     y = (a[1] - b[1]) + (a[4] - b[4])
@@ -130,7 +135,7 @@ def apart(a, b):
 
 
 @inlined
-def permanent(u, v, w):
+def permanent(u: Vector, v: Vector, w: Vector) -> float:
     """Return what ``determinant`` is with all signs positive."""
     return (
         u[0] * (v[1] * w[2] + v[2] * w[1])
@@ -140,7 +145,7 @@ def permanent(u, v, w):
 
 
 @inlined
-def level(a, b, c, d):
+def level(a: Place, b: Place, c: Place, d: Place) -> bool:
     """Tell whether four places have one coordinate in common."""
     return (
         (a[0] == b[0] == c[0] == d[0] and a[3] == b[3] == c[3] == d[3])
@@ -150,7 +155,7 @@ def level(a, b, c, d):
 
 
 @compiled
-def side(a, b, c, d, off):
+def side(a: Place, b: Place, c: Place, d: Place, off: float) -> int:
     """Return 1 where d is above the plane of a, b, c, counter-clockwise as seen from above.
 
     0 where it is in the plane, -1 where it is beneath.
@@ -171,7 +176,7 @@ def side(a, b, c, d, off):
 
 
 @compiled
-def turn(a, b, c, axis, off):
+def turn(a: Place, b: Place, c: Place, axis: int, off: float) -> int:
     """Return 1 where a, b, c turn counter-clockwise, seen from far out along an axis.
 
     0 where they are in a line as seen from there, -1 where they turn the other way.
