@@ -91,6 +91,7 @@ MOST_MIDDLES = 16  # of touching triangles that are tried
 STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
 MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
+BEYOND_HULL = 1e-3  # of the hulls' way out [-]: so far ways as short are told from it
 
 
 @compiled
@@ -314,36 +315,38 @@ def deepest_touching(
 @allocating
 def by_boxes(
     A: TreeBody, B: Solid, p: Vector, least: float, size: float, tolerance: float, radius: float
-) -> tuple[float, float, Vector, Vector]:
-    """Return (least, depth, t, b) of the depth by boxes within the bodies, if they tell.
+) -> tuple[float, float, Vector, Vector, bool]:
+    """Return (least, depth, t, b, alone) of the depth by boxes within the bodies, if they tell.
 
     The least translation that parts the boxes is a lower bound, ``least`` or more. If it is seen
-    to part the bodies too it is the depth; else that is infinite.
+    to part the bodies too it is the depth, ``alone`` if no other is as short; else the depth is
+    infinite.
     """
     noise = ROUNDING * EPS * size
     if A.kind != SOLID and A.kind != BOX and A.kind != CONVEX:
-        return least, math.inf, p, p
+        return least, math.inf, p, p, True
     _, longest = way_out_of_hull(A, B, p, radius)
-    upper = longest + 2.0 * BACK_OFF * noise
+    upper = longest + max(2.0 * BACK_OFF * noise, BEYOND_HULL * longest)
     found = least_parting(boxes_of(A), boxes_in(B.shape, B.tree), A.R, p, upper, noise)
-    least = max(least, found.lower)
+    least = max(least, min(found.lower, longest))
     if not found.parts:
-        return least, math.inf, p, p
+        return least, math.inf, p, p, True
     for turn in range(2):  # as it is, and a little farther
         t = add_scaled(found.t, turn * BACK_OFF * noise, unit(found.t))
         clear, ahead = clearance(A, B, add(p, t), scale(-1.0, unit(t)), size, tolerance, radius)
         if clear:  # whoever reports it takes the step back off
-            return least, norm(found.t) + BACK_OFF * noise, t, ahead.b
-    return least, math.inf, p, p
+            return least, norm(found.t) + BACK_OFF * noise, t, ahead.b, found.alone
+    return least, math.inf, p, p, True
 
 
 @allocating
 def bounds_of_depth(
     A: TreeBody, B: Solid, p: Vector, found: Nearest, size: float, tolerance: float, radius: float
-) -> tuple[float, float, Vector, Vector]:
-    """Return (depth, least, t, b) of A at p, which overlaps with B.
+) -> tuple[float, float, Vector, Vector, bool]:
+    """Return (depth, least, t, b, alone) of A at p, which overlaps with B.
 
     ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
+    Not ``alone``: another way out, along a clearly different direction, is known to be as short.
     """
     # Whatever is tried or left out, both bounds hold: each t was seen to separate, and each depth
     # is of balls in both bodies. Trying less only leaves them farther apart, which is told.
@@ -357,9 +360,9 @@ def bounds_of_depth(
         ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_in_solid(B, middle_of(A, p), size))
     depth, t_best, b_best = math.inf, p, p
-    least, depth, t_best, b_best = by_boxes(A, B, p, least, size, tolerance, radius)
+    least, depth, t_best, b_best, alone = by_boxes(A, B, p, least, size, tolerance, radius)
     if depth - least <= enough:
-        return depth, min(least, depth), t_best, b_best
+        return depth, min(least, depth), t_best, b_best, alone
     count = push_of(A, B, p, found, size, tolerance, radius, pushes)
     for k in range(count + 1):
         if depth - least <= enough:
@@ -382,4 +385,4 @@ def bounds_of_depth(
                 depth, t_best, b_best = norm(t), t, b
             deep = deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius)
             least = max(least, deep)
-    return depth, min(least, depth), t_best, b_best
+    return depth, min(least, depth), t_best, b_best, found.unique

@@ -122,9 +122,9 @@ def write_overlap(
     radius: float,
 ) -> None:
     """Fill the row of a pair that overlaps."""
-    depth, least, t, b = bounds_of_depth(A, B, p, found, size, tolerance, radius)
+    depth, least, t, b, alone = bounds_of_depth(A, B, p, found, size, tolerance, radius)
     noise = ROUNDING * EPS * size
-    m, unique = unit(t), found.unique and depth - least <= tolerance + LOOSE * noise
+    m, unique = unit(t), alone and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
     error = max(depth - least, 0.0) + (1.0 + BACK_OFF) * noise
     a = add_scaled(b, -depth, m)

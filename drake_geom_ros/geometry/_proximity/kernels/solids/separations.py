@@ -29,21 +29,28 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
-from drake_geom_ros.geometry._proximity.tolerances import INDEPENDENT, PARALLEL
+from drake_geom_ros.geometry._proximity.tolerances import (
+    INDEPENDENT,
+    PARALLEL,
+    SAME_DIRECTION,
+)
 
 MOST_NODES = 400
+TIES = 8.0  # roundings that translations as long may differ by
 NO_BOUND = -math.inf
 
 
 class Parting(NamedTuple):
     """What is known of the least translation: it is no shorter than ``lower``.
 
-    ``parts`` tells that ``t`` (3,) parts all boxes and is as long as ``lower``, to rounding.
+    ``parts`` tells that ``t`` (3,) parts all boxes and is as long as ``lower``, to rounding, and
+    ``alone`` that none as long does along a clearly different direction.
     """
 
     lower: float
     t: Vector
     parts: bool
+    alone: bool
 
 
 @allocating
@@ -205,6 +212,19 @@ def is_listed(bounds: Floats, lengths: Floats, count: int, new: Floats, length: 
     return False
 
 
+@compiled
+def is_alone(
+    ways: Floats, bounds: Floats, lengths: Floats, count: int, t: Vector, longest: float
+) -> bool:
+    """Tell whether no node up to that length goes along a clearly different direction than t."""
+    for k in range(count):
+        if lengths[k] <= longest:
+            _, other = shortest(ways, bounds[k])
+            if dot(unit(other), unit(t)) < SAME_DIRECTION:
+                return False
+    return True
+
+
 @allocating
 def least_parting(
     mine: Floats, its: Floats, R: Floats, p: Vector, upper: float, noise: float
@@ -213,7 +233,7 @@ def least_parting(
 
     ``lower`` is no more than ``upper`` [m], which parts them; ``noise`` [m] is rounding.
     """
-    nothing = Parting(0.0, (0.0, 0.0, 0.0), False)
+    nothing = Parting(0.0, (0.0, 0.0, 0.0), False, False)
     if mine.shape[0] == 0 or its.shape[0] == 0:
         return nothing
     ways, slack = directions_of(R)
@@ -228,18 +248,19 @@ def least_parting(
                 node = k
         length = lengths[node] if count > 0 else upper
         if length >= upper - noise:
-            return Parting(max(upper - noise, 0.0), (0.0, 0.0, 0.0), False)
+            return Parting(max(upper - noise, 0.0), (0.0, 0.0, 0.0), False, False)
         here[:] = bounds[node]
         _, t = shortest(ways, here)
         pair, deep = most_overlapping(width, ways, t)
         if deep <= noise or count + ways.shape[0] > MOST_NODES:
-            return Parting(max(length - noise, 0.0), t, deep <= noise)
+            alone = is_alone(ways, bounds, lengths, count, t, length + TIES * noise)
+            return Parting(max(length - noise, 0.0), t, deep <= noise, alone)
         count, least = count - 1, length
         bounds[node], lengths[node] = bounds[count], lengths[count]
         for d in range(ways.shape[0]):
             before = here[d]
             if width[pair, d] <= before:  # rounding hides that it is beyond this bound
-                return Parting(max(least - noise, 0.0), t, False)
+                return Parting(max(least - noise, 0.0), t, False, False)
             if width[pair, d] < upper:
                 here[d] = width[pair, d]
                 feasible, t = shortest(ways, here)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numba import config
 from oracles.forms import HERE, kernel_form, row_of
+from oracles.hard_cases.interlocked import depth_of, of_cells, polycube
 
 from bench.evidence.bodies.grids import surface
 from bench.evidence.bodies.random_bodies import random_rotation
@@ -16,26 +17,6 @@ LINES = [np.arange(9.0)] * 3
 SHARE = 0.1  # of the depth: what counts as tight
 
 
-def polycube(rng, n, count):
-    """Connected cells of a lattice."""
-    cells = {(n // 2,) * 3}
-    while len(cells) < count:
-        near = list(sorted(cells)[rng.integers(len(cells))])
-        near[rng.integers(3)] += rng.choice([-1, 1])
-        if all(0 <= x < n for x in near):
-            cells.add(tuple(near))
-    return sorted(cells)
-
-
-def depth_of(mine, its, p):
-    """How far cells moved by p have to go at least to be out of others; 0 where they are."""
-    low = np.unique([np.subtract(b, a) for a in mine for b in its], axis=0)
-    lines = [np.unique(np.concatenate((low[:, k] - 1, low[:, k] + 1, [p[k]]))) for k in range(3)]
-    places = np.stack(np.meshgrid(*lines, indexing='ij'), -1).reshape(-1, 3)
-    inside = (np.abs(low - places[:, None]) < 1.0).all(axis=2).any(axis=1)
-    return float(np.linalg.norm(places[~inside] - p, axis=1).min())
-
-
 def pairs(turned):
     """Pairs of solids that overlap, with their depth."""
     for seed in range(CASES):
@@ -44,14 +25,7 @@ def pairs(turned):
         mine, its = (polycube(rng, n, int(rng.integers(3, max(4, n**3 // 2)))) for _ in range(2))
         p = rng.integers(-8 * n, 8 * n + 1, 3) / 8.0
         depth = depth_of(mine, its, p)
-        A, B = (
-            Body(
-                'Solid',
-                *(np.array(x) for x in surface(cells, LINES)[:1]),
-                triangles=np.array(surface(cells, LINES)[1]),
-            )
-            for cells in (mine, its)
-        )
+        A, B = of_cells(mine, LINES), of_cells(its, LINES)
         if depth == 0.0 or {kernel_form(A)[0], kernel_form(B)[0]} != {SOLID}:
             continue
         A = A.at(p)
