@@ -12,6 +12,7 @@ Every answer is, to the bit, that of a query about its state alone, whatever the
 or workers, the size of the blocks and the order of the states.
 """
 
+from drake_geom_ros.batch.checker import Checker, Clearance
 from drake_geom_ros.batch.cluster import cluster_executor
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
@@ -20,6 +21,8 @@ from drake_geom_ros.batch.results import LeastDistances, PairsOfStates, PointsOf
 from drake_geom_ros.batch.running import BatchError
 
 __all__ = [
+    'Checker',
+    'Clearance',
     'evaluate',
     'Joints',
     'LeastDistances',

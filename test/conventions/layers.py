@@ -142,7 +142,7 @@ LAYERS = {
         ('numpy', 'yaml', 'lxml', 'jsonschema'),
     ),
     'trajectories': (
-        ('math', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
+        ('math', 'autodiffutils', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
         ('numpy', 'yaml', 'yourdfpy'),
     ),
     'batch': (
@@ -157,8 +157,8 @@ LAYERS = {
     **EVIDENCE_ROOMS,
     # What is shown, without a library that shows it; and the page, which one draws.
     'viewing': (
-        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
-        ('numpy', 'yaml'),
+        ('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'viewing'),
+        ('numpy', 'yaml', 'PIL'),
     ),
     'viewing/page': (
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),

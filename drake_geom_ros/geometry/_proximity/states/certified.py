@@ -37,7 +37,7 @@ from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 
 
 @inlined
-def _most_below(gap, world):  # type: ignore[no-untyped-def]
+def most_below(gap, world):  # type: ignore[no-untyped-def]
     """Return how far the lower end of an answer may be below any certified bound [m], at a gap.
 
     That is twice what ``promise.promised_bound`` is of any pair. Of bounds alone it is rounding:
@@ -55,7 +55,7 @@ def _most_below(gap, world):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _lower_end(out):  # type: ignore[no-untyped-def]
+def lower_end(out):  # type: ignore[no-untyped-def]
     """Return the lower end of an answer [m]; infinity for a pair kept apart from what was asked.
 
     Boxes or balls did that, or a kernel that stopped at the cutoff.
@@ -139,7 +139,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        below = _most_below(gap, posed)
+        below = most_below(gap, posed)
         limit, count = cutoff, 0
         for turn in range(min(2, groups.gaps.size)):
             # The two groups that are nearest come first: what they hold leaves out most others.
@@ -155,7 +155,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
                 forget(memory, 0, 1)
                 asked = (gap, limit + below, False)
                 answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
-                end = _lower_end(memory[0])
+                end = lower_end(memory[0])
                 if end <= limit and end < math.inf:
                     count = _insert(count, k, end, memory[0], best, ends, kept)
                     if count == most:
@@ -190,7 +190,7 @@ def any_near(kernels, poses, rows, world, pairs, groups, query, stop, out):  # t
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        below = _most_below(gap, posed)
+        below = most_below(gap, posed)
         asked = (gap, cutoff + below, False)
         everything = (0, groups.gaps.size, -1, cutoff + below)
         count = collect(groups, *everything, pairs, posed, order, bounds)
@@ -203,7 +203,7 @@ def any_near(kernels, poses, rows, world, pairs, groups, query, stop, out):  # t
             one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
             forget(memory, 0, 1)
             answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
-            if _lower_end(memory[0]) <= cutoff:
+            if lower_end(memory[0]) <= cutoff:
                 out[s], last = True, k
                 break
     return poses.shape[0]

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap, least_possible
-from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -53,29 +54,56 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
 
 
 @inlined
-def put_boxes(groups, world):  # type: ignore[no-untyped-def]
-    """Put a box around each group, and find the gaps between them; a half space has none."""
+def put_box(groups, world, g):  # type: ignore[no-untyped-def]
+    """Put a box around a group; a half space has none."""
     types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
+    for c in range(3):
+        lower, upper = math.inf, -math.inf
+        for m in range(groups.firsts[g], groups.firsts[g + 1]):
+            k = groups.members[m]
+            p, half = p_WGs[k, c], half_extents[k, c]
+            if types[k] == HALF_SPACE:
+                half = math.inf
+            lower, upper = min(lower, p - half), max(upper, p + half)
+        if upper == math.inf:
+            groups.centres[g, c], groups.halves[g, c] = 0.0, math.inf
+            continue
+        centre = 0.5 * lower + 0.5 * upper
+        # Three sums, each rounded by EPS of the farther corner at most.
+        rounding = 4.0 * EPS * max(abs(lower), abs(upper))
+        groups.centres[g, c] = centre
+        groups.halves[g, c] = max(upper - centre, centre - lower) + rounding
+
+
+@inlined
+def put_boxes(groups, world):  # type: ignore[no-untyped-def]
+    """Put a box around each group, and find the gaps between them."""
     for g in range(groups.firsts.size - 1):
-        for c in range(3):
-            lower, upper = math.inf, -math.inf
-            for m in range(groups.firsts[g], groups.firsts[g + 1]):
-                k = groups.members[m]
-                p, half = p_WGs[k, c], half_extents[k, c]
-                if types[k] == HALF_SPACE:
-                    half = math.inf
-                lower, upper = min(lower, p - half), max(upper, p + half)
-            if upper == math.inf:
-                groups.centres[g, c], groups.halves[g, c] = 0.0, math.inf
-                continue
-            centre = 0.5 * lower + 0.5 * upper
-            # Three sums, each rounded by EPS of the farther corner at most.
-            rounding = 4.0 * EPS * max(abs(lower), abs(upper))
-            groups.centres[g, c] = centre
-            groups.halves[g, c] = max(upper - centre, centre - lower) + rounding
+        put_box(groups, world, g)
     for m in range(groups.gaps.size):
         a, b = groups.pairs[m, 0], groups.pairs[m, 1]
         groups.gaps[m] = box_gap(groups.centres, groups.halves, a, b)
+
+
+@compiled
+def put_boxes_of(groups, world):  # type: ignore[no-untyped-def]
+    """Do what ``put_boxes`` does for groups as a plain tuple, in a world given by its handle."""
+    put_boxes(Groups(*groups), world_of(world))
+
+
+@inlined
+def plainly_apart(groups, m, most):  # type: ignore[no-untyped-def]
+    """Tell whether the boxes of a pair of groups are farther apart than ``most`` [m], on an axis.
+
+    Plainly: by more than ``box_gap`` takes off for rounding, which then tells the same.
+    """
+    centres, halves, reach = groups.centres, groups.halves, max(most, 0.0)
+    a, b = groups.pairs[m, 0], groups.pairs[m, 1]
+    for c in range(3):
+        p, q, sizes = centres[a, c], centres[b, c], halves[a, c] + halves[b, c]
+        if abs(p - q) - sizes > reach + 8.0 * EPS * (abs(p) + abs(q) + sizes):
+            return True
+    return False
 
 
 @inlined
