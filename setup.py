@@ -20,16 +20,14 @@ CORE = [
 # ROS is no extra: a distribution brings rclpy and messages of its own, compiled for its Python,
 # and drake_geom_msgs is built by colcon. What PyPI has of it is in requirements/ros.txt.
 EXTRAS = {
-    'robots': ['yourdfpy>=0.0.56'],  # forward kinematics: check and query of a URDF, the player
+    'xacro': ['xacro>=2.1'],  # robots written with macros: *.xacro
     'cluster': ['distributed>=2024.1'],  # batches of states on a cluster
     'parquet': ['pyarrow>=14.0'],  # and their results as Parquet
-    'cross_check': ['mpmath>=1.3', 'python-fcl>=0.7.0.5'],  # a second opinion
+    'cross_check': ['python-fcl>=0.7.0.5'],  # a second opinion
     'pictures': ['matplotlib>=3.6', 'pillow>=9.0'],  # what `render` writes
     'view': ['imageio>=2.20', 'viser>=1.1', 'websockets>=14'],  # the page
     'vtk': ['vtk>=9.5'],  # images with textures and glTF materials
     'lcm': ['lcm>=1.5'],  # messages to Drake's visualiser
-    'accuracy': ['matplotlib>=3.6', 'mpmath>=1.3'],
-    'peers': ['coal>=3.0', 'drake>=1.30', 'mujoco>=3.0', 'python-fcl>=0.7.0.5'],
 }
 
 
@@ -57,7 +55,7 @@ setup(
     },
     python_requires='>=3.10,<3.14',  # those that are tested
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', '*/*.schema.json', 'evidence/hard_cases/catalogue/*.json']},
+    package_data={NAME: ['py.typed', '*/*.schema.json']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (SHARE, ['package.xml']),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from drake_geom_ros.evidence.pages import table
+from bench.evidence.pages import table
 from drake_geom_ros.geometry._proximity.kernels.pair_table import ALL_ROWS, PAIR_TABLE, SHAPE_NAMES
 
 TARGET = Path(__file__).resolve().parent / 'certificates.md'

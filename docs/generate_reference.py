@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from drake_geom_ros.evidence.pages import table
+from bench.evidence.pages import table
 
 ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / 'docs/reference.md'

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 import pinocchio
 
-from drake_geom_ros.evidence.peers.coal_peer import coal_shape
-from drake_geom_ros.evidence.peers.mujoco_peer import FARTHEST, add_geom
+from bench.evidence.peers.coal_peer import coal_shape
+from bench.evidence.peers.mujoco_peer import FARTHEST, add_geom
 
 assert coal
 Name = tuple[str, str, str]

@@ -12,9 +12,9 @@ import time
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies.bodies import BOUNDED
-from drake_geom_ros.evidence.bodies.random_bodies import random_body, random_rotations
-from drake_geom_ros.evidence.judging.asking import BodyScene
+from bench.evidence.bodies.random_bodies import random_body, random_rotations
+from bench.evidence.judging.asking import BodyScene
+from drake_geom_ros.cross_check.bodies import BOUNDED
 from drake_geom_ros.geometry import FramePoseVector
 from drake_geom_ros.math.batched import poses_from_matrices
 

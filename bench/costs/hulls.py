@@ -10,7 +10,7 @@ import time
 import numpy as np
 from numba import njit
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.shapes import hull_packing as hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest_vertex

@@ -14,8 +14,8 @@ import time
 import numpy as np
 from numba import njit
 
-from drake_geom_ros.evidence.bodies.bodies import COUNTS
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotations
+from bench.evidence.bodies.random_bodies import random_directions, random_rotations
+from drake_geom_ros.cross_check.bodies import COUNTS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     NORMAL,
@@ -34,7 +34,7 @@ EXACT = 1e-9
 
 
 @njit
-def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, gap, rows):
+def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, tolerance, rows):
     """Call the kernel once for each pair."""
     for k in range(p_AB_Ws.shape[0]):
         call_kernel(
@@ -46,7 +46,7 @@ def run(address, kind_A, shapes_A, R_WAs, kind_B, shapes_B, R_WBs, p_AB_Ws, gap,
             shapes_B[k],
             R_WBs[k],
             p_AB_Ws[k],
-            gap,
+            tolerance,
             np.inf,
             rows[k],
         )
@@ -61,14 +61,14 @@ def random_shapes(rng, kind, count):
     return np.hstack([np.full((count, 1), float(HULL_VERTICES)), vertices])
 
 
-def microseconds(arguments, gap, hints):
+def microseconds(arguments, tolerance, hints):
     """Return the median time of a pair, every round from the same hints."""
     times = []
     for _ in range(ROUNDS):
         rows = np.zeros((len(hints), PAIR_WIDTH))
         rows[:, NORMAL : NORMAL + 3] = hints
         start = time.perf_counter()
-        run(*arguments, gap, rows)
+        run(*arguments, tolerance, rows)
         times.append((time.perf_counter() - start) / len(hints) * 1e6)
     return statistics.median(times), rows
 

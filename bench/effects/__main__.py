@@ -21,8 +21,8 @@ from typing import Any
 
 from bench.effects import report
 from bench.effects.rungs import LADDER
+from bench.evidence.pages import processor
 from bench.peers.run import machine
-from drake_geom_ros.evidence.pages import processor
 
 ROOT = Path(__file__).resolve().parents[2]
 

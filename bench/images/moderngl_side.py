@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry import Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.sensors import CameraInfo
-from drake_geom_ros.viewing.surfaces import Surface, parts_of
+from drake_geom_ros.viewing.surfaces import DrawnSurface, parts_of
 
 _VERTEX = """
 #version 330
@@ -120,7 +120,7 @@ def drawer(bodies: list[tuple[Shape, RigidTransform]], camera: Camera) -> Callab
 
 def _instances(
     bodies: list[tuple[Shape, RigidTransform]], X_CW: RigidTransform
-) -> list[tuple[Surface, bytes]]:
+) -> list[tuple[DrawnSurface, bytes]]:
     """Return each surface with its instances: poses and scales in C, colours, and labels."""
     surfaces, rows = {}, defaultdict(list)
     record = np.dtype([('X_CG', 'f4', 16), ('colour', 'f4', 3), ('label', 'i4')])
@@ -133,7 +133,7 @@ def _instances(
     return [(surfaces[key], np.array(each, record).tobytes()) for key, each in rows.items()]
 
 
-def _array(context: Any, program: Any, surface: Surface, instances: bytes) -> tuple[Any, int]:
+def _array(context: Any, program: Any, surface: DrawnSurface, instances: bytes) -> tuple[Any, int]:
     """Return the vertex array of a surface, and how many instances it has."""
     vertices = context.buffer(surface.vertices.astype('f4').tobytes())
     indices = context.buffer(surface.triangles.astype('i4').tobytes())

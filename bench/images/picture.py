@@ -41,8 +41,7 @@ def draw(target: Path) -> None:
     loaded = register(scene, description)
     add_renderers(scene)
     context = scene.CreateSharedContext(partial=True)
-    names = {f'{source}::{name}': frame for (source, name), frame in loaded.frames.items()}
-    motion = Timeline.of_motion(load_motion(MOTION, description), names)
+    motion = Timeline.of_motion(load_motion(MOTION, description), loaded.frames)
     context.UpdateFramePoses(motion.poses(TIME))
     query = scene.get_query_output_port().Eval(context)
     frame, hand = loaded.cameras[0]

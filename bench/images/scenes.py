@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from bench.evidence.bodies import arms
 from bench.images import moderngl_side as images_moderngl
-from drake_geom_ros.evidence.bodies import arms
-from drake_geom_ros.evidence.bodies.bodies import Body
+from drake_geom_ros.cross_check.bodies import Body
 
 WIDTH, HEIGHT, FOV_Y = 640, 480, 0.8
 NEAR, FAR = 0.05, 20.0

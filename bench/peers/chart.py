@@ -8,9 +8,9 @@ import matplotlib
 from matplotlib import pyplot
 from matplotlib.ticker import LogLocator
 
+from bench.evidence.pages import legend_below
 from bench.peers.report import LIBRARIES, Measurement, number
 from bench.peers.scenes import QUERIES
-from drake_geom_ros.evidence.pages import legend_below
 
 matplotlib.use('Agg')
 

@@ -11,7 +11,7 @@ import fcl  # noqa: TID251  (the ban is for the package; this is a measurement o
 import numpy as np
 
 from bench.peers.scenes import Floats, Scene
-from drake_geom_ros.evidence.peers.fcl_peer import fcl_shape
+from drake_geom_ros.cross_check.fcl_peer import fcl_shape
 
 NAME = 'python-fcl'
 MOST_CONTACTS = 10**6

@@ -12,13 +12,13 @@ from pathlib import Path
 import matplotlib
 from matplotlib import pyplot
 
+from bench.evidence.pages import table
 from bench.peers import ours, scenes
 from bench.peers.chart import COLOURS, DPI
 from bench.peers.motion import PACES
 from bench.peers.run import installed
 from bench.peers.timing import Taken, Turn, interleave
 from bench.ros.processes import memory
-from drake_geom_ros.evidence.pages import table
 
 matplotlib.use('Agg')
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.evidence.bodies.random_bodies import random_directions
 from bench.ros.processes import ROOT
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.trajectories.motion_file import load_motion

@@ -15,8 +15,8 @@ import json
 import time
 from pathlib import Path
 
-from drake_geom_ros.evidence.hard_cases import report
-from drake_geom_ros.evidence.hard_cases.cases import (
+from bench.evidence.hard_cases import report
+from bench.evidence.hard_cases.cases import (
     CATALOGUE,
     PEERS_TODAY,
     Case,
@@ -24,10 +24,10 @@ from drake_geom_ros.evidence.hard_cases.cases import (
     families,
     load,
 )
-from drake_geom_ros.evidence.hard_cases.judge import Verdict, judged
-from drake_geom_ros.evidence.judging.asking import OURS, asking, names
-from drake_geom_ros.evidence.peers import QUERIES
-from drake_geom_ros.evidence.peers.lost_process import outcomes
+from bench.evidence.hard_cases.judge import CaseVerdict, judged
+from bench.evidence.judging.asking import OURS, asking, names
+from bench.evidence.peers import QUERIES
+from drake_geom_ros.cross_check.lost_process import outcomes
 
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT = 3.0  # [s] of processor time for one question to a peer
@@ -81,7 +81,7 @@ def show(identity: str) -> None:
         for query in QUERIES:
             limit = COMPILING if name == OURS else LIMIT
             for _, outcome in outcomes([case], asking(name, query), limit):
-                verdict: Verdict = judged(case, query, outcome)
+                verdict: CaseVerdict = judged(case, query, outcome)
                 print(f'{name}, {query}: {verdict.verdict} {verdict.text}\n    {outcome.value}')
 
 

@@ -15,9 +15,9 @@ import sys
 import time
 from pathlib import Path
 
+from bench.evidence.hard_cases.cases import text_of
 from bench.searches.hunting.report import entries, page, summary
 from bench.searches.hunting.search import Hunt
-from drake_geom_ros.evidence.hard_cases.cases import text_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / 'docs/accuracy/hunt.md'

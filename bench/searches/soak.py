@@ -17,11 +17,11 @@ from collections import Counter
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.bodies.random_bodies import awkward_body, awkward_poses
-from drake_geom_ros.evidence.judging import laws
-from drake_geom_ros.evidence.judging.asking import BodyScene
-from drake_geom_ros.evidence.tolerances import UNIT, VERY_WIDE
+from bench.evidence.bodies.random_bodies import awkward_body, awkward_poses
+from bench.evidence.judging import laws
+from bench.evidence.judging.asking import BodyScene
+from bench.evidence.tolerances import UNIT, VERY_WIDE
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import FramePoseVector, SignedDistanceResults
 
 BODIES = 40

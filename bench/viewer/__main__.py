@@ -23,9 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from bench.evidence.judging.asking import BodyScene
 from bench.viewer.browser import PROGRAM, Browser
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.judging.asking import BodyScene
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import FramePoseVector
 
 RATE = 20.0  # [Hz]

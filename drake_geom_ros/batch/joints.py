@@ -73,11 +73,16 @@ class Joints:
     def of(cls, loaded: LoadedScene, names: Sequence[str] | None = None) -> Joints:
         """Return the joints of a scene's robots; those of ``names``, in this order, where given.
 
-        Raises ArgumentError for a name that no joint has, or that is given twice, and for a scene
-        without robots.
+        A planar or floating joint has several values: see ``Kinematics``. Links below one that
+        has not a column for each of them are not posed.
+        Raises ArgumentError for a name that no joint has, or that is given twice, for a scene
+        without robots, and for one with a robot that is no tree of joints.
         """
         robots = {r.name: r for r in loaded.robots.values() if r.urdf is not None}
-        known = {name: Kinematics(str(robot.urdf)) for name, robot in robots.items()}
+        try:
+            known = {name: Kinematics(str(robot.urdf)) for name, robot in robots.items()}
+        except ValueError as error:
+            raise ArgumentError(f'{error}; give poses of frames instead of joint values') from None
         every = [f'{name}::{joint}' for name, k in known.items() for joint in k.joint_names]
         if not every:
             raise ArgumentError('joint values were given, but the scene has no robot with joints')
@@ -101,8 +106,11 @@ class Joints:
             limits |= dict(
                 zip(own, zip(kinematics.lower, kinematics.upper, strict=True), strict=True)
             )
+            given = [j for j in kinematics.joint_names if f'{name}::{j}' in chosen]
             links = [
-                k for k, link in enumerate(kinematics.link_names) if (name, link) in loaded.frames
+                k
+                for k in kinematics.placed_links(given)
+                if (name, kinematics.link_names[k]) in loaded.frames
             ]
             ids += [loaded.frames[name, kinematics.link_names[k]].get_value() for k in links]
             columns = [chosen.index(joint) if joint in chosen else -1 for joint in own]

@@ -122,7 +122,9 @@ class Job:
         """
         if question.by_joints and not arms:
             raise ArgumentError('by_joints goes with joint values: states and joints, not poses')
-        scene, geometry_ids = PackedScene.of(context, ids, still_poses(arms, ids))
+        scene, geometry_ids = PackedScene.of(
+            context, ids, still_poses(arms, ids), about_points=question.want == 'points'
+        )
         return cls(scene, question, arms), geometry_ids
 
     @cached_property

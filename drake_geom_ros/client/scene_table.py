@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from drake_geom_msgs.msg import Role
 from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.frame_names import Frame, full_name, told_apart
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
@@ -55,6 +56,18 @@ class Geometry:
         """The full name of its frame, ``source::frame``; ``world`` where it is anchored."""
         return self.line[0] if self.line else WORLD
 
+    def X_WG(self, X_WFs: Mapping[Frame, NDArray[np.float64]]) -> NDArray[np.float64]:
+        """Return its pose (4, 4) in the world, of X_WF (4, 4) by source and name of frames.
+
+        Raises KeyError where its frame is not among them; one that is anchored needs none.
+        """
+        return self.X_FG if self.anchored else X_WFs[self.own_frame] @ self.X_FG
+
+    @property
+    def own_frame(self) -> Frame:
+        """Its frame by source and own name: names may hold ``::``, and ``frame`` joins them."""
+        return self.source, self.frame_name
+
     @property
     def short_name(self) -> str:
         """The name without its source: ``frame/geometry``."""
@@ -88,24 +101,41 @@ class Geometry:
         return any(fnmatchcase(name, pattern) for name in self.names)
 
 
+class Joint(NamedTuple):
+    """A joint of a robot that has a value of its own."""
+
+    robot: str
+    name: str
+    type: str  # as in the URDF
+    limits: tuple[float, float]  # [rad] or [m]; infinite where there is none
+    frame: Frame | None  # of the link that it moves, by source and name; None: it is no frame
+
+    @property
+    def full_name(self) -> str:
+        """The name that services take where two robots have the joint: ``robot::name``."""
+        return f'{self.robot}::{self.name}'
+
+
 class SceneTable:
-    """The geometries of one version of the scene, and the parents of its frames by name."""
+    """The geometries of one version of the scene, and the parents of its frames."""
 
     def __init__(
         self,
         geometries: list[Geometry],
         version: int = 0,
-        parents: dict[str, str] | None = None,
+        parents: Mapping[Frame, Frame | None] | None = None,
         names_version: int = 0,
+        joints: Sequence[Joint] = (),
     ) -> None:
-        """``parents`` of frames, each ``source::frame`` or ``world``, parents first.
+        """``parents`` of frames by source and own name, parents first; None is the world.
 
         ``names_version`` is the version since which ids, names and roles are these.
         """
         self.geometries = {geometry.id: geometry for geometry in geometries}
         self.version = version
+        self.joints = tuple(joints)
         self.names_version = names_version
-        self.parents = parents or {}
+        self.parents = dict(parents or {})
         self._ids = np.array(sorted(self.geometries), dtype=np.int64)
         self._sources = np.array([self.geometries[i].source for i in self._ids.tolist()])
         self._found: dict[str, NDArray[np.int64]] = {}
@@ -116,12 +146,12 @@ class SceneTable:
         """Return the table of a Scene message."""
         sources = {source.id: source.name for source in message.sources}
         entries = {frame.id: frame for frame in message.frames}
-        lines: dict[int, tuple[str, ...]] = {}
+        lines: dict[int, tuple[Frame, ...]] = {}
         for id, frame in entries.items():
             if frame.parent_id == id:
                 lines[id] = ()
             else:
-                lines[id] = f'{sources[frame.source_id]}::{frame.name}', *lines[frame.parent_id]
+                lines[id] = (sources[frame.source_id], frame.name), *lines[frame.parent_id]
         poses = [(entry.pose.position, entry.pose.orientation) for entry in message.geometries]
         rows = np.array([(p.x, p.y, p.z, q.x, q.y, q.z, q.w) for p, q in poses]).reshape(-1, 7)
         X_FGs = np.tile(np.eye(4), (len(rows), 1, 1))
@@ -135,13 +165,18 @@ class SceneTable:
                 entry.shape.type,
                 tuple(entry.shape.dimensions),
                 X_FG,
-                lines[entry.frame_id],
+                tuple(map(full_name, lines[entry.frame_id])),
                 any(role.role == Role.PROXIMITY for role in entry.roles),
             )
             for entry, X_FG in zip(message.geometries, X_FGs, strict=True)
         ]
-        parents = {line[0]: line[1] if line[1:] else WORLD for line in lines.values() if line}
-        return cls(geometries, message.scene_version, parents, message.names_version)
+        parents = {line[0]: line[1] if line[1:] else None for line in lines.values() if line}
+        frames = {id: line[0] for id, line in lines.items() if line}
+        joints = [
+            Joint(j.robot, j.name, j.type, (j.lower, j.upper), frames.get(j.frame_id))
+            for j in message.joints
+        ]
+        return cls(geometries, message.scene_version, parents, message.names_version, joints)
 
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]
@@ -168,6 +203,25 @@ class SceneTable:
             self._found[pattern] = ids = np.array(sorted(g.id for g in found), dtype=np.int64)
             ids.setflags(write=False)
         return self._found[pattern]
+
+    def own_name(self, frame: str) -> str:
+        """Return the own name of a frame that is given with its source, ``source::frame``, or not.
+
+        Names may hold ``::``: they are compared whole. Raises UnknownNameError where there is no
+        such frame, or where it depends on which one is meant.
+        """
+        found = [each for each in self.parents if frame in (each[1], full_name(each))]
+        own = {name for _, name in found}
+        if len(own) == 1:
+            return own.pop()
+        if found:
+            both = ' and '.join(map(told_apart, found))
+            raise UnknownNameError(f'{frame[:80]!r} stands for {both}')
+        told = nearest(frame, islice(map(full_name, self.parents), _MOST_LOOKED_AT))
+        raise UnknownNameError(
+            f'there is no frame {frame[:80]!r} in the scene of version {self.version}{told}; see '
+            'the topic ~/scene'
+        )
 
     def _told(self, pattern: str, count: int) -> str:
         """Return what is wrong with a pattern, of whose geometries no query reports anything."""

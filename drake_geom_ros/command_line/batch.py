@@ -4,12 +4,13 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.batch import WANTS, Joints, Question, cluster_executor
 from drake_geom_ros.batch.evaluation import computed
@@ -23,8 +24,9 @@ from drake_geom_ros.batch.worker import version
 from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, FrameId, GeometryId, SceneGraph
+from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
@@ -138,6 +140,22 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _frames(loaded: LoadedScene, texts: Iterable[str]) -> NDArray[np.int64]:
+    """Return the values of the ids of the frames that are named ``source::frame``."""
+    names, ids = FrameNames(loaded.frames), []
+    for text in texts:
+        try:
+            frame = names.find(text)
+        except AmbiguousNameError as error:
+            raise SceneFileError(str(error), '<states>') from None
+        if frame is None:
+            raise SceneFileError(
+                f'the scene has no frame {text!r}; there are {", ".join(names)}', '<states>'
+            )
+        ids.append(loaded.frames[frame].get_value())
+    return np.array(ids, dtype=np.int64)
+
+
 def _say(text: str, options: argparse.Namespace) -> None:
     if options.resume:
         print(text, file=sys.stderr)
@@ -158,25 +176,7 @@ def _job(
     arms: tuple[Any, ...] = ()
     named_by: dict[str, list[str]] = {'frames': list(states.names or ())}
     if states.are_poses:
-        known: dict[str, FrameId] = {}
-        shared = set()  # source `a`, frame `b::c` and source `a::b`, frame `c`
-        for (source, frame), id in loaded.frames.items():
-            name = f'{source}::{frame}'
-            shared |= {name} & known.keys()
-            known[name] = id
-        unknown = [name for name in states.names or () if name not in known]
-        if unknown:
-            raise SceneFileError(
-                f'the scene has no frame {unknown[0]!r}; there are {", ".join(known)}', '<states>'
-            )
-        if unclear := sorted(shared.intersection(states.names or ())):
-            both = ' and '.join(
-                f'{frame!r} of source {source!r}'
-                for source, frame in loaded.frames
-                if f'{source}::{frame}' == unclear[0]
-            )
-            raise SceneFileError(f'{unclear[0]!r} stands for {both}; rename one', '<states>')
-        ids = np.array([known[name].get_value() for name in states.names or ()], dtype=np.int64)
+        ids = _frames(loaded, states.names or ())
     else:
         joints = Joints.of(loaded, states.names)
         if joints.count != states.rows.shape[1]:

@@ -1,5 +1,6 @@
 """A scene file made ready for questions: registered, named, every frame at its first pose."""
 
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from drake_geom_ros.scene_files import (
     SceneFileError,
     register,
 )
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.trajectories.motion_file import load_motion
 
 
@@ -20,7 +21,8 @@ class PosedScene:
     """A scene, and where its frames are.
 
     A frame stands where the scene file says, a link of a robot where forward kinematics with all
-    joints at 0 (or at their limit nearest to 0) puts it. Any other frame waits for a pose.
+    joints at 0 (or at their limit nearest to 0) puts it. Any other frame waits for a pose: so do
+    links below a planar or floating joint, and those of a robot that is no tree of joints.
     """
 
     def __init__(self, path: str, srdf: str = '') -> None:
@@ -37,7 +39,7 @@ class PosedScene:
         self.context = self.scene_graph.CreateSharedContext(partial=True)
         self.context.UpdateFramePoses(self._at_rest())
         self.context.UpdateFramePoses(FramePoseVector(loaded.X_PFs))
-        self._table = NameTable(self.description.frames, self.description.geometries)
+        self._table = FileNames(self.description.frames, self.description.geometries)
         self.inspector = self.scene_graph.model_inspector()
         self.names = {id: self._name(id) for id in self.inspector.GetAllGeometryIds()}
 
@@ -99,6 +101,9 @@ class PosedScene:
         if not self.description.robots:
             return FramePoseVector()
         motion = load_motion(None, self.description)
+        for robot, reason in motion.left_out.items():
+            told = f'warning: {reason}. No joint values pose the links of {robot!r}: give poses'
+            print(told, file=sys.stderr)
         robots = {robot.name for robot in self.description.robots} & motion.frame_names.keys()
         poses = motion.poses(0.0)
         rows = [row for robot in robots for row in poses[robot]]

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Sequence
 
 from drake_geom_ros.command_line import (
-    accuracy,
     batch,
     check,
     compile,
@@ -28,8 +27,8 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
     ``prog`` is how it was started, as its help shows it.
 
     0: done; 1: ``check`` found the scene bad or python-fcl disagrees, ``replay`` finds the promise
-    still broken or the disagreement still there, ``accuracy`` a certificate that is wrong; 2: what
-    was asked cannot be, said in one line on standard error.
+    still broken or the disagreement still there; 2: what was asked cannot be, said in one line
+    on standard error.
     """
     parser = argparse.ArgumentParser(
         prog=prog,
@@ -37,7 +36,7 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         epilog=f'Each command explains itself: {prog} query --help.',
     )
     commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
-    for module in (query, batch, check, convert, render, view, replay, accuracy, compile):
+    for module in (query, batch, check, convert, render, view, replay, compile):
         module.add_to(commands)
     options = parser.parse_args(arguments)
     try:

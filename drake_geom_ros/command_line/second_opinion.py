@@ -10,7 +10,7 @@ from drake_geom_ros.cross_check.question import (
     DISAGREED,
     LOST,
     VERDICTS,
-    Batch,
+    QuestionBatch,
     counted,
     questions_of,
     shapes_of,
@@ -37,7 +37,7 @@ def cross_checked(scene: PosedScene) -> tuple[list[str], bool]:
     ids = {value for question in questions for value in question.ids}
     opinion = SecondOpinion()
     try:
-        verdicts = opinion.judge(Batch(0, questions, shapes_of(query, ids)))
+        verdicts = opinion.judge(QuestionBatch(0, questions, shapes_of(query, ids)))
     finally:
         opinion.close()
     counts = counted(verdicts)

@@ -17,7 +17,7 @@ from drake_geom_ros.command_line.query import limit
 from drake_geom_ros.geometry import ACCURACY_LEVELS, FramePoseVector
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
-from drake_geom_ros.viewing.joints import Joints
+from drake_geom_ros.viewing.joints import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.page import Page
 from drake_geom_ros.viewing.page.serving import LOCALHOST, PORT, open_server, warning
@@ -71,7 +71,7 @@ def open_page(options: argparse.Namespace) -> Page:
     values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)
-    joints = Joints(motion.robots, scene.frames)
+    joints = JointSliders(motion.robots, scene.frames)
     joints.take(values)
     timeline = None
     if options.motion:

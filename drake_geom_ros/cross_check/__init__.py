@@ -5,8 +5,15 @@
 ``asker``                     the node's side: starts the process, and again when it was lost
 ``python -m``                 the process: reads batches of questions, sends verdicts
 ``second_opinion``            FCL, in a process below that it may end or hang
+``fcl_peer`` ``answers``      how FCL is asked about two shapes, and what it answers
+``lost_process``              that process
 ``judging``                   whose answer is wrong, where the two differ
+``bodies`` ``surfaces``       what is asked about, and what it is, by plain formulas
 ============================  ==================================================================
 
-The last three import ``evidence``, and the node imports none of them.
+The node imports the first two alone. ``bench/evidence`` builds on the last three lines.
+
+In: pairs as they were answered, from a node or a program.
+Out: verdicts, counted, and those that disagree.
+May import: ``math``, ``common``, ``geometry``, ``replay``; numpy, scipy, fcl.
 """

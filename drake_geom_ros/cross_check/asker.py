@@ -9,10 +9,10 @@ from collections.abc import Callable
 from importlib.util import find_spec
 from multiprocessing import Pipe
 
-from drake_geom_ros.cross_check.question import Batch, Question, Verdict, shapes_of
+from drake_geom_ros.cross_check.question import PairQuestion, QuestionBatch, Verdict, shapes_of
 from drake_geom_ros.geometry import QueryObject
 
-NEEDED = {'fcl': 'python-fcl', 'mpmath': 'mpmath'}  # what is imported: what is installed
+NEEDED = {'fcl': 'python-fcl'}  # what is imported: what is installed
 
 _LOOKS = 0.1  # [s] between two looks whether the node ends
 # A question that hangs is given up after 40 s (LostProcess); a batch of them that takes longer
@@ -39,7 +39,7 @@ class Asker:
         self.lost = 0  # processes that ended by themselves or had to be ended
 
     def ask(
-        self, query: QueryObject, version: int, questions: list[Question]
+        self, query: QueryObject, version: int, questions: list[PairQuestion]
     ) -> list[Verdict] | None:
         """Return the verdicts on questions about a version of a scene; None where there are none.
 
@@ -53,7 +53,7 @@ class Asker:
             if version != self._version:
                 self._version, self._sent = version, set()
             ids = {value for question in questions for value in question.ids} - self._sent
-            self._connection.send(Batch(version, questions, shapes_of(query, ids)))
+            self._connection.send(QuestionBatch(version, questions, shapes_of(query, ids)))
             self._sent |= ids
             return self._received()
         except (EOFError, OSError):

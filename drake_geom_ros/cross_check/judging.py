@@ -17,27 +17,35 @@ import math
 
 import numpy as np
 
+from drake_geom_ros.cross_check.answers import PairAnswer
+from drake_geom_ros.cross_check.bodies import Floats, Pair
 from drake_geom_ros.cross_check.question import (
     AGREED,
     DISAGREED,
     REFUTED,
     SILENT,
-    Question,
+    PairQuestion,
     Verdict,
 )
-from drake_geom_ros.evidence.bodies.bodies import Floats, Pair
-from drake_geom_ros.evidence.judging import laws
-from drake_geom_ros.evidence.judging.surfaces import height, width
-from drake_geom_ros.evidence.peers import PairAnswer
-from drake_geom_ros.evidence.tolerances import NO_DIRECTION
+from drake_geom_ros.cross_check.surfaces import height, off_surfaces, width
+from drake_geom_ros.cross_check.tolerances import JUDGED_PART, JUDGED_ROUNDING, NO_DIRECTION
 from drake_geom_ros.replay import Opinion
 
 _BEYOND = 1e300  # [m]; FCL leaves a distance that it never computed at the largest number
 
 
-def judged(pair: Pair, ours: Question, theirs: PairAnswer | None, library: str) -> Verdict:
+def allowed_to_others(pair: Pair) -> float:
+    """Return what the distance of another library may be off by [m].
+
+    That is a thousandth of the smaller body's radius, ten times what the tolerances of peers leave
+    at 1 m, and rounding.
+    """
+    return JUDGED_PART * pair.smaller + JUDGED_ROUNDING * (pair.extent + pair.away)
+
+
+def judged(pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, library: str) -> Verdict:
     """Return the verdict on our answer, given FCL's; None: it reports no contact."""
-    tolerance = laws.allowed_to_others(pair)
+    tolerance = allowed_to_others(pair)
     low, high = ours.distance - ours.error_bound, ours.distance + ours.error_bound
     opinion = _opinion(theirs, tolerance, library)
     if theirs is None:
@@ -83,17 +91,19 @@ def _signed(pair: Pair, low: float, theirs: PairAnswer) -> float:
 
 
 def _is_too_far(
-    pair: Pair, ours: Question, theirs: PairAnswer, reach: float, tolerance: float
+    pair: Pair, ours: PairQuestion, theirs: PairAnswer, reach: float, tolerance: float
 ) -> bool:
     """Return whether bodies are nearer than FCL says, or nothing shows a shorter way out."""
     if ours.distance > 0.0:
         apart = math.dist(ours.p_WCa, ours.p_WCb)
-        off = laws.off_surfaces(pair, ours.p_WCa, ours.p_WCb)
+        off = off_surfaces(pair, ours.p_WCa, ours.p_WCb)
         return apart <= reach and off <= ours.error_bound + tolerance
     return _may_be_as_deep(pair, ours, theirs, reach)
 
 
-def _may_be_as_deep(pair: Pair, ours: Question, theirs: PairAnswer | None, reach: float) -> bool:
+def _may_be_as_deep(
+    pair: Pair, ours: PairQuestion, theirs: PairAnswer | None, reach: float
+) -> bool:
     """Return whether no known direction leads out of an overlap sooner: the planes across it."""
     known = [ours.nhat_BA_W, None if theirs is None else _normal(theirs)]
     return all(width(pair.a, pair.b, n) <= reach for n in known if n is not None)

@@ -1,4 +1,4 @@
-"""What a second opinion is asked about, and what comes back; imports nothing of ``evidence``."""
+"""What a second opinion is asked about, and what comes back; imports nothing that judges."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ LOST = 'lost'  # the question ended or hung its process
 VERDICTS = (AGREED, DISAGREED, REFUTED, SILENT, LOST)
 
 
-class Asked(NamedTuple):
+class QuestionedShape(NamedTuple):
     """A shape of the scene, and whether it is a mesh that counts as a solid."""
 
     shape: Shape
@@ -39,7 +39,7 @@ class Asked(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Question:
+class PairQuestion:
     """Two geometries by the values of their ids, where they are, and what we answered."""
 
     ids: tuple[int, int]
@@ -53,12 +53,12 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Batch:
+class QuestionBatch:
     """Questions about one version of a scene, and those of its shapes that were not sent yet."""
 
     version: int
-    questions: list[Question]
-    shapes: dict[int, Asked] = field(default_factory=dict)
+    questions: list[PairQuestion]
+    shapes: dict[int, QuestionedShape] = field(default_factory=dict)
 
 
 class Verdict(NamedTuple):
@@ -71,7 +71,7 @@ class Verdict(NamedTuple):
 
 def questions_of(
     query: QueryObject, results: SignedDistanceResults, indices: Sequence[int]
-) -> list[Question]:
+) -> list[PairQuestion]:
     """Return the questions about some of the ``results``, which ``query`` gave as it is posed."""
     chosen = np.asarray(indices, dtype=np.int64)
     ids_A, ids_B = results.id_A[chosen], results.id_B[chosen]
@@ -85,20 +85,20 @@ def questions_of(
         results.p_WCa[chosen],
         results.p_WCb[chosen],
     )
-    return [Question(*row) for row in zip(*columns, strict=True)]
+    return [PairQuestion(*row) for row in zip(*columns, strict=True)]
 
 
-def shapes_of(query: QueryObject, ids: Iterable[int]) -> dict[int, Asked]:
+def shapes_of(query: QueryObject, ids: Iterable[int]) -> dict[int, QuestionedShape]:
     """Return the shapes of geometries by the values of their ids."""
     inspector = query.inspector()
     return {value: _asked(inspector, GeometryId(value)) for value in ids}
 
 
-def _asked(inspector: SceneGraphInspector, id: GeometryId) -> Asked:
+def _asked(inspector: SceneGraphInspector, id: GeometryId) -> QuestionedShape:
     shape, properties = inspector.GetShape(id), inspector.GetProximityProperties(id)
     if properties is None or not isinstance(shape, Mesh):
-        return Asked(shape, False)
-    return Asked(shape, bool(properties.GetPropertyOrDefault('mesh', 'solid', False)))
+        return QuestionedShape(shape, False)
+    return QuestionedShape(shape, bool(properties.GetPropertyOrDefault('mesh', 'solid', False)))
 
 
 def counted(verdicts: Iterable[Verdict]) -> Counter[str]:

@@ -6,24 +6,25 @@ import contextlib
 import functools
 from collections import Counter
 from collections.abc import Callable, Mapping
+from importlib import metadata
 from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.cross_check import answers, fcl_peer
+from drake_geom_ros.cross_check.answers import kind_of, measures
+from drake_geom_ros.cross_check.bodies import Body, Pair
 from drake_geom_ros.cross_check.judging import judged
+from drake_geom_ros.cross_check.lost_process import ANSWER, LostProcess
 from drake_geom_ros.cross_check.question import (
     LOST,
     SILENT,
-    Asked,
-    Batch,
+    PairQuestion,
     Pose,
-    Question,
+    QuestionBatch,
+    QuestionedShape,
     Verdict,
 )
-from drake_geom_ros.evidence import peers
-from drake_geom_ros.evidence.bodies.bodies import Body, Pair
-from drake_geom_ros.evidence.peers.answers import kind_of, measures
-from drake_geom_ros.evidence.peers.lost_process import ANSWER, LostProcess
 from drake_geom_ros.geometry import MeshFileError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 
@@ -39,8 +40,8 @@ Bodies = dict[int, Body]
 Ask = Callable[[str, int, int, Pose, Pose, Mapping[int, Body]], Any]
 
 
-def body_of(asked: Asked) -> Body:
-    """Return a shape of the scene as ``evidence`` has it, at the origin."""
+def body_of(asked: QuestionedShape) -> Body:
+    """Return a shape of the scene as a body, at the origin."""
     if asked.is_solid:
         vertices, triangles = asked.shape.surface()  # type: ignore[attr-defined]
         return Body('Solid', vertices, triangles=triangles)
@@ -56,7 +57,7 @@ class SecondOpinion:
     def __init__(self, make: Callable[[Bodies], Ask] | None = None, limit: float = LIMIT) -> None:
         """``make(bodies)`` returns what asks, in the process where it is called; default: FCL."""
         made = make or _Fcl
-        self.library = LIBRARY if make else f'{LIBRARY} {peers.version(LIBRARY)}'
+        self.library = LIBRARY if make else f'{LIBRARY} {metadata.version(LIBRARY)}'
         self._limit = limit
         self._version = -1
         self._bodies: Bodies = {}
@@ -64,7 +65,7 @@ class SecondOpinion:
         self._losses: Counter[tuple[int, int]] = Counter()  # processes, by pair
         self._process = LostProcess(lambda: made(dict(self._bodies)))
 
-    def judge(self, batch: Batch) -> list[Verdict]:
+    def judge(self, batch: QuestionBatch) -> list[Verdict]:
         """Return the verdicts on the questions of a batch."""
         if batch.version != self._version:
             self.close()
@@ -78,7 +79,7 @@ class SecondOpinion:
         """End the process."""
         self._process.close()
 
-    def _judged(self, ours: Question) -> Verdict:
+    def _judged(self, ours: PairQuestion) -> Verdict:
         if not self._bodies.keys() >= set(ours.ids):
             return Verdict(SILENT, text='a mesh file cannot be read')
         if self._losses[ours.ids] >= MOST_LOST:
@@ -100,7 +101,7 @@ class SecondOpinion:
             return Verdict(SILENT, text=str(outcome.value))
         return judged(pair, ours, outcome.value, self.library)
 
-    def _asked(self, pair: Pair, ours: Question) -> tuple[str, list[int], list[Pose]]:
+    def _asked(self, pair: Pair, ours: PairQuestion) -> tuple[str, list[int], list[Pose]]:
         """Return what FCL is asked: the query, ids of bodies, and their poses.
 
         FCL's signed distance ends the process for each half space. It can tell a contact with one;
@@ -110,15 +111,15 @@ class SecondOpinion:
         bodies = pair.a, pair.b
         flat = [k for k, body in enumerate(bodies) if body.kind == 'HalfSpace']
         if not flat:
-            return peers.SIGNED_DISTANCE, ids, poses
+            return answers.SIGNED_DISTANCE, ids, poses
         if ours.distance <= 0.0:
-            return peers.PENETRATION, ids, poses
+            return answers.PENETRATION, ids, poses
         k = flat[0]
         box = _box_below(bodies[1 - k], bodies[k])
         ids[k] = -ids[1 - k]  # ids of geometries are positive
         self._bodies.setdefault(ids[k], box)
         poses[k] = box.R, box.p
-        return peers.SIGNED_DISTANCE, ids, poses
+        return answers.SIGNED_DISTANCE, ids, poses
 
 
 def _box_below(other: Body, flat: Body) -> Body:
@@ -132,18 +133,18 @@ class _Fcl:
     """What is asked in the process: keeps bodies, and FCL's objects for pairs of them."""
 
     def __init__(self, bodies: Bodies) -> None:
-        peer = peers.load(LIBRARY)
+        peer = fcl_peer.FclPeer(None)
         self._bodies = bodies
 
         @functools.lru_cache(maxsize=_PREPARED_PAIRS)
-        def prepared(query: str, a: int, b: int) -> peers.Ask:
+        def prepared(query: str, a: int, b: int) -> answers.Ask:
             return peer.pair(query, bodies[a].shape, bodies[b].shape)
 
         self._prepared = prepared
 
     def __call__(
         self, query: str, a: int, b: int, X_WA: Pose, X_WB: Pose, new: Mapping[int, Body]
-    ) -> peers.PairAnswer | None:
+    ) -> answers.PairAnswer | None:
         self._bodies.update(new)
         return self._prepared(query, a, b)(_transform(X_WA), _transform(X_WB))
 

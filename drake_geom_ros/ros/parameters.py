@@ -36,6 +36,7 @@ class NodeParameters:
     stale_after: float = 1.0
     point_threshold: float = 0.1
     use_tf: bool = False
+    use_joint_states: bool = False
     robot_description_topic: str = 'robot_description'
     robot_description_semantic_topic: str = 'robot_description_semantic'
     filter_self_collisions: bool = False
@@ -76,6 +77,10 @@ TEXTS = {
         + _LIVE
     ),
     'use_tf': 'Also take frame poses from /tf and /tf_static; needs tf2_msgs.',
+    'use_joint_states': (
+        'Pose the links of robots by the topic joint_states (sensor_msgs/JointState); a robot of '
+        'a scene file that names a topic of its own is driven by that one anyhow.'
+    ),
     'robot_description_topic': (
         'Topic (std_msgs/String, latched) whose URDF becomes a source of the scene; empty: none.'
     ),
@@ -116,7 +121,7 @@ TEXTS = {
     'replay_limit': 'Number of replay files in that folder at which writing stops.' + _LIVE,
     'cross_check': (
         'Cycles per second [Hz] of which python-fcl, in its own process, checks a sample of the '
-        'pairs; 0: none. Needs python-fcl and mpmath.' + _LIVE
+        'pairs; 0: none. Needs python-fcl.' + _LIVE
     ),
     'closing_speeds': (
         'Messages of pairs tell how fast these come together and when they meet, from '

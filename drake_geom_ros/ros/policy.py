@@ -15,7 +15,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
-from drake_geom_ros.ros.services.table import BESIDE, IMAGES, SERVICES
+from drake_geom_ros.ros.services.table import BESIDE, IMAGES, PLANNING, SERVICES
 
 VERSION = '0.2.0'  # of the format
 # What the node has, by names as it gives them: ~ is its own.
@@ -28,7 +28,10 @@ RESULTS = tuple(
     )
 )
 SHARED_RESULTS = ('/diagnostics', '/tf', '/tf_static')  # TF: of cameras
-INPUTS = ('~/frame_poses', '~/frame_twists', '~/query_points', '/tf', '/tf_static')
+INPUTS = (
+    *('~/frame_poses', '~/frame_twists', '~/query_points'),
+    *('joint_states', '/tf', '/tf_static'),
+)
 ROBOT_TOPICS = ('robot_description', 'robot_description_semantic')
 CLOCK = ('/clock',)
 # What every node of rclpy has, and what one with a life cycle has besides.
@@ -47,7 +50,7 @@ LIFE_CYCLE = tuple(
         'get_transition_graph',
     )
 )
-QUERIES = tuple(f'~/{name}' for name, _, _ in (*BESIDE, *IMAGES))
+QUERIES = tuple(f'~/{name}' for name, _, _ in (*BESIDE, *IMAGES, *PLANNING))
 OFFERED = (*(f'~/{name}' for name, _, _ in SERVICES), *LIFE_CYCLE, *OWN_SERVICES)
 
 

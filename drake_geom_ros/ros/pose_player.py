@@ -28,6 +28,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_srvs.srv import Trigger
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.common.frame_names import full_name
 from drake_geom_ros.ros.parameters import ParameterRefusedError, declared, unknown_parameters
 from drake_geom_ros.ros.spinning import run_node
 from drake_geom_ros.ros.tf_sending import TransformSender
@@ -69,6 +70,8 @@ class PosePlayer(Node):
         for told in scene.warnings:
             self.get_logger().warning(told)
         self._motion = load_motion(trajectory_file or None, scene)
+        for robot, reason in self._motion.left_out.items():
+            self.get_logger().warning(f'{reason}. The links of {robot!r} are not posed')
         self._message = FramePoses(frame_names=_full_names(self._motion))
         self._message.header.frame_id = self._declare('world_frame', 'world')
         topic = self._declare('topic', '/scene_graph/frame_poses')
@@ -135,15 +138,15 @@ class PosePlayer(Node):
 
 
 def _full_names(motion: Motion) -> list[str]:
-    return [f'{source}::{name}' for source, names in motion.frame_names.items() for name in names]
+    return [full_name((source, n)) for source, names in motion.frame_names.items() for n in names]
 
 
 def _statement(grasp: Grasp) -> CollisionFilterStatement:
     """Return the statement that excludes the contacts of a grasp."""
     return CollisionFilterStatement(
         operation=CollisionFilterStatement.EXCLUDE_BETWEEN,
-        set_a=GeometrySet(frames=[grasp.frame]),
-        set_b=GeometrySet(frames=list(grasp.gripper)),
+        set_a=GeometrySet(frames=[full_name(grasp.frame)]),
+        set_b=GeometrySet(frames=list(map(full_name, grasp.gripper))),
     )
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import time
 from typing import Any
 
+from drake_geom_ros.ros.inputs.joint_input import JointInput
 from drake_geom_ros.ros.inputs.tf_edges import Refusal
 from drake_geom_ros.ros.inputs.tf_input import TfInput
 from drake_geom_ros.ros.outputs.cycle import Cycle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
 from drake_geom_ros.ros.parameters import ParameterStore
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 
@@ -25,7 +27,9 @@ class PoseStream:
         cycle: Cycle,
     ) -> None:
         self.active = False
-        self.tf: TfInput | None = None  # what may hang on frames that messages pose
+        # What may hang on frames that others pose.
+        self.tf: TfInput | None = None
+        self.joints: JointInput | None = None
         self._live = live
         self._settings = settings
         self._diagnostics = diagnostics
@@ -42,10 +46,26 @@ class PoseStream:
         start = time.perf_counter()
         with self._live.editing() as scene:
             frames = scene.take_poses(message, waited)
-            if self.tf is not None:
-                frames += self.tf.follow(scene)
-            self._posed(scene, frames, start)
+            self._posed(scene, frames + self.follow(scene), start)
         self._diagnostics.take(time.perf_counter() - start)
+
+    def take_joint_states(
+        self, joints: JointInput, topic: str, message: Any, waited: float
+    ) -> None:
+        """Take a JointState that came ``waited`` [s] ago; raises RuntimeError to refuse it.
+
+        ``topic`` is that of the robots that name it, empty for all others.
+        """
+        start = time.perf_counter()
+        with self._live.editing() as scene:
+            if frames := joints.take(scene, message, waited, topic):
+                self._posed(scene, frames + self.follow(scene), start)
+        self._diagnostics.take(time.perf_counter() - start)
+
+    def follow(self, scene: EditableScene) -> int:
+        """Pose what hangs on frames that moved, or is new; return how many frames."""
+        frames = 0 if self.tf is None else self.tf.follow(scene)
+        return frames + (0 if self.joints is None else self.joints.follow(scene))
 
     def take_twists(self, message: Any, waited: float) -> None:
         """Take a FrameTwists that came ``waited`` [s] ago; raises RuntimeError to refuse it."""
@@ -62,9 +82,17 @@ class PoseStream:
         start = time.perf_counter()
         with self._live.editing() as scene:
             if frames := tf.pose(scene):
+                frames += 0 if self.joints is None else self.joints.follow(scene)
                 self._posed(scene, frames, start)
         if frames:
             self._diagnostics.take(time.perf_counter() - start, messages, passed_over)
+
+    def troubles(self, scene: HeldScene) -> list[str]:
+        """Return what is wrong with transforms and joint values, in words."""
+        told = [] if self.tf is None else self.tf.troubles(scene)
+        if self.joints is not None:
+            told += self.joints.troubles(scene, self._settings.values.stale_after)
+        return told
 
     def cycle_is_due(self) -> None:
         """Run a cycle because it is time to."""

@@ -125,6 +125,11 @@ class Surface:
         handle = clock.create_jump_callback(threshold, post_callback=callback)
         self._open.append((JumpHandle.unregister, handle))
 
+    def close_subscription(self, subscription: Subscription[Any]) -> None:
+        """Listen to one topic no more."""
+        self._open.remove((self._node.destroy_subscription, subscription))
+        self._node.destroy_subscription(subscription)
+
     def close_publisher(self, publisher: Publisher) -> None:
         """Close one topic."""
         self._open.remove((self._node.destroy_publisher, publisher))

@@ -28,8 +28,8 @@ class TransformSender:
         self._sent: list[tuple[str, int, str]] = []  # source, row in its poses, name in TF
         for source, names in motion.frame_names.items():
             for row, name in enumerate(names):
-                full = f'{source}::{name}'
-                if source in motion.robots or motion.free[full].moves or full in grasped:
+                frame = source, name
+                if source in motion.robots or motion.free[frame].moves or frame in grasped:
                     short = name if counts[name] == 1 else f'{source}/{name}'
                     self._sent.append((source, row, short))
 

@@ -27,7 +27,7 @@ from drake_geom_ros.scene_files.description import (
     CameraDescription,
     Member,
 )
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.yaml_text import Document
 from drake_geom_ros.scene_files.yaml_values import plain_pose, pose_of
 from drake_geom_ros.sensors import CameraInfo
@@ -43,7 +43,7 @@ MOST_PIXELS = 16384  # along a side of an image
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
 
 
-def read_cameras(document: Document, names: NameTable) -> tuple[CameraDescription, ...]:
+def read_cameras(document: Document, names: FileNames) -> tuple[CameraDescription, ...]:
     """Return the cameras of a document; raises SceneFileError for one that cannot be."""
     cameras: dict[str, CameraDescription] = {}
     for index, plain in enumerate(document.value.get('cameras', ())):
@@ -96,7 +96,7 @@ def check_camera(camera: CameraDescription) -> None:
     camera_of(camera)
 
 
-def plain_camera(camera: CameraDescription, names: NameTable) -> dict[str, Any]:
+def plain_camera(camera: CameraDescription, names: FileNames) -> dict[str, Any]:
     """Return the plain form of a camera, which gives back the very same numbers."""
     on_world = camera.frame == WORLD
     frame = None if on_world else names.name(Member(camera.source, camera.frame))

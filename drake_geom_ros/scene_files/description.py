@@ -14,6 +14,7 @@ from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.scene_files.link_tree import LinkTree
 from drake_geom_ros.sensors import CameraInfo
 
 WORLD = 'world'
@@ -88,7 +89,8 @@ class RobotOptions:
 class RobotDescription:
     """A robot: the source of its name holds its links; X_WB is the pose of its root link.
 
-    ``urdf`` is None where the URDF came as text.
+    ``urdf`` is None where the URDF came as text. ``joint_states`` is the topic, if one is named,
+    on which a node hears of its joints; ``tree`` are its links and joints.
     """
 
     name: str
@@ -96,6 +98,8 @@ class RobotDescription:
     X_WB: RigidTransform
     srdf: Path | None = None
     where: Location = field(default=_NOWHERE, compare=False)
+    joint_states: str = ''
+    tree: LinkTree | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from drake_geom_ros.scene_files.errors import Location
 MemberName = str | Mapping[str, str]
 
 
-class NameTable:
+class FileNames:
     """All names of a scene's frames, and of its geometries with the proximity role.
 
     A frame is ``frame`` or ``source::frame``, a geometry ``frame/geometry`` or

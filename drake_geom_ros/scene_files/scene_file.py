@@ -126,7 +126,7 @@ def _urdf_scene(
         srdf_path = None if _as_text(srdf) else Path(srdf_file).absolute()
         semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
-    robot = RobotDescription(name, path, RigidTransform(), srdf_path)
+    robot = RobotDescription(name, path, RigidTransform(), srdf_path, tree=parts.tree)
     return SceneDescription(
         *(file, (name,), (robot,), parts.frames, parts.geometries, filters),
         warnings=warnings,

@@ -7,8 +7,7 @@ in Drake: it becomes no frame. Collision elements become geometries with the pro
 elements are left alone.
 
 Read are links, joints and collision elements, and no more: a geometry service has no use for
-masses, limits and visuals, and a library that reads those as well (yourdfpy) brings trimesh and
-FCL into a process whose scene has no mesh, 0.7 s and 60 MB.
+masses and visuals.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,11 +25,11 @@ from drake_geom_ros.scene_files.description import (
     GeometryDescription,
     RobotOptions,
 )
+from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.urdf_filters import moved_links
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.urdf_tree import (
-    UrdfJoint,
     fixed_poses,
     read_joints,
     read_links,
@@ -49,8 +48,13 @@ class RobotParts:
     frames: tuple[FrameDescription, ...]
     geometries: tuple[GeometryDescription, ...]
     filters: tuple[FilterDescription, ...]
-    joints: tuple[UrdfJoint, ...] = ()
+    tree: LinkTree
     warnings: tuple[str, ...] = ()
+
+    @property
+    def joints(self) -> tuple[UrdfJoint, ...]:
+        """The joints in the order of the file."""
+        return self.tree.joints
 
     @property
     def link_names(self) -> list[str]:
@@ -96,7 +100,7 @@ def read_urdf(
     bad dimensions, missing mesh files, and for what cannot be meant as it is read.
     """
     root = read_robot_xml(data, file)
-    attribute(root, 'name', file)
+    robot = attribute(root, 'name', file)
     warnings = check_vocabulary(root, file)
     links = read_links(root, file)
     joints = read_joints(root, links, file)
@@ -127,7 +131,8 @@ def read_urdf(
     )
     if not geometries:
         warnings += (str(place_of(root, file).error(_NO_SHAPES.format(source))),)
-    return RobotParts(tuple(frames), tuple(geometries), filters, tuple(joints), warnings)
+    tree = LinkTree(robot, tuple(links), tuple(joints))
+    return RobotParts(tuple(frames), tuple(geometries), filters, tree, warnings)
 
 
 def _unknown_leaders(joints: Sequence[UrdfJoint]) -> Iterator[str]:

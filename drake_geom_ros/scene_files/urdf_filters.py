@@ -16,19 +16,11 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
 )
 from drake_geom_ros.scene_files.errors import Location
+from drake_geom_ros.scene_files.link_tree import Joint
 from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of
 
 # Of ``<drake:joint>``; all of these move.
 _DRAKES_JOINTS = ('ball', 'curvilinear', 'planar', 'screw', 'universal')
-
-
-@dataclass(frozen=True)
-class Joint:
-    """What holds two links together."""
-
-    type: str
-    parent: str
-    child: str
 
 
 def moved_links(joints: Sequence[Joint]) -> set[str]:

@@ -6,54 +6,17 @@ the same to a node, to ``check`` and to a player.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import WORLD
-from drake_geom_ros.scene_files.errors import Location, SceneFileError
-from drake_geom_ros.scene_files.urdf_filters import Joint
+from drake_geom_ros.scene_files.errors import SceneFileError
+from drake_geom_ros.scene_files.link_tree import Joint, LinkTree, Mimic, UrdfJoint
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
 _SHOWN = 5  # joints in a sentence
-_NOWHERE = Location('<urdf>')
-
-
-@dataclass(frozen=True)
-class Mimic:
-    """A joint that stands at ``multiplier`` times the value of ``joint``, plus ``offset``."""
-
-    joint: str
-    multiplier: float
-    offset: float
-
-
-@dataclass(frozen=True)
-class UrdfJoint(Joint):
-    """A joint J: X_PJ in its parent link, its axis, and its limits [m], [rad], [1/s].
-
-    Lower and upper limit and speed are infinite where the file gives none.
-    """
-
-    name: str
-    X_PJ: RigidTransform
-    axis: tuple[float, float, float]
-    lower: float = -math.inf
-    upper: float = math.inf
-    max_speed: float = math.inf
-    mimic: Mimic | None = None
-    where: Location = field(default=_NOWHERE, compare=False)
-
-
-@dataclass(frozen=True)
-class LinkTree:
-    """The name of a robot, and its links and joints in the order of its file."""
-
-    name: str
-    links: tuple[str, ...]
-    joints: tuple[UrdfJoint, ...]
 
 
 def read_link_tree(path: str | Path) -> LinkTree:

@@ -1,6 +1,7 @@
 """YAML document -> scene description (the format is ``scene.schema.json``)."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +23,10 @@ from drake_geom_ros.scene_files.description import (
     SceneDescription,
     Statement,
 )
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.resources import ResourceResolver
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
 from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, shape_of
 
@@ -65,7 +67,7 @@ class _SceneParser:
             self._frames.append(self._frame(index, plain))
         for index, plain in enumerate(self._plain.get('geometries', ())):
             self._geometries.append(self._geometry(index, plain))
-        names = NameTable(self._frames, self._geometries)
+        names = FileNames(self._frames, self._geometries)
         for index, plain in enumerate(self._plain.get('filters', ())):
             self._filters.append(self._filter(index, plain, names))
         return SceneDescription(
@@ -100,13 +102,16 @@ class _SceneParser:
         urdf_path = self._file(plain['urdf'], *path, 'urdf')
         srdf_path = self._file(plain['srdf'], *path, 'srdf') if 'srdf' in plain else None
         X_WB = self._pose(plain, *path)
-        self._robots.append(RobotDescription(name, urdf_path, X_WB, srdf_path, where))
+        robot = RobotDescription(
+            name, urdf_path, X_WB, srdf_path, where, plain.get('joint_states', '')
+        )
         if plain.get('loaded', False):
             for key in _OF_READING & plain.keys():
                 raise self._document.at(*path, key).error(
                     'has no effect with `loaded: true`: geometries and filters are those that '
                     'this file lists'
                 )
+            self._robots.append(replace(robot, tree=read_link_tree(urdf_path)))
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
@@ -117,6 +122,7 @@ class _SceneParser:
         parts = urdf.read_urdf(
             data, str(urdf_path), name, urdf_path.parent, self._resolver, options
         )
+        self._robots.append(replace(robot, tree=parts.tree))
         self._warnings += parts.warnings
         if 'pose' in plain:
             try:
@@ -185,7 +191,7 @@ class _SceneParser:
         except RuntimeError as error:
             raise self._document.at(*path, 'pose').error(str(error)) from error
 
-    def _filter(self, index: int, plain: Plain, names: NameTable) -> FilterDescription:
+    def _filter(self, index: int, plain: Plain, names: FileNames) -> FilterDescription:
         ((kind, value),) = plain.items()
         path = ('filters', index, kind)
         where = self._document.at(*path)
@@ -208,7 +214,7 @@ class _SceneParser:
         statement = self._statement((kind, value), path[:-1], names)
         return DeclarationDescription((statement,), where)
 
-    def _statement(self, item: tuple[str, Any], path: KeyPath, names: NameTable) -> Statement:
+    def _statement(self, item: tuple[str, Any], path: KeyPath, names: FileNames) -> Statement:
         kind, value = item
         operation = Operation[kind.upper()]
         if not operation.takes_two_sets:
@@ -217,7 +223,7 @@ class _SceneParser:
         return Statement(operation, set_a, set_b)
 
     def _members(
-        self, plain: Sequence[Any], path: KeyPath, names: NameTable
+        self, plain: Sequence[Any], path: KeyPath, names: FileNames
     ) -> tuple[Member, ...]:
         return tuple(
             names.find(name, self._document.at(*path, index)) for index, name in enumerate(plain)

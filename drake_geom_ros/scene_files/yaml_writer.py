@@ -20,7 +20,7 @@ from drake_geom_ros.scene_files.description import (
     Statement,
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.yaml_text import is_text_without_quotes
 from drake_geom_ros.scene_files.yaml_values import plain_pose, plain_roles, plain_shape
 
@@ -45,7 +45,7 @@ def to_yaml(description: SceneDescription) -> str:
     Robots are written as loaded: what they consist of is among the frames and geometries.
     Raises SceneFileError for what the format cannot say, such as a property that is an object.
     """
-    names = NameTable(description.frames, description.geometries)
+    names = FileNames(description.frames, description.geometries)
     try:
         sections: dict[str, list[Any]] = {
             'sources': list(description.sources),
@@ -92,6 +92,7 @@ def _robot(robot: RobotDescription) -> dict[str, Any]:
         urdf=str(robot.urdf),
         srdf=str(robot.srdf) if robot.srdf else None,
         pose=plain_pose(robot.X_WB) or None,
+        joint_states=robot.joint_states or None,
         loaded=True,
     )
 
@@ -119,7 +120,7 @@ def _geometry(geometry: GeometryDescription) -> dict[str, Any]:
     )
 
 
-def _filter(entry: FilterDescription, names: NameTable) -> dict[str, Any]:
+def _filter(entry: FilterDescription, names: FileNames) -> dict[str, Any]:
     if isinstance(entry, GroupDescription):
         ignores = list(entry.ignores) or None
         members = list(_members(entry.members, names))
@@ -132,7 +133,7 @@ def _filter(entry: FilterDescription, names: NameTable) -> dict[str, Any]:
     return statements[0] if len(statements) == 1 else {'declaration': statements}
 
 
-def _statement(statement: Statement, names: NameTable) -> dict[str, Any]:
+def _statement(statement: Statement, names: FileNames) -> dict[str, Any]:
     key = statement.operation.name.lower()
     set_a = list(_members(statement.set_a, names))
     if not statement.operation.takes_two_sets:
@@ -140,5 +141,5 @@ def _statement(statement: Statement, names: NameTable) -> dict[str, Any]:
     return {key: [set_a, list(_members(statement.set_b, names))]}
 
 
-def _members(members: Iterable[Member], names: NameTable) -> Iterator[Any]:
+def _members(members: Iterable[Member], names: FileNames) -> Iterator[Any]:
     return (names.name(member) for member in members)

@@ -1,5 +1,9 @@
 """Motion over time without ROS: forward kinematics, joint trajectories, grasps, timed poses.
 
+In: joint trajectories, grasps, tables of poses.
+Out: poses of frames at any time.
+May import: ``math``, ``autodiffutils``, ``common``, ``geometry``, ``scene_files``; numpy, yaml.
+
 ``Kinematics`` poses the links of a URDF by joint values, and gives their Jacobians::
 
     kinematics = Kinematics('robot.urdf')

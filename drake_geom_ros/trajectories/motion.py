@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drake_geom_ros.common.frame_names import Frame, full_name
 from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -17,11 +19,22 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RobotMotion:
-    """A robot on its base pose X_WB (4, 4), and its joint values over time."""
+    """A robot on its base pose X_WB (4, 4), and its joint values over time.
+
+    ``given`` are the joints that somebody gave values; the others are at rest, and a link below a
+    planar or floating one of them stands nowhere.
+    """
 
     kinematics: Kinematics
     X_WB: Floats
     joint_values: MonotoneCubic
+    given: frozenset[str] = frozenset()
+
+    def moved_links(self) -> list[int]:
+        """Return the rows of the links that are frames of the scene, and stand somewhere."""
+        # A link called as the world is no frame: see scene_files/urdf.py.
+        links = self.kinematics.link_names
+        return [k for k in self.kinematics.placed_links(self.given) if links[k] != WORLD]
 
     def link_transforms(self, t: ArrayLike) -> Floats:
         """Return X_WL of every link (..., links, 4, 4) at times t (...) [s]."""
@@ -30,14 +43,14 @@ class RobotMotion:
 
 @dataclass(frozen=True)
 class Grasp:
-    """From ``start`` to ``end`` [s] a frame follows a robot's link; frames are ``source::frame``.
+    """From ``start`` to ``end`` [s] a frame follows a robot's link; frames go by source and name.
 
     ``gripper`` are the frames that touch it on purpose meanwhile.
     """
 
-    frame: str
-    link: str
-    gripper: tuple[str, ...]
+    frame: Frame
+    link: Frame
+    gripper: tuple[Frame, ...]
     start: float
     end: float
 
@@ -49,34 +62,35 @@ class Grasp:
 class Motion:
     """The poses X_WF of all frames that a player moves, at any time of a motion.
 
-    ``robots`` by source name, ``free`` frames by ``source::frame``. A frame with grasps stands
+    ``robots`` by source name, ``free`` frames by source and name. A frame with grasps stands
     at its first free pose until the first of them, and stays wherever each one leaves it.
     """
 
     def __init__(
         self,
         robots: Mapping[str, RobotMotion],
-        free: Mapping[str, TimedPoses],
+        free: Mapping[Frame, TimedPoses],
         grasps: Sequence[Grasp] = (),
+        left_out: Mapping[str, str] = MappingProxyType({}),
     ):
-        """Raise ValueError for a grasp of or by an unknown frame, or one during another."""
+        """Raise ValueError for a grasp of or by an unknown frame, or one during another.
+
+        ``left_out`` are the robots of the scene that no joint values can pose, and why.
+        """
+        self.left_out = dict(left_out)
         self.robots = dict(robots)
         self.free = dict(free)
         self.grasps = tuple(sorted(grasps, key=lambda g: g.start))
-        # A link called as the world is no frame: see scene_files/urdf.py.
-        self._moving_links = {
-            source: [k for k, link in enumerate(robot.kinematics.link_names) if link != WORLD]
-            for source, robot in self.robots.items()
-        }
+        self._moving_links = {source: r.moved_links() for source, r in self.robots.items()}
         self.frame_names: dict[str, list[str]] = {
             source: [robot.kinematics.link_names[k] for k in self._moving_links[source]]
             for source, robot in self.robots.items()
         }
-        for full_name in self.free:
-            source, _, name = full_name.partition('::')
-            if not name or source in self.robots:
+        for source, name in self.free:
+            if source in self.robots:
                 raise ValueError(
-                    f'free frame {full_name!r}: it must be source::frame, not a link of a robot'
+                    f'free frame {full_name((source, name))!r}: its source is a robot, whose '
+                    'frames its joints move'
                 )
             self.frame_names.setdefault(source, []).append(name)
         self._check_grasps()
@@ -102,7 +116,7 @@ class Motion:
         }
         for source, names in self.frame_names.items():
             if source not in self.robots:
-                frames = [self._free_pose(f'{source}::{name}', t, links) for name in names]
+                frames = [self._free_pose((source, name), t, links) for name in names]
                 poses[source] = np.stack(frames, axis=-2)
         return poses
 
@@ -110,11 +124,11 @@ class Motion:
         """Return the grasps that hold at a time t [s]."""
         return tuple(grasp for grasp in self.grasps if grasp.holds(t))
 
-    def _free_pose(self, name: str, t: Floats, links: Mapping[str, Floats]) -> Floats:
+    def _free_pose(self, frame: Frame, t: Floats, links: Mapping[str, Floats]) -> Floats:
         """Return the pose of a free frame (..., 7), given the robots' links at the same times."""
-        pose = self.free[name].poses(t)
+        pose = self.free[frame].poses(t)
         for grasp, (X_LF, pose_end) in zip(self.grasps, self._held_poses, strict=True):
-            if grasp.frame != name:
+            if grasp.frame != frame:
                 continue
             robot, link = self._link_of(grasp)
             X_WF = links[robot][..., link, :, :] @ X_LF
@@ -138,26 +152,28 @@ class Motion:
         return fixed
 
     def _link_of(self, grasp: Grasp) -> tuple[str, int]:
-        robot, _, link = grasp.link.partition('::')
+        robot, link = grasp.link
         return robot, self.robots[robot].kinematics.link_names.index(link)
 
     def _check_grasps(self) -> None:
-        links = {f'{s}::{n}' for s in self.robots for n in self.frame_names[s]}
-        free_from: dict[str, float] = {}
+        links = {(source, n) for source in self.robots for n in self.frame_names[source]}
+        free_from: dict[Frame, float] = {}
         for grasp in self.grasps:
+            of = f'grasp of {full_name(grasp.frame)!r}'
             unknown = [n for n in (grasp.link, *grasp.gripper) if n not in links]
             if unknown or grasp.frame not in self.free:
+                known = sorted(map(full_name, links if unknown else self.free))
                 raise ValueError(
-                    f'grasp of {grasp.frame!r} by {grasp.link!r}: '
-                    f'{unknown[0] if unknown else grasp.frame!r} is no '
+                    f'{of} by {full_name(grasp.link)!r}: '
+                    f'{full_name(unknown[0] if unknown else grasp.frame)!r} is no '
                     f'{"link of a robot" if unknown else "free frame"}; there are '
-                    f'{", ".join(sorted(links if unknown else self.free)) or "none"}'
+                    f'{", ".join(known) or "none"}'
                 )
             if self.free[grasp.frame].moves:
-                raise ValueError(f'grasp of {grasp.frame!r}: the frame has timed poses as well')
+                raise ValueError(f'{of}: the frame has timed poses as well')
             if not free_from.get(grasp.frame, 0.0) <= grasp.start < grasp.end:
                 raise ValueError(
-                    f'grasp of {grasp.frame!r} from {grasp.start} s to {grasp.end} s must start '
+                    f'{of} from {grasp.start} s to {grasp.end} s must start '
                     f'at {free_from.get(grasp.frame, 0.0)} s or later and end after its start'
                 )
             free_from[grasp.frame] = grasp.end

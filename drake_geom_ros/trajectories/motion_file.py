@@ -16,7 +16,9 @@
       - {at: 0.0, pose: [0, 0, 1, 0, 0, 0, 1]}  # x y z [m], qx qy qz qw
       - {at: 1.0, pose: [0, 0, 2, 0, 0, 0, 1]}
 
-``motion.schema.json`` says it all. A CSV file holds timed poses alone: see ``read_timed_poses``.
+Frames are named ``source::frame``; names may themselves hold ``::``, and a text that stands for
+two frames is refused. ``motion.schema.json`` says it all. A CSV file holds timed poses alone: see
+``read_timed_poses``.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,9 +28,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
+from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -42,32 +46,36 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
     """Return the motion of a file in a scene; without a file everything stands still.
 
     Robots without waypoints stand at 0, other frames where the scene file says. Frames of which
-    neither file tells a pose are left out, for somebody else to move.
+    neither file tells a pose are left out, for somebody else to move: links below a planar or
+    floating joint without values, and robots whose URDF is not a tree of joints that are known,
+    which are named in ``Motion.left_out``.
     Raises SceneFileError, naming file, line and key, for a file that is not of the form above,
-    names what the scene has not, or drives a joint beyond its limits; and for a URDF that is not
-    a tree of simple joints.
+    names what the scene has not, drives a joint beyond its limits, or a robot that is left out.
     """
-    robots = {robot.name: robot for robot in scene.robots if robot.urdf is not None}
-    urdfs = {robot.urdf for robot in robots.values()}
-    kinematics: dict[Path | None, Kinematics] = {
-        urdf: _kinematics(urdf) for urdf in urdfs if urdf is not None
-    }
+    X_WBs = {r.name: r.X_WB.GetAsMatrix4() for r in scene.robots if r.urdf is not None}
+    arms, left_out = _arms(scene)
     document = _read(path)
-    curves, grasps, timed = {}, [], {}
+    curves: dict[str, MonotoneCubic] = {}
+    given: dict[str, frozenset[str]] = {}
+    grasps: list[Mapping[str, Any]] = []
     if isinstance(document, Document):
         reader = _Reader(document)
-        curves = reader.curves({name: kinematics[r.urdf] for name, r in robots.items()})
+        curves, given = reader.curves(arms, left_out), reader.joints()
         grasps, timed = reader.grasps(), reader.frames()
     else:
         timed = document
-    motions = {}
-    for name, robot in robots.items():
-        arm = kinematics[robot.urdf]
-        curve = curves.get(name) or _rest(arm)
-        motions[name] = RobotMotion(arm, robot.X_WB.GetAsMatrix4(), curve)
+    motions = {
+        name: RobotMotion(
+            *(arm, X_WBs[name], curves.get(name) or _rest(arm)),
+            given=given.get(name, frozenset()),
+        )
+        for name, arm in arms.items()
+    }
     try:
-        _check_frames(scene, timed, grasps)
-        return Motion(motions, {**_still(scene), **timed}, grasps)
+        names = _names(scene, motions)
+        free = {_found(names, text): poses for text, poses in timed.items()}
+        held = [_grasp(scene, names, grasp) for grasp in grasps]
+        return Motion(motions, {**_still(scene), **free}, held, left_out)
     except ValueError as error:
         raise SceneFileError(str(error), str(path)) from error
 
@@ -75,43 +83,71 @@ def load_motion(path: str | Path | None, scene: SceneDescription) -> Motion:
 def adjacent_links(scene: SceneDescription) -> list[tuple[str, str]]:
     """Return the two links of every joint of a scene's robots, as ``source::frame``."""
     return [
-        (f'{robot.name}::{parent}', f'{robot.name}::{child}')
+        (full_name((robot.name, joint.parent)), full_name((robot.name, joint.child)))
         for robot in scene.robots
         if robot.urdf is not None
-        for parent, child in _kinematics(robot.urdf).joined_links
+        for joint in read_link_tree(robot.urdf).joints
     ]
 
 
-def _kinematics(urdf: Path) -> Kinematics:
-    try:
-        return Kinematics(str(urdf))
-    except ValueError as error:
-        raise SceneFileError(str(error), str(urdf)) from error
+def _arms(scene: SceneDescription) -> tuple[dict[str, Kinematics], dict[str, str]]:
+    """Return the robots that joint values can pose, and of the others why they cannot."""
+    read: dict[Path, Kinematics | str] = {}
+    arms: dict[str, Kinematics] = {}
+    left_out: dict[str, str] = {}
+    for robot in scene.robots:
+        if robot.urdf is None:
+            continue
+        if robot.urdf not in read:
+            try:
+                read[robot.urdf] = Kinematics(str(robot.urdf))
+            except ValueError as error:
+                read[robot.urdf] = str(error)
+        found = read[robot.urdf]
+        if isinstance(found, str):
+            left_out[robot.name] = found
+        else:
+            arms[robot.name] = found
+    return arms, left_out
 
 
-def _still(scene: SceneDescription) -> dict[str, TimedPoses]:
+def _still(scene: SceneDescription) -> dict[Frame, TimedPoses]:
     """Return the frames of no robot that the scene file gives a pose."""
     robots = {robot.name for robot in scene.robots}
     return {
-        f'{frame.source}::{frame.name}': TimedPoses([0.0], [frame.X_PF.ToArray()])
+        (frame.source, frame.name): TimedPoses([0.0], [frame.X_PF.ToArray()])
         for frame in scene.frames
         if frame.source not in robots and frame.X_PF is not None
     }
 
 
-def _check_frames(
-    scene: SceneDescription, timed: Mapping[str, TimedPoses], grasps: list[Grasp]
-) -> None:
-    parents = {f'{frame.source}::{frame.name}': frame.parent for frame in scene.frames}
-    for name in timed:
-        if name not in parents:
-            raise ValueError(f'the scene has no frame {name!r}; it has {", ".join(parents)}')
-    for grasp in grasps:
-        if parents.get(grasp.frame, WORLD) != WORLD:
-            raise ValueError(
-                f'grasp of {grasp.frame!r}: its parent is {parents[grasp.frame]!r}; only a '
-                'frame whose parent is the world can follow a link'
-            )
+def _grasp(scene: SceneDescription, names: FrameNames, entry: Mapping[str, Any]) -> Grasp:
+    """Return the grasp that an entry of a motion file says."""
+    try:
+        frame, link = _found(names, entry['frame']), _found(names, entry['link'])
+        gripper = tuple(_found(names, text) for text in entry['gripper'])
+    except ValueError as error:
+        raise ValueError(f'grasp of {entry["frame"]!r}: {error}') from None
+    parents = {(each.source, each.name): each.parent for each in scene.frames}
+    if parents.get(frame, WORLD) != WORLD:
+        raise ValueError(
+            f'grasp of {full_name(frame)!r}: its parent is {parents[frame]!r}; only a '
+            'frame whose parent is the world can follow a link'
+        )
+    return Grasp(frame, link, gripper, entry['start'], entry['end'])
+
+
+def _names(scene: SceneDescription, robots: Mapping[str, RobotMotion]) -> FrameNames:
+    """Return the frames of a scene and the links of its robots."""
+    links = ((name, link) for name, r in robots.items() for link in r.kinematics.link_names)
+    return FrameNames([*((frame.source, frame.name) for frame in scene.frames), *links])
+
+
+def _found(names: FrameNames, text: str) -> Frame:
+    frame = names.find(text)
+    if frame is None:
+        raise ValueError(f'the scene has no frame {text!r}; it has {", ".join(names)}')
+    return frame
 
 
 def _read(path: str | Path | None) -> Document | dict[str, TimedPoses]:
@@ -143,10 +179,18 @@ class _Reader:
         """Return a part of the file; nothing where it is left out or left empty."""
         return self._document.value.get(key) or {}
 
-    def curves(self, kinematics: Mapping[str, Kinematics]) -> dict[str, MonotoneCubic]:
+    def joints(self) -> dict[str, frozenset[str]]:
+        """Return the joints that the file moves, of each robot."""
+        return {name: frozenset(e['joints']) for name, e in self._part('robots').items()}
+
+    def curves(
+        self, kinematics: Mapping[str, Kinematics], left_out: Mapping[str, str]
+    ) -> dict[str, MonotoneCubic]:
         """Return the joint curves of every robot that the file moves."""
         curves = {}
         for name, entry in self._part('robots').items():
+            if name in left_out:
+                raise self._error(left_out[name], 'robots', name)
             if name not in kinematics:
                 there = ', '.join(kinematics) or 'none'
                 raise self._error(
@@ -189,12 +233,9 @@ class _Reader:
             )
         return curve
 
-    def grasps(self) -> list[Grasp]:
-        """Return the grasps."""
-        return [
-            Grasp(**{**entry, 'gripper': tuple(entry['gripper'])})
-            for entry in self._part('grasps')
-        ]
+    def grasps(self) -> list[Mapping[str, Any]]:
+        """Return the grasps as they are written."""
+        return list(self._part('grasps'))
 
     def frames(self) -> dict[str, TimedPoses]:
         """Return the free frames with timed poses."""

@@ -13,7 +13,7 @@ from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import compose, quaternions_from_rotations
 from drake_geom_ros.viewing.looks import LAYERS, Look
-from drake_geom_ros.viewing.surfaces import ROUND, Part, Surface, facets_around, parts_of
+from drake_geom_ros.viewing.surfaces import ROUND, DrawnSurface, Part, facets_around, parts_of
 
 Floats = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class Batch:
     """
 
     layer: str
-    surface: Surface
+    surface: DrawnSurface
     alpha: float
     bodies: NDArray[np.int64]
     geometries: NDArray[np.int64]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId, FramePoseVector
 from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.trajectories.motion import RobotMotion
@@ -17,7 +18,7 @@ _FREE = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointSlider:
     """A joint of a robot, and the range [rad] or [m] in which a slider moves it."""
 
     robot: str
@@ -26,15 +27,15 @@ class Joint:
     upper: float
 
 
-class Joints:
+class JointSliders:
     """Joint values of robots, by the names of their sources."""
 
     def __init__(
-        self, robots: Mapping[str, RobotMotion], frames: Mapping[str, FrameId], time: float = 0.0
+        self, robots: Mapping[str, RobotMotion], frames: Mapping[Frame, FrameId], time: float = 0.0
     ) -> None:
         """Begin with the values that the robots' motions have at a time [s].
 
-        ``frames`` are the scene's, by ``source::frame``.
+        ``frames`` are the scene's, by source and name.
         """
         self._robots = robots
         self.values = {name: robot.joint_values.value(time) for name, robot in robots.items()}
@@ -45,10 +46,10 @@ class Joints:
             for name, robot in robots.items()
         }
 
-    def all(self) -> list[Joint]:
+    def all(self) -> list[JointSlider]:
         """Return the joints that can be moved."""
         return [
-            Joint(name, joint, float(max(low, -_FREE)), float(min(high, _FREE)))
+            JointSlider(name, joint, float(max(low, -_FREE)), float(min(high, _FREE)))
             for name, robot in self._robots.items()
             for joint, low, high in zip(
                 *(robot.kinematics.joint_names, robot.kinematics.lower, robot.kinematics.upper),
@@ -57,11 +58,11 @@ class Joints:
             if low < high
         ]
 
-    def value(self, joint: Joint) -> float:
+    def value(self, joint: JointSlider) -> float:
         """Return the value [rad] or [m] of a joint."""
         return float(self.values[joint.robot][self._column(joint)])
 
-    def move(self, joint: Joint, value: float) -> FramePoseVector:
+    def move(self, joint: JointSlider, value: float) -> FramePoseVector:
         """Set a joint, within its limits, and return the poses of its robot's links.
 
         Raises ValueError for what is no number.
@@ -107,8 +108,8 @@ class Joints:
         kinematics, X_WB = self._robots[robot].kinematics, self._robots[robot].X_WB
         X_WLs = kinematics.link_transforms(self.values[robot], X_WB)
         links = self._links[robot]
-        ids = [self._frames[f'{robot}::{kinematics.link_names[k]}'] for k in links]
+        ids = [self._frames[robot, kinematics.link_names[k]] for k in links]
         return FramePoseVector.FromArrays(ids, poses_of_matrices(X_WLs[links]))
 
-    def _column(self, joint: Joint) -> int:
+    def _column(self, joint: JointSlider) -> int:
         return self._robots[joint.robot].kinematics.joint_names.index(joint.name)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
     FilterId,
@@ -61,8 +62,8 @@ class LocalScene:
         self._p_FGs = np.array([X.translation() for X in X_FGs]).reshape(-1, 3)
         self._looks = looks_of(inspector)
         self._names = {g.get_value(): geometry_name(inspector, g) for g in geometries}
-        self.frames: Mapping[str, FrameId] = {
-            f'{inspector.GetOwningSourceName(f)}::{inspector.GetName(f)}': f
+        self.frames: Mapping[Frame, FrameId] = {
+            (inspector.GetOwningSourceName(f), inspector.GetName(f)): f
             for f in inspector.GetAllFrameIds()
             if f != inspector.world_frame_id()
         }
@@ -111,23 +112,23 @@ class LocalScene:
             self._context.UpdateFramePoses(X_PFs)
             self._changes += 1
 
-    def X_WF(self, name: str) -> RigidTransform:
-        """Return the pose of a frame by ``source::frame``; PoseError where it has none."""
+    def X_WF(self, frame: Frame) -> RigidTransform:
+        """Return the pose of a frame by source and name; PoseError where it has none."""
         with self._lock:
-            return self._query.X_WF(self.frames[name])
+            return self._query.X_WF(self.frames[frame])
 
-    def place(self, name: str, X_WF: RigidTransform) -> None:
-        """Pose a frame by ``source::frame`` in the world; PoseError if its parent has no pose."""
+    def place(self, frame: Frame, X_WF: RigidTransform) -> None:
+        """Pose a frame by source and name in the world; PoseError if its parent has no pose."""
         with self._lock:
-            frame = self.frames[name]
-            X_WP = self._query.X_WF(self._inspector.GetParentFrame(frame))
-            self.pose(FramePoseVector({frame: X_WP.inverse() @ X_WF}))
+            id = self.frames[frame]
+            X_WP = self._query.X_WF(self._inspector.GetParentFrame(id))
+            self.pose(FramePoseVector({id: X_WP.inverse() @ X_WF}))
 
-    def poses(self) -> dict[str, RigidTransform]:
-        """Return X_PF of the frames that have a pose, by ``source::frame``."""
+    def poses(self) -> dict[Frame, RigidTransform]:
+        """Return X_PF of the frames that have a pose, by source and name."""
         with self._lock:
             X_PFs = poses_in_parents(self._query)
-        return {name: X_PFs[frame] for name, frame in self.frames.items() if frame in X_PFs}
+        return {frame: X_PFs[id] for frame, id in self.frames.items() if id in X_PFs}
 
     def snapshot(self) -> SceneGraphContext:
         """Return a copy that may be posed and asked in another thread."""

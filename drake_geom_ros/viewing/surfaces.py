@@ -35,7 +35,7 @@ ROUND = (Capsule, Cylinder, Ellipsoid, MeshcatCone, Sphere)
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class DrawnSurface:
     """Triangles (m, 3) of vertices (n, 3) [m], counter-clockwise from outside.
 
     ``smooth`` ones are shaded as the round surface that they stand for; ``two_sided`` ones, which
@@ -53,7 +53,7 @@ class Surface:
 class Part:
     """A surface in a geometry's frame: scaled by ``scale`` (3,) first, then posed by X_GS."""
 
-    surface: Surface
+    surface: DrawnSurface
     scale: tuple[float, float, float]
     X_GS: RigidTransform = field(default_factory=RigidTransform)
 
@@ -74,7 +74,7 @@ def _circle(around: int) -> Floats:
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _revolved(key: str, around: int, r: Floats, z: Floats) -> Surface:
+def _revolved(key: str, around: int, r: Floats, z: Floats) -> DrawnSurface:
     """Return the surface of a profile (k,) (r, z) [m] revolved about z, z increasing.
 
     A point that comes twice is an edge: what is below it and what is above it are shaded apart.
@@ -89,7 +89,7 @@ def _revolved(key: str, around: int, r: Floats, z: Floats) -> Surface:
     strip = (np.diff(r) != 0.0) | (np.diff(z) != 0.0)
     there = strip[row, None] & np.stack([r[row] > _POINT, r[row + 1] > _POINT], axis=1)
     triangles = np.stack([np.stack([a, b, d], 1), np.stack([a, d, c], 1)], axis=1)[there]
-    return Surface(f'{key} of {around}', rings.reshape(-1, 3), triangles, smooth=True)
+    return DrawnSurface(f'{key} of {around}', rings.reshape(-1, 3), triangles, smooth=True)
 
 
 def _arc(start: float, pieces: int) -> tuple[Floats, Floats]:
@@ -99,44 +99,44 @@ def _arc(start: float, pieces: int) -> tuple[Floats, Floats]:
 
 
 @lru_cache
-def _ball(around: int) -> Surface:
+def _ball(around: int) -> DrawnSurface:
     """Return the unit ball."""
     return _revolved('ball', around, *_arc(-np.pi / 2, around // 2))
 
 
 @lru_cache
-def _dome(around: int) -> Surface:
+def _dome(around: int) -> DrawnSurface:
     """Return the upper half of the unit ball, open below."""
     return _revolved('dome', around, *_arc(0.0, around // 4))
 
 
 @lru_cache
-def _tube(around: int) -> Surface:
+def _tube(around: int) -> DrawnSurface:
     """Return the cylinder of radius 1 and height 1 about the origin, open at its ends."""
     return _revolved('tube', around, np.ones(2), np.array([-0.5, 0.5]))
 
 
 @lru_cache
-def _cylinder(around: int) -> Surface:
+def _cylinder(around: int) -> DrawnSurface:
     """Return the cylinder of radius 1 and height 1 about the origin."""
     r, z = np.array([0.0, 1.0, 1.0, 1.0, 1.0, 0.0]), np.array([-0.5, -0.5, -0.5, 0.5, 0.5, 0.5])
     return _revolved('cylinder', around, r, z)
 
 
 @lru_cache
-def _cone(around: int) -> Surface:
+def _cone(around: int) -> DrawnSurface:
     """Return the cone from the origin up to the unit circle at height 1."""
     r, z = np.array([0.0, 1.0, 1.0, 0.0]), np.array([0.0, 1.0, 1.0, 1.0])
     return _revolved('cone', around, r, z)
 
 
-def _cube() -> Surface:
+def _cube() -> DrawnSurface:
     """Return the cube of edge 1 about the origin."""
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     quads = np.array(
         [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     )
-    return Surface('cube', corners, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+    return DrawnSurface('cube', corners, np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
 
 
 _CUBE = _cube()
@@ -176,4 +176,4 @@ def parts_of(shape: Shape, solid: bool = False, around: int = FINEST) -> list[Pa
     assert isinstance(shape, (Convex, Mesh)), f'a shape that cannot be drawn: {shape!r}'
     vertices, triangles = mesh_surface(shape, solid)
     key = hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest()
-    return [Part(Surface(key, vertices, triangles, two_sided=True), (1.0, 1.0, 1.0))]
+    return [Part(DrawnSurface(key, vertices, triangles, two_sided=True), (1.0, 1.0, 1.0))]

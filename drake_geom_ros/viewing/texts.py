@@ -8,27 +8,33 @@ from collections.abc import Mapping
 
 import yaml
 
+from drake_geom_ros.common.frame_names import Frame, FrameNames, full_name
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.yaml_values import plain_pose
 
 _COLUMNS = ('frame', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw')
 
 
-def as_yaml(X_PFs: Mapping[str, RigidTransform]) -> str:
-    """Return poses of frames in their parents, by ``source::frame``, as a scene file has them."""
-    frames = []
-    for name, X_PF in X_PFs.items():
-        source, _, frame = name.partition('::')
-        frames.append({'name': frame, 'source': source, 'pose': plain_pose(X_PF)})
+def as_yaml(X_PFs: Mapping[Frame, RigidTransform]) -> str:
+    """Return poses of frames in their parents, by source and name, as a scene file has them."""
+    frames = [
+        {'name': name, 'source': source, 'pose': plain_pose(X_PF)}
+        for (source, name), X_PF in X_PFs.items()
+    ]
     text: str = yaml.safe_dump({'frames': frames}, sort_keys=False, default_flow_style=None)
     return text
 
 
-def as_csv(X_PFs: Mapping[str, RigidTransform]) -> str:
-    """Return poses of frames in their parents, by ``source::frame``, as a pose file has them."""
+def as_csv(X_PFs: Mapping[Frame, RigidTransform]) -> str:
+    """Return poses of frames in their parents, by source and name, as a pose file has them.
+
+    There it is ``source::frame``: raises AmbiguousNameError where two frames share that.
+    """
+    names = FrameNames(X_PFs)
     file = io.StringIO()
     writer = csv.writer(file, lineterminator='\n')
     writer.writerow(_COLUMNS)
-    for name, X_PF in X_PFs.items():
+    for frame, X_PF in X_PFs.items():
+        names.find(name := full_name(frame))
         writer.writerow([name, *X_PF.ToArray().tolist()])
     return file.getvalue()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.common.frame_names import Frame
 from drake_geom_ros.geometry import FrameId, FramePoseVector, QueryObject, SceneGraphContext
 from drake_geom_ros.trajectories.motion import Motion
 
@@ -24,9 +25,9 @@ class Timeline:
         self.poses = poses
 
     @classmethod
-    def of_motion(cls, motion: Motion, frames: Mapping[str, FrameId]) -> Timeline:
-        """Return that of a motion file; ``frames`` are the scene's, by ``source::frame``."""
-        ids = [frames[f'{source}::{f}'] for source, own in motion.frame_names.items() for f in own]
+    def of_motion(cls, motion: Motion, frames: Mapping[Frame, FrameId]) -> Timeline:
+        """Return that of a motion file; ``frames`` are the scene's, by source and name."""
+        ids = [frames[source, f] for source, own in motion.frame_names.items() for f in own]
 
         def poses(time: float) -> FramePoseVector:
             rows = motion.poses(time)

@@ -49,8 +49,8 @@ class StopMonitor(Node):
         self._longest_silence = self.declare_parameter('longest_silence', 0.3).value
         # Names without a slash are in the monitor's own namespace, as the node's are.
         self._asked = Services(self, 'scene_graph')
-        listener = SceneListener(self, 'scene_graph')
-        listener.on_signed_distances(self._take)
+        self._listener = SceneListener(self, 'scene_graph')
+        self._listener.on_signed_distances(self._take)
         self._heard, self._danger, self._told = -np.inf, ('', ''), None
         self._holding, self._attached = None, False
         self._stop = self.create_publisher(Bool, '~/stop', LATCHED)
@@ -108,7 +108,7 @@ class StopMonitor(Node):
             try:
                 response.message = await act()
                 response.success = True
-            except RefusedError as error:
+            except (RefusedError, UnknownNameError) as error:
                 response.message = str(error)
             return response
 
@@ -128,7 +128,7 @@ class StopMonitor(Node):
         """Have the object follow the gripper from where it is; to be called while both rest."""
         await self._expect_contact()
         X_WG, X_WO = await self._pose(self._gripper), await self._pose(self._object)
-        self._place(_own_name(self._gripper), X_WG.inverse() @ X_WO)
+        self._place(self._own_name(self._gripper), X_WG.inverse() @ X_WO)
         self._attached = True
         return f'{self._object} follows {self._gripper}'
 
@@ -152,21 +152,22 @@ class StopMonitor(Node):
 
     def _place(self, parent, X_PO):
         """Give the object another parent in TF: one transform, and nobody to fight with."""
-        entry = TransformStamped(child_frame_id=_own_name(self._object))
+        entry = TransformStamped(child_frame_id=self._own_name(self._object))
         entry.header.frame_id = parent
         entry.header.stamp = self.get_clock().now().to_msg()
         p, q = entry.transform.translation, entry.transform.rotation
         p.x, p.y, p.z, q.x, q.y, q.z, q.w = X_PO.ToArray().tolist()
         self._static.publish(TFMessage(transforms=[entry]))
 
+    def _own_name(self, frame):
+        """Return what TF calls a frame of the scene: its name without the source."""
+        if self._listener.table is None:
+            raise UnknownNameError('the scene is not known yet')
+        return self._listener.table.own_name(frame)
+
     def stop_for_good(self):
         """Leave stop as the last word."""
         self._stop.publish(Bool(data=True))
-
-
-def _own_name(frame):
-    """Return what TF calls a frame of the scene: its name without the source, which is first."""
-    return frame.partition('::')[2] or frame
 
 
 def main():

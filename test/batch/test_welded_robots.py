@@ -84,3 +84,27 @@ def test_a_joint_name_that_two_robots_bear_is_refused(tmp_path):
     for names in (None, ['a::b::turn']):
         with pytest.raises(ArgumentError, match='joints of two robots'):
             Joints.of(loaded, names)
+
+
+MOBILE = ROBOT.replace('type="fixed"', 'type="planar"').replace('<origin xyz="0 0 0.09"/>', '')
+
+
+def test_a_base_on_a_planar_joint_goes_where_its_columns_say(cell, tmp_path):
+    (tmp_path / 'arm.urdf').write_text(MOBILE.replace('<parent', '<axis xyz="0 0 1"/><parent', 1))
+    graph = SceneGraph()
+    loaded = load_scene(tmp_path / 'cell.yaml', graph)
+    joints = Joints.of(loaded)
+    assert joints.names == ('arm::weld/x', 'arm::weld/y', 'arm::weld/theta', 'arm::turn')
+    (poses,) = joints.poses(np.array([[1.0, 2.0, np.pi / 2, 0.0]]))
+    np.testing.assert_allclose(poses[0], [1, 2, 0, 0, 0, 0.5**0.5, 0.5**0.5], atol=1e-12)
+    np.testing.assert_allclose(poses[1, :3], [1, 2, 0.5], atol=1e-12)
+    some = Joints.of(loaded, ['arm::turn'])
+    assert some.count == 1
+    assert some.frame_ids == []
+
+
+def test_a_robot_of_other_joints_is_refused_with_the_way_round(cell, tmp_path):
+    (tmp_path / 'arm.urdf').write_text(ROBOT.replace('type="fixed"', 'type="ball"'))
+    loaded = load_scene(tmp_path / 'cell.yaml', SceneGraph())
+    with pytest.raises(ArgumentError, match=r"joint weld has type 'ball'.*poses of frames"):
+        Joints.of(loaded)

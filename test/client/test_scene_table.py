@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from ros.demo import scenes
-from ros.demo.test_reading import SCENE
 
 from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
+from examples import demo_scenes as scenes
+from examples.demo_scenes import SCENE
 
 
 def test_names():
@@ -25,7 +25,10 @@ def test_a_message_gives_names_shapes_poses_and_parents():
     assert (table[6].full_name, table[6].frame) == ('arm::tip/ball', 'arm::tip')
     assert (table[6].shape_type, table[6].dimensions) == (1, (0.1,))
     np.testing.assert_allclose(table[6].X_FG[:3, 3], [0, 0, 0.2])
-    assert list(table.parents.items()) == [('arm::hand', 'world'), ('arm::tip', 'arm::hand')]
+    assert list(table.parents.items()) == [
+        (('arm', 'hand'), None),
+        (('arm', 'tip'), ('arm', 'hand')),
+    ]
 
 
 def test_pairs_between_two_sources_in_either_order():
@@ -87,6 +90,19 @@ def test_names_may_hold_what_joins_names():
     assert [table[i].frame for i in (1, 3)] == ['cell::arm::base', 'lab::arm::base']
     assert table[1].short_name == 'arm::base/ball'
     assert table[3].full_name == 'lab::arm::base/ball'
+
+
+def test_the_own_name_of_a_frame_is_looked_up_whole():
+    frames = ('a', 'b::c'), ('a::b', 'c'), ('cell', 'part'), ('other', 'part'), ('a::b', 'tool/0')
+    table = SceneTable([], parents=dict.fromkeys(frames))
+    for text, own in (
+        *(('cell::part', 'part'), ('part', 'part'), ('a::b::tool/0', 'tool/0'), ('b::c', 'b::c')),
+    ):
+        assert table.own_name(text) == own
+    with pytest.raises(UnknownNameError, match=r"'a::b::c' stands for 'b::c' of"):
+        table.own_name('a::b::c')
+    with pytest.raises(UnknownNameError, match=r"no frame 'cell::prt'.*nearest: 'cell::part'"):
+        table.own_name('cell::prt')
 
 
 def test_what_queries_never_report_is_not_found():

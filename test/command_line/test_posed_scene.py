@@ -6,6 +6,7 @@ from conventions.source_tree import ROOT
 
 from drake_geom_ros.command_line.pose_file import FramePose
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.program import main
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import Location, SceneFileError
 from drake_geom_ros.trajectories.kinematics import Kinematics
@@ -86,3 +87,45 @@ def test_links_of_a_robot_stand_at_rest():
     for name, X_WL in zip(arm.link_names, expected, strict=True):
         found = scene.query.X_WF(frames[f'left::{name}']).GetAsMatrix4()
         np.testing.assert_allclose(found, X_WL, atol=1e-14)
+
+
+LOOSE = """<robot name="r"><link name="a"/>
+<link name="b"><collision><geometry><capsule radius="0.1" length="1"/></geometry></collision>
+</link>
+<link name="c"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="j" type="{}"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+<joint name="k" type="fixed"><parent link="b"/><child link="c"/><origin xyz="0 0 3"/></joint>
+</robot>"""
+
+
+@pytest.fixture(params=['floating', 'planar', 'ball'])
+def loose(tmp_path, request):
+    path = tmp_path / 'r.urdf'
+    path.write_text(LOOSE.format(request.param))
+    return path
+
+
+def test_links_that_may_be_anywhere_wait_for_a_pose(loose, capsys):
+    scene = PosedScene(str(loose))
+    told = capsys.readouterr().err
+    anywhere = 'ball' in loose.read_text()
+    assert ('joint j has type' in told) == anywhere
+    with pytest.raises(SceneFileError, match=r'no pose: .*r::b, r::c'):
+        scene.check_whole()
+
+
+def test_a_robot_of_such_joints_is_checked_and_asked_by_poses(loose, tmp_path, capsys):
+    assert main(['check', str(loose)]) == 0
+    assert '  r::b in world waits for a pose' in capsys.readouterr().out.splitlines()
+    assert main(['convert', str(loose), str(tmp_path / 'r.yaml')]) == 0
+    poses = tmp_path / 'poses.json'
+    poses.write_text(
+        '{"a": [0, 0, 0, 0, 0, 0, 1], "b": [0, 0, 0, 0, 0, 0, 1], "c": [0, 0, 3, 0, 0, 0, 1]}'
+    )
+    scene = str(tmp_path / 'r.yaml')
+    for given in (str(loose), scene):
+        capsys.readouterr()
+        query = ['query', given, '--poses', str(poses), '--format', 'json']
+        assert main([*query, '--what', 'distance']) == 0
+    assert main(['query', str(loose)]) == 2
+    assert 'no pose: ' in capsys.readouterr().err

@@ -24,7 +24,10 @@ PROXIMITY_ROOMS = {
     f'{_K}/closed_forms': ((*_CALLING, f'{_K}/closed_forms'), ('numpy',)),
     f'{_K}/cores': (_CORES, ('numpy',)),
     f'{_K}/revolution': ((*_CORES, f'{_K}/revolution'), ('numpy',)),
-    f'{_K}/solids': ((*_CORES, f'{_K}/trees', f'{_K}/solids'), ('numpy',)),
+    f'{_K}/solids': (
+        (*_CORES, f'{_K}/trees', f'{_K}/solids'),
+        ('numpy', 'numba', 'llvmlite'),
+    ),
     f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
     'geometry/_proximity/world': (_WORLD, ('numpy',)),
     'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),
@@ -83,20 +86,16 @@ _CORE = ('math', 'common', 'sensors', 'geometry', 'scene_files')
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
-    'ros/scene': ((*_HELD, 'geometry/render'), ('numpy',)),
+    'ros/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
     'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
         (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
         ('numpy', 'ROS'),
     ),
-    'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/services': ((*_HELD, 'batch', 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
     'ros/viewer': (
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
-    ),
-    'ros/demo': (
-        (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
-        ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
     ),
     'ros': (
         (
@@ -104,27 +103,6 @@ ROS_ROOMS = {
             *('ros/services', 'ros'),
         ),
         ('numpy', 'ROS'),
-    ),
-}
-
-_EVIDENCE = ('math', 'geometry', 'evidence', 'evidence/peers')
-_JUDGED = (*_EVIDENCE, 'evidence/bodies', 'evidence/truth', 'evidence/judging')
-EVIDENCE_ROOMS = {
-    'evidence/peers': (
-        ('math', 'geometry', 'evidence/peers'),
-        ('numpy', 'pydrake', 'fcl', 'coal', 'mujoco'),
-    ),
-    'evidence': (_EVIDENCE, ('numpy', 'scipy', 'mpmath', 'matplotlib')),
-    'evidence/bodies': ((*_EVIDENCE, 'evidence/bodies'), ('numpy', 'scipy')),
-    'evidence/truth': (
-        (*_EVIDENCE, 'evidence/bodies', 'evidence/truth'),
-        ('numpy', 'scipy', 'mpmath'),
-    ),
-    'evidence/judging': (_JUDGED, ('numpy', 'scipy')),
-    'evidence/hard_cases': ((*_JUDGED, 'evidence/hard_cases'), ('numpy',)),
-    'evidence/accuracy': (
-        (*_JUDGED, 'common', 'evidence/hard_cases', 'evidence/accuracy'),
-        ('numpy', 'scipy', 'matplotlib'),
     ),
 }
 
@@ -139,11 +117,14 @@ LAYERS = {
     **GEOMETRY_ROOMS,
     'scene_files': (
         ('math', 'common', 'sensors', 'geometry', 'scene_files'),
-        ('numpy', 'yaml', 'lxml', 'jsonschema'),
+        ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (
-        ('math', 'autodiffutils', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
-        ('numpy', 'yaml', 'yourdfpy'),
+        (
+            *('math', 'autodiffutils', 'common', 'geometry', 'geometry/queries', 'scene_files'),
+            'trajectories',
+        ),
+        ('numpy', 'yaml'),
     ),
     'batch': (
         ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories', 'batch'),
@@ -151,10 +132,9 @@ LAYERS = {
     ),
     'replay': (('math', 'common', 'geometry', 'scene_files', 'replay'), ()),
     'cross_check': (
-        ('math', 'common', 'geometry', 'replay', 'cross_check', *EVIDENCE_ROOMS),
-        ('numpy',),
+        ('math', 'common', 'geometry', 'replay', 'cross_check'),
+        ('numpy', 'scipy', 'fcl'),
     ),
-    **EVIDENCE_ROOMS,
     # What is shown, without a library that shows it; and the page, which one draws.
     'viewing': (
         ('math', 'common', 'sensors', 'geometry', 'scene_files', 'trajectories', 'viewing'),
@@ -168,7 +148,6 @@ LAYERS = {
         (
             *('math', 'common', 'sensors', 'geometry', 'geometry/shapes', 'geometry/queries'),
             *('scene_files', 'trajectories', 'replay', 'command_line', 'batch', 'cross_check'),
-            *EVIDENCE_ROOMS,
             *('viewing', 'viewing/page'),
         ),
         ('numpy', 'PIL', 'matplotlib'),

@@ -29,7 +29,6 @@ ROSDEP_KEYS = {
     'python3-scipy',
     'python3-trimesh-pip',
     'python3-yaml',
-    'python3-yourdfpy-pip',
 }
 # Packages of every ROS distribution, which rosdep knows by their own names.
 ROS_PACKAGES = {
@@ -65,12 +64,11 @@ LIBRARIES = {
     'scipy': ('python3-scipy', 'scipy'),
     'trimesh': ('python3-trimesh-pip', 'trimesh'),
     'yaml': ('python3-yaml', 'pyyaml'),
-    'yourdfpy': ('python3-yourdfpy-pip', 'yourdfpy'),
 }
 # Used where it is there.
 OPTIONAL = {
     *('tf2_msgs', 'pydrake', 'coal', 'mujoco', 'pinocchio', 'mpmath', 'distributed', 'pyarrow'),
-    *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules'),
+    *('viser', 'websockets', 'imageio', 'lcm', 'vtkmodules', 'xacro'),
 }
 
 

@@ -103,23 +103,23 @@ def test_who_stops_waits_no_longer(asked):  # noqa: F811
 def test_what_is_missing_is_named(monkeypatch):
     assert missing() == []
     monkeypatch.setattr(asker_module, 'find_spec', lambda name: None)
-    assert missing() == ['python-fcl', 'mpmath']
+    assert missing() == ['python-fcl']
 
 
-def test_the_side_of_the_node_loads_no_evidence():
+def test_the_side_of_the_node_loads_nothing_that_judges():
     script = (
         'import sys, drake_geom_ros.ros.outputs.cross_check\n'
-        'names = [n for n in sys.modules if n.startswith("drake_geom_ros.evidence")]\n'
-        'print(names, "fcl" in sys.modules, "mpmath" in sys.modules)'
+        'judging = "drake_geom_ros.cross_check.judging" in sys.modules\n'
+        'print(judging, "fcl" in sys.modules, "mpmath" in sys.modules)'
     )
     done = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True)
-    assert done.stdout == '[] False False\n', done.stderr
+    assert done.stdout == 'False False False\n', done.stderr
 
 
 def test_a_node_without_a_second_opinion_loads_nothing_of_it():
     script = (
         'import sys, drake_geom_ros.ros.scene_graph_node\n'
-        'print([n for n in sys.modules if "cross_check" in n or ".evidence" in n])'
+        'print([n for n in sys.modules if "cross_check" in n])'
     )
     done = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True)
     assert done.stdout == '[]\n', done.stderr

@@ -5,12 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from drake_geom_ros.cross_check.judging import judged
-from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, Question
-from drake_geom_ros.evidence.bodies.bodies import Body, Pair
-from drake_geom_ros.evidence.bodies.random_bodies import box_corners
-from drake_geom_ros.evidence.judging.laws import allowed_to_others
-from drake_geom_ros.evidence.peers import PairAnswer
+from bench.evidence.bodies.random_bodies import box_corners
+from bench.evidence.peers import PairAnswer
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.cross_check.judging import allowed_to_others, judged
+from drake_geom_ros.cross_check.question import AGREED, DISAGREED, REFUTED, SILENT, PairQuestion
 
 EYE = np.eye(3)
 X = np.array([1.0, 0.0, 0.0])
@@ -20,7 +19,7 @@ def balls(gap):
     """Return two balls of 0.1 m, B a gap [m] away from A along -x, with the right answer."""
     a, b = Body('Sphere', [0.1], p=np.zeros(3)), Body('Sphere', [0.1], p=-(0.2 + gap) * X)
     p_WCa = -0.1 * X
-    right = Question((1, 2), (EYE, a.p), (EYE, b.p), gap, 1e-14, X, p_WCa, p_WCa - gap * X)
+    right = PairQuestion((1, 2), (EYE, a.p), (EYE, b.p), gap, 1e-14, X, p_WCa, p_WCa - gap * X)
     return Pair(a, b), right
 
 
@@ -112,7 +111,7 @@ class TestSolids:
         p_WCb = np.array([x - 0.1, 0.0, 0.0])
         pair = Pair(self.BOX, Body('Sphere', [0.1], p=x * X))
         p_WCa = p_WCb - gap * X
-        return pair, Question(
+        return pair, PairQuestion(
             (1, 2), (EYE, np.zeros(3)), (EYE, x * X), gap, 1e-12, -X, p_WCa, p_WCb
         )
 

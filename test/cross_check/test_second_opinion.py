@@ -7,22 +7,22 @@ import signal
 import numpy as np
 import pytest
 
+from bench.evidence.hard_cases import cases
+from bench.evidence.judging.asking import BodyScene
+from bench.evidence.peers import PairAnswer
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.cross_check.question import (
     AGREED,
     DISAGREED,
     LOST,
     REFUTED,
     SILENT,
-    Asked,
-    Batch,
+    QuestionBatch,
+    QuestionedShape,
     questions_of,
     shapes_of,
 )
 from drake_geom_ros.cross_check.second_opinion import MOST_LOST, SecondOpinion, body_of
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.hard_cases import cases
-from drake_geom_ros.evidence.judging.asking import BodyScene
-from drake_geom_ros.evidence.peers import PairAnswer
 from drake_geom_ros.geometry import Mesh
 
 CORNERS = np.array([[0.0, 0.0, 0.3], [0.2, 0.0, 0.3], [0.0, 0.2, 0.3], [0.0, 0.0, 0.5]])
@@ -46,7 +46,7 @@ def asked():
 
 def batch_of(query, questions, version=1):
     ids = {value for question in questions for value in question.ids}
-    return Batch(version, questions, shapes_of(query, ids))
+    return QuestionBatch(version, questions, shapes_of(query, ids))
 
 
 @pytest.fixture
@@ -159,7 +159,7 @@ def test_a_mesh_file_that_is_gone(asked, opinion, tmp_path):
     query, questions = asked
     given = batch_of(query, questions)
     lost = questions[0].ids[0]
-    given.shapes[lost] = Asked(Mesh(tmp_path / 'gone.stl'), False)
+    given.shapes[lost] = QuestionedShape(Mesh(tmp_path / 'gone.stl'), False)
     verdicts = opinion.judge(given)
     for question, verdict in zip(questions, verdicts, strict=True):
         assert verdict.verdict == (SILENT if lost in question.ids else AGREED)
@@ -168,5 +168,5 @@ def test_a_mesh_file_that_is_gone(asked, opinion, tmp_path):
 def test_a_solid_has_its_triangles():
     cube = np.indices((2, 2, 2)).reshape(3, -1).T
     body = Body('Solid', cube, triangles=[[0, 1, 3]])
-    assert body_of(Asked(body.shape, True)).kind == 'Solid'
-    assert body_of(Asked(body.shape, False)).kind == 'Convex'
+    assert body_of(QuestionedShape(body.shape, True)).kind == 'Solid'
+    assert body_of(QuestionedShape(body.shape, False)).kind == 'Convex'

@@ -51,10 +51,10 @@ def test_arrays_that_somebody_holds_are_never_written_again(pair):
 def test_results_of_the_same_poses_share_one_copy(pair):
     world = pair.context._posed_world()
     held, shared = pair.ask(), pair.ask()
-    assert held._moment is shared._moment
-    assert held._moment.keep().R_WGs is not world.R_WGs
+    assert held._kept_poses is shared._kept_poses
+    assert held._kept_poses.keep().R_WGs is not world.R_WGs
     pair.place(*AWAY)
-    assert pair.ask()._moment is not held._moment
+    assert pair.ask()._kept_poses is not held._kept_poses
 
 
 def test_what_was_asked_of_results_that_are_gone_does_not_stay(pair):
@@ -72,15 +72,15 @@ def test_results_that_nobody_holds_cost_no_copy(pair):
     pair.ask()
     pair.place(*AWAY)
     held = pair.ask()
-    assert not held._moment.is_kept()
+    assert not held._kept_poses.is_kept()
     pair.place(*home)
-    assert held._moment.is_kept()
+    assert held._kept_poses.is_kept()
 
 
 def test_a_copy_of_a_context_shares_no_moment(pair):
     held = pair.ask()
     expected, copy = told(pair.ask()), pair.context.copy()
-    assert copy._posed_world()._moment is None
+    assert copy._posed_world()._kept_poses is None
     pair.place(*AWAY)
     pair.ask()
     np.testing.assert_array_equal(told(held)[0], expected[0])
@@ -92,7 +92,7 @@ def test_one_thread_asks_while_another_moves(pair):
     for _ in range(50):
         results = pair.ask()
         asked = []
-        reader = threading.Thread(target=lambda r=results, a=asked: a.append(r._moment.keep()))
+        reader = threading.Thread(target=lambda r=results, a=asked: a.append(r._kept_poses.keep()))
         reader.start()
         pair.poses, back = AWAY, pair.poses
         pair.place(*AWAY)

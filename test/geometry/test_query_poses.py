@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.judging.asking import BodyScene
+from bench.evidence.judging.asking import BodyScene
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import RoleError
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 

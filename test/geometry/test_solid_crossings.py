@@ -8,8 +8,8 @@ from numba import config
 from oracles.crossings import crossings
 from oracles.voxels import KINDS, filled_cells, placed, voxel_mesh
 
-from drake_geom_ros.evidence.bodies.grids import surface
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.grids import surface
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData, MeshFileError
 from drake_geom_ros.geometry.meshes._solids import solid_of
 

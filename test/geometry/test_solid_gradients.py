@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from oracles.shape_scenes import BLOCK, QUARTERS, MovingPair
 from oracles.solids import CELLS, surface_of
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     METHODS,
     Box,

@@ -11,7 +11,7 @@ import pytest
 from oracles.shape_scenes import ShapeScene
 from oracles.solids import surface_of
 
-from drake_geom_ros.evidence.bodies import grids
+from bench.evidence.bodies import grids
 from drake_geom_ros.geometry import (
     Box,
     Convex,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numba import config
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import (
     Box,
     Capsule,

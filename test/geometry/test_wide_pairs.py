@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.judging.asking import PairScene
+from bench.evidence.judging.asking import PairScene
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.math import RollPitchYaw
 
 PAIRS = {

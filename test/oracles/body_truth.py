@@ -8,11 +8,12 @@ import numpy as np
 from mpmath import mp, mpf
 from oracles import closed_forms
 
-from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
-from drake_geom_ros.evidence.tolerances import EPS, SEARCH
-from drake_geom_ros.evidence.truth import convex
-from drake_geom_ros.evidence.truth.meshes import ball_distance
-from drake_geom_ros.evidence.truth.supports import CONVEX, HALF_SPACE, offset_between, posed
+from bench.evidence.tolerances import EPS, SEARCH
+from bench.evidence.truth import convex
+from bench.evidence.truth.meshes import ball_distance
+from bench.evidence.truth.supports import offset_between, posed
+from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
+from drake_geom_ros.cross_check.surfaces import CONVEX, HALF_SPACE
 
 WITH_CLOSED_FORM = {(2, 2), (2, 3), (3, 3)}  # beside spheres and half spaces
 

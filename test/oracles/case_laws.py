@@ -6,18 +6,12 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies.bodies import Body, Pair
-from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.judging.asking import PairScene
-from drake_geom_ros.evidence.judging.laws import (
-    WIDE,
-    lacking,
-    off_span,
-    off_surfaces,
-    off_unit,
-    turned,
-)
-from drake_geom_ros.evidence.tolerances import COARSE_NORMALS, EPS, POSITIONS, UNIT
+from bench.evidence.hard_cases.cases import Case
+from bench.evidence.judging.asking import PairScene
+from bench.evidence.judging.laws import WIDE, lacking, off_span, off_unit, turned
+from bench.evidence.tolerances import COARSE_NORMALS, EPS, POSITIONS, UNIT
+from drake_geom_ros.cross_check.bodies import Body, Pair
+from drake_geom_ros.cross_check.surfaces import off_surfaces
 from drake_geom_ros.geometry import METHODS, SignedDistanceResults
 
 FALSE, COARSE = 'error_bound below the error', 'coarse normal'

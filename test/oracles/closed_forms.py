@@ -8,7 +8,7 @@ import itertools
 
 from mpmath import mp, mpf
 
-from drake_geom_ros.evidence.truth.digits import columns, combine, cross, dot, norm, vector
+from bench.evidence.truth.digits import columns, combine, cross, dot, norm, vector
 from drake_geom_ros.geometry import ShapeKind
 
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, *_ = ShapeKind

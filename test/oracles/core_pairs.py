@@ -6,11 +6,11 @@ import numpy as np
 from oracles.forms import PARAMETERS
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging.surfaces import support_value_of
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL, PAIR_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 from drake_geom_ros.geometry._proximity.kinds import ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
@@ -25,7 +25,7 @@ def core_pair(kind_A, size_A, R_WA, kind_B, size_B, R_WB, p):
     """Return a pair of any numbers."""
     size_A, size_B = np.array(size_A, dtype=float), np.array(size_B, dtype=float)
     R_WA, R_WB = np.ascontiguousarray(R_WA), np.ascontiguousarray(R_WB)
-    return Pair(kind_A, size_A, R_WA, kind_B, size_B, R_WB, tuple(map(float, p)))
+    return CorePair(kind_A, size_A, R_WA, kind_B, size_B, R_WB, tuple(map(float, p)))
 
 
 def random_core_pair(rng, kinds, lengths=(0.1, 1.0), reach=1.0):

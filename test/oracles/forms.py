@@ -5,8 +5,8 @@ The numbers are half sizes; of a hull, and of a solid, they are what it is packe
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
-from drake_geom_ros.evidence.truth import convex
+from bench.evidence.truth import convex
+from drake_geom_ros.cross_check.bodies import COUNTS, NUMBERS, PRIMITIVES, Body
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.pair_table import (

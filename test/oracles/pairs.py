@@ -8,11 +8,12 @@ from oracles import body_truth
 from oracles.case_laws import radius_of_core
 from oracles.forms import PARAMETERS, body, row_of
 
-from drake_geom_ros.evidence.bodies.bodies import Pair
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging import laws
-from drake_geom_ros.evidence.judging.surfaces import width
-from drake_geom_ros.evidence.tolerances import EPS
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.judging import laws
+from bench.evidence.tolerances import EPS
+from drake_geom_ros.cross_check import surfaces
+from drake_geom_ros.cross_check.bodies import Pair
+from drake_geom_ros.cross_check.surfaces import width
 from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CLOSED_FORM, HALF_SPACE
 
 
@@ -61,7 +62,7 @@ def check_row(out, rounding, unit=1e-12):
 
 def off_surfaces(pair, out):
     """Return how far [m] the witness points of a row are off the surfaces."""
-    return laws.off_surfaces(pair, pair.a.p + out[4:7], pair.a.p + out[7:10])
+    return surfaces.off_surfaces(pair, pair.a.p + out[4:7], pair.a.p + out[7:10])
 
 
 def random_pairs(rng, kinds, count, scale=1.0):

@@ -5,12 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.random_bodies import (
+from bench.evidence.bodies.random_bodies import (
     box_corners,
     random_directions,
     random_rotation,
 )
-from drake_geom_ros.evidence.judging.asking import BodyScene
+from bench.evidence.judging.asking import BodyScene
 from drake_geom_ros.geometry import (
     Box,
     Capsule,

@@ -9,8 +9,8 @@ import functools
 import numpy as np
 from oracles.forms import kernel_form, row_of
 
-from drake_geom_ros.evidence.bodies import grids
-from drake_geom_ros.evidence.truth.meshes import parts_of
+from bench.evidence.bodies import grids
+from bench.evidence.truth.meshes import parts_of
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from drake_geom_ros.evidence.bodies.grids import surface
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.grids import surface
+from bench.evidence.bodies.random_bodies import random_rotation
 
 KINDS = ('any', 'pits', 'tunnels', 'shells', 'corners', 'edges')
 

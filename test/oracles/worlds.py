@@ -3,7 +3,7 @@
 import numpy as np
 from oracles.forms import KINDS
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_body, random_rotations
+from bench.evidence.bodies.random_bodies import random_body, random_rotations
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry._proximity.world.pose_rounding import taken_roundings

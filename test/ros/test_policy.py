@@ -59,6 +59,7 @@ def node(tmp_path):
         namespace=NAMESPACE,
         name=NAME,
         use_tf=has_tf,
+        use_joint_states=True,
         use_sim_time=True,
         closing_speeds=True,
     )

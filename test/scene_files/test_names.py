@@ -8,7 +8,7 @@ from drake_geom_ros.scene_files.description import (
     Member,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
-from drake_geom_ros.scene_files.names import NameTable
+from drake_geom_ros.scene_files.names import FileNames
 
 PLACE = Location('a.yaml', 3, 'filters[0]')
 
@@ -34,7 +34,7 @@ def table():
         geometry('right', 'arm', 'drawn', roles={}),
         geometry('room', 'world', 'floor'),
     ]
-    return NameTable(frames, geometries)
+    return FileNames(frames, geometries)
 
 
 @pytest.mark.parametrize(

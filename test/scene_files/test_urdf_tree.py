@@ -7,7 +7,8 @@ import pytest
 
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import SceneFileError
-from drake_geom_ros.scene_files.urdf_tree import Mimic, fixed_poses, read_link_tree, root_links
+from drake_geom_ros.scene_files.link_tree import Mimic
+from drake_geom_ros.scene_files.urdf_tree import fixed_poses, read_link_tree, root_links
 
 
 def joint(name, parent, child, inside='', kind='fixed'):

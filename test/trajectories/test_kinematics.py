@@ -121,7 +121,29 @@ COMPLICATED = [
         ],
         'a fixed joint',
     ),
-    ('ab', [_joint('j', 'floating', 'a', 'b')], "type 'floating'"),
+    ('ab', [_joint('j', 'ball', 'a', 'b')], "type 'ball'"),
+    (
+        'abc',
+        [
+            _joint('j', 'floating', 'a', 'b'),
+            _joint('k', 'continuous', 'b', 'c', '<mimic joint="j"/>'),
+        ],
+        "mimics 'j', a floating joint",
+    ),
+    (
+        'abc',
+        [
+            _joint('j', 'planar', 'a', 'b', '<mimic joint="k"/>'),
+            _joint('k', 'continuous', 'b', 'c'),
+        ],
+        'is planar and mimics',
+    ),
+    (
+        'abc',
+        [_joint('j', 'floating', 'a', 'b'), _joint('j/x', 'continuous', 'b', 'c')],
+        "'j/x' is a joint, and a value",
+    ),
+    ('ab', [_joint('j', 'planar', 'a', 'b', '<axis xyz="0 0 0"/>')], 'not be zero'),
     ('ab', [_joint('j', 'continuous', 'a', 'b', '<mimic joint="x"/>')], 'not a joint'),
     ('ab', [_joint('j', 'continuous', 'a', 'b', '<mimic joint="j"/>')], 'itself'),
     ('ab', [_joint('j', 'continuous', 'a', 'b', '<axis xyz="0 0 0"/>')], 'not be zero'),
@@ -160,3 +182,85 @@ def test_capsules_of_newer_urdf_are_no_hindrance(tmp_path):
     path = tmp_path / 'robot.urdf'
     path.write_text(f'<robot name="r" version="1.1"><link name="a">{shape}</link></robot>')
     assert Kinematics(str(path)).link_names == ('a',)
+
+
+BASE = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="base" type="{}"><parent link="a"/><child link="b"/>
+<origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><axis xyz="{}"/></joint>
+<joint name="turn" type="continuous"><parent link="b"/><child link="c"/>
+<origin xyz="0.5 0 0"/><axis xyz="0 1 0"/></joint></robot>"""
+VALUES = {'planar': [0.4, -0.7, 1.1], 'floating': [0.4, -0.7, 0.2, 1.1, 0.5, -0.3]}
+
+
+def base(tmp_path, kind, axis='0 0 1'):
+    path = tmp_path / 'base.urdf'
+    path.write_text(BASE.format(kind, axis))
+    return Kinematics(str(path))
+
+
+@pytest.mark.parametrize('kind', VALUES)
+def test_joints_of_several_values_stand_as_pydrakes(tmp_path, kind):
+    plants = pytest.importorskip('pydrake.multibody.tree')
+    from pydrake.math import RigidTransform, RollPitchYaw
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(1.0)
+    inertia = plants.SpatialInertia.SolidSphereWithMass(1.0, 1.0)
+    bodies = [plant.AddRigidBody(name, inertia) for name in 'abc']
+    plant.WeldFrames(plant.world_frame(), bodies[0].body_frame())
+    X_AJ = RigidTransform(RollPitchYaw(0.1, 0.2, 0.3), [1, 2, 3])
+    make = plants.PlanarJoint if kind == 'planar' else plants.RpyFloatingJoint
+    J = plant.AddFrame(plants.FixedOffsetFrame('J', bodies[0].body_frame(), X_AJ))
+    ends = (J, bodies[1].body_frame())
+    loose = plant.AddJoint(make('base', *ends))
+    X_BK = RigidTransform([0.5, 0, 0])
+    arm = plant.AddFrame(plants.FixedOffsetFrame('K', bodies[1].body_frame(), X_BK))
+    plant.AddJoint(plants.RevoluteJoint('turn', arm, bodies[2].body_frame(), [0, 1, 0]))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    q = VALUES[kind]
+    if kind == 'planar':
+        loose.set_translation(context, q[:2])
+        loose.set_rotation(context, q[2])
+    else:
+        loose.SetTranslation(context, q[:3])
+        loose.set_angles(context, [q[5], q[4], q[3]])
+    plant.GetJointByName('turn').set_angle(context, 0.9)
+    robot = base(tmp_path, kind)
+    assert robot.joint_names[-1] == 'turn'
+    expected = [plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4() for body in bodies]
+    np.testing.assert_allclose(robot.link_transforms([*q, 0.9]), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize('axis', ['0 0 1', '0 0 -2', '0 -1 0', '1 2 -3'])
+def test_a_planar_joint_moves_in_the_plane_of_its_axis(tmp_path, axis):
+    robot = base(tmp_path, 'planar', axis)
+    normal = np.array(axis.split(), dtype=float)
+    normal /= np.linalg.norm(normal)
+    X_Ws = robot.link_transforms([[0, 0, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0.3, 0]])[:, 1]
+    R = X_Ws[0, :3, :3]
+    along = [R.T @ (X[:3, 3] - X_Ws[0, :3, 3]) for X in X_Ws[1:3]]
+    frame = np.array([*along, normal])
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(frame) > 0
+    turned = R.T @ X_Ws[3, :3, :3]
+    np.testing.assert_allclose(turned @ normal, normal, atol=1e-12)
+    np.testing.assert_allclose(turned @ along[0] @ along[1], np.sin(0.3), atol=1e-12)
+
+
+@pytest.mark.parametrize('kind', VALUES)
+def test_jacobians_of_joints_of_several_values_are_differences(tmp_path, kind):
+    robot = base(tmp_path, kind, '1 2 -3')
+    q, step = np.array([*VALUES[kind], 0.9]), 1e-6
+    J = robot.link_jacobians(q)
+    assert J.shape == (3, 6, len(q))
+    for k in range(len(q)):
+        ahead, behind = robot.link_transforms(q + step * np.eye(len(q))[[k]] * [[1], [-1]])
+        v = (ahead[:, :3, 3] - behind[:, :3, 3]) / (2 * step)
+        np.testing.assert_allclose(J[:, 3:, k], v, atol=1e-8)
+
+
+def test_links_below_a_joint_without_values_stand_nowhere(tmp_path):
+    robot = base(tmp_path, 'planar')
+    assert robot.placed_links([]) == robot.placed_links(['base/x', 'turn']) == [0]
+    assert robot.placed_links(['base/x', 'base/y', 'base/theta']) == [0, 1, 2]

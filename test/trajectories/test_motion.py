@@ -24,12 +24,16 @@ def robot():
     return RobotMotion(arm, X_WB, MonotoneCubic([0.0, 1.0, 2.0, 3.0], q))
 
 
-def _grasp(start, end, frame='objects::can', link='left::panda_hand'):
-    return Grasp(frame, link, ('left::panda_leftfinger',), start, end)
+CAN_FRAME = ('objects', 'can')
+BALL = ('objects', 'ball')
 
 
-def _motion(robot, *grasps, **more):
-    return Motion({'left': robot}, {'objects::can': TimedPoses([0.0], [CAN]), **more}, grasps)
+def _grasp(start, end, frame=CAN_FRAME, link=('left', 'panda_hand')):
+    return Grasp(frame, link, (('left', 'panda_leftfinger'),), start, end)
+
+
+def _motion(robot, *grasps, more=()):
+    return Motion({'left': robot}, {CAN_FRAME: TimedPoses([0.0], [CAN]), **dict(more)}, grasps)
 
 
 def _hand(robot, t):
@@ -102,12 +106,12 @@ def test_many_times_are_each_time(robot):
 def test_held_names_the_grasp_from_its_start_until_before_its_end(robot):
     motion = _motion(robot, _grasp(0.5, 1.5))
     assert [len(motion.held(t)) for t in (0.4, 0.5, 1.4, 1.5)] == [0, 1, 1, 0]
-    assert motion.held(0.5)[0].frame == 'objects::can'
+    assert motion.held(0.5)[0].frame == CAN_FRAME
 
 
 def test_timed_frames_move_and_the_longest_part_is_the_duration(robot):
     moves = TimedPoses([0.0, 5.0], [CAN, np.add(CAN, [1, 0, 0, 0, 0, 0, 0])])
-    motion = _motion(robot, **{'objects::ball': moves, 'lamp::lamp': TimedPoses([0.0], [CAN])})
+    motion = _motion(robot, more={BALL: moves, ('lamp', 'lamp'): TimedPoses([0.0], [CAN])})
     assert motion.frame_names['objects'] == ['can', 'ball']
     assert motion.frame_names['lamp'] == ['lamp']
     assert motion.duration == 5.0
@@ -118,23 +122,33 @@ def test_timed_frames_move_and_the_longest_part_is_the_duration(robot):
     ('grasps', 'reason'),
     [
         (
-            [_grasp(0.0, 1.0, frame='objects::cup')],
+            [_grasp(0.0, 1.0, frame=('objects', 'cup'))],
             "'objects::cup' is no free frame.*objects::can",
         ),
-        ([_grasp(0.0, 1.0, link='left::hook')], "'left::hook' is no link"),
+        ([_grasp(0.0, 1.0, link=('left', 'hook'))], "'left::hook' is no link"),
         ([_grasp(1.0, 1.0)], 'end after its start'),
         ([_grasp(0.0, 1.0), _grasp(0.9, 2.0)], 'at 1.0 s or later'),
         ([_grasp(-1.0, 1.0)], 'at 0.0 s or later'),
-        ([_grasp(0.0, 1.0, frame='objects::ball')], 'timed poses as well'),
+        ([_grasp(0.0, 1.0, frame=BALL)], 'timed poses as well'),
     ],
 )
 def test_impossible_grasps_are_refused(robot, grasps, reason):
     ball = TimedPoses([0.0, 1.0], [CAN, CAN])
     with pytest.raises(ValueError, match=reason):
-        _motion(robot, *grasps, **{'objects::ball': ball})
+        _motion(robot, *grasps, more={BALL: ball})
 
 
-@pytest.mark.parametrize('name', ['can', 'left::can'])
-def test_a_free_frame_is_of_a_source_without_robot(robot, name):
-    with pytest.raises(ValueError, match=name):
-        _motion(robot, **{name: TimedPoses([0.0], [CAN])})
+def test_a_free_frame_is_of_a_source_without_robot(robot):
+    with pytest.raises(ValueError, match="'left::can': its source is a robot"):
+        _motion(robot, more={('left', 'can'): TimedPoses([0.0], [CAN])})
+
+
+def test_names_with_colons_are_those_of_their_sources(robot):
+    """Of `left::b` and `c`, of no robot, and of `left` and `b::c`, which is one's."""
+    there = np.add(CAN, [1, 0, 0, 0, 0, 0, 0])
+    frames = {('x', 'b::c'): CAN, ('x::b', 'c'): there, ('left::b', 'c'): CAN}
+    motion = _motion(robot, more={f: TimedPoses([0.0], [pose]) for f, pose in frames.items()})
+    assert motion.frame_names['x'] == ['b::c']
+    assert motion.frame_names['x::b'] == motion.frame_names['left::b'] == ['c']
+    np.testing.assert_allclose(motion.poses(0.0)['x'][0], CAN)
+    np.testing.assert_allclose(motion.poses(0.0)['x::b'][0], there)

@@ -5,6 +5,7 @@ import pytest
 from oracles import panda
 
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files import read_scene
 from drake_geom_ros.scene_files.description import (
     FrameDescription,
     RobotDescription,
@@ -55,7 +56,8 @@ def test_a_file_with_all_parts(tmp_path):
     q = dict(zip(names, curve.value(2.0), strict=True))
     assert (q['panda_joint2'], q['panda_joint4'], q['panda_joint1']) == (0.5, -2.0, 0.0)
     grasp = motion.held(0.7)[0]
-    assert (grasp.link, grasp.gripper) == ('left::panda_hand', ('left::panda_leftfinger',))
+    assert grasp.link == ('left', 'panda_hand')
+    assert grasp.gripper == (('left', 'panda_leftfinger'),)
     np.testing.assert_allclose(motion.poses(1.5)['objects'][2, :3], [0, 0, 1.5])
 
 
@@ -124,15 +126,77 @@ def test_a_missing_file_is_refused_by_name(tmp_path):
         load_motion(tmp_path / 'absent.yaml', SCENE)
 
 
-def test_a_urdf_that_cannot_be_played_is_refused_by_name(tmp_path):
+def test_a_urdf_that_is_no_tree_is_left_out_by_name(tmp_path):
     urdf = tmp_path / 'odd.urdf'
     urdf.write_text('<robot name="odd"><link name="a"/><link name="b"/></robot>')
     robot = RobotDescription('odd', urdf, RigidTransform())
-    with pytest.raises(SceneFileError, match=r'odd.urdf: .*one tree'):
-        load_motion(None, dataclasses.replace(SCENE, robots=(robot,)))
+    motion = load_motion(None, dataclasses.replace(SCENE, robots=(robot,)))
+    assert 'odd' not in motion.robots
+    assert 'one tree' in motion.left_out['odd']
 
 
 def test_adjacent_links_are_those_of_the_joints():
     pairs = adjacent_links(SCENE)
     assert len(pairs) == 12
     assert ('left::panda_link3', 'left::panda_link4') in pairs
+
+
+def test_names_with_colons_are_looked_up_whole_or_refused(tmp_path):
+    scene = read_scene(
+        """
+sources: [o, 'o::p']
+frames:
+- {name: 'p::q', source: o, pose: {position: [1, 0, 0]}}
+- {name: q, source: 'o::p', pose: {position: [2, 0, 0]}}
+- {name: 'arm::base', source: o}
+"""
+    )
+    still = load_motion(None, scene)
+    assert still.frame_names == {'o': ['p::q'], 'o::p': ['q']}
+    assert still.poses(0.0)['o'][0, 0] == 1.0
+    assert still.poses(0.0)['o::p'][0, 0] == 2.0
+    path = tmp_path / 'motion.yaml'
+    rows = '\n  - {at: 0.0, pose: [3, 0, 0, 0, 0, 0, 1]}\n'
+    path.write_text(f"frames:\n  'o::arm::base':{rows}")
+    assert load_motion(path, scene).frame_names['o'] == ['p::q', 'arm::base']
+    path.write_text(f"frames:\n  'o::p::q':{rows}")
+    with pytest.raises(SceneFileError, match=r"'p::q' of source 'o' and 'q' of"):
+        load_motion(path, scene)
+
+
+BASE = """<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="j" type="{}"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>"""
+
+
+def _mobile(tmp_path, kind, joints):
+    (tmp_path / 'r.urdf').write_text(BASE.format(kind))
+    scene = SceneDescription(
+        robots=(RobotDescription('r', tmp_path / 'r.urdf', RigidTransform()),),
+        frames=tuple(FrameDescription('r', name) for name in 'abc'),
+    )
+    if not joints:
+        return load_motion(None, scene)
+    path = tmp_path / 'motion.yaml'
+    values = ', '.join(['1.5'] * len(joints))
+    path.write_text(
+        f'robots: {{r: {{joints: [{", ".join(joints)}], waypoints: [{{at: 0, q: [{values}]}}, '
+        f'{{at: 1, q: [{values}]}}]}}}}'
+    )
+    return load_motion(path, scene)
+
+
+def test_links_below_a_planar_joint_move_when_all_its_values_are_given(tmp_path):
+    for joints in ([], ['k'], ['j/x', 'j/y']):
+        assert _mobile(tmp_path, 'planar', joints).frame_names == {'r': ['a']}
+    motion = _mobile(tmp_path, 'planar', ['j/x', 'j/y', 'j/theta'])
+    assert motion.frame_names == {'r': ['a', 'b', 'c']}
+    assert motion.poses(0.5)['r'][2, :2].tolist() == pytest.approx([1.5, 1.5])
+
+
+def test_a_robot_that_no_joint_values_pose_is_left_out_and_named(tmp_path):
+    motion = _mobile(tmp_path, 'screw', [])
+    assert motion.frame_names == {}
+    assert "joint j has type 'screw'" in motion.left_out['r']
+    with pytest.raises(SceneFileError, match=r'motion.yaml:1: robots.r: .*joint j has type'):
+        _mobile(tmp_path, 'screw', ['k'])

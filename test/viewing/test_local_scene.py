@@ -67,9 +67,9 @@ def test_pairs_are_those_of_the_core_nearest_first(shown):
 
 def test_the_cast_is_the_same_object_until_somebody_gets_a_place(shown):
     before = shown.moment(1.0, 'exact').cast
-    shown.place('s::a', RigidTransform([2.0, 0.0, 0.0]))
+    shown.place(('s', 'a'), RigidTransform([2.0, 0.0, 0.0]))
     assert shown.moment(1.0, 'exact').cast is before
-    shown.pose(FramePoseVector({shown.frames['t::c']: RigidTransform()}))
+    shown.pose(FramePoseVector({shown.frames['t', 'c']: RigidTransform()}))
     after = shown.moment(1.0, 'exact').cast
     assert after.waiting == []
     assert len(after.ids) == len(before.ids) + 1
@@ -77,16 +77,16 @@ def test_the_cast_is_the_same_object_until_somebody_gets_a_place(shown):
 
 def test_a_frame_is_placed_in_the_world_whatever_it_hangs_on(shown):
     X_WB = RigidTransform([3.0, 2.0, 1.0])
-    shown.place('s::b', X_WB)
-    assert shown.X_WF('s::b').IsNearlyEqualTo(X_WB, 1e-14)
-    assert not shown.poses()['s::b'].IsNearlyEqualTo(X_WB, 1e-2)
+    shown.place(('s', 'b'), X_WB)
+    assert shown.X_WF(('s', 'b')).IsNearlyEqualTo(X_WB, 1e-14)
+    assert not shown.poses()['s', 'b'].IsNearlyEqualTo(X_WB, 1e-2)
 
 
 def test_every_change_is_told(shown):
     seen = [shown.version()]
     ball, pen = value(shown, 's::a/ball'), value(shown, 's::b/pen')
     for change in (
-        lambda: shown.place('s::a', RigidTransform()),
+        lambda: shown.place(('s', 'a'), RigidTransform()),
         lambda: shown.exclude((ball, pen)),
         lambda: shown.switch(0, on=False),
     ):

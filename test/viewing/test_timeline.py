@@ -25,7 +25,7 @@ def shown():
 
 
 def moments(shown, *xs):
-    frame = shown.frames['scene::a']
+    frame = shown.frames['scene', 'a']
     return [FramePoseVector({frame: RigidTransform([x, 0.0, 0.0])}) for x in xs]
 
 
@@ -49,7 +49,7 @@ def test_least_distances_are_the_plain_ones(shown):
     found = list(least_distances(timeline, shown.snapshot()))
     assert found == pytest.approx([x - 1.0 for x in xs], rel=1e-12)
     # The scene itself has not been moved.
-    assert shown.X_WF('scene::a').translation()[0] == 3.0
+    assert shown.X_WF(('scene', 'a')).translation()[0] == 3.0
 
 
 def test_without_a_pair_there_is_no_least_distance(shown):
@@ -66,5 +66,5 @@ def test_a_motion_file_is_played(tmp_path):
     shown = local_scene(TEXT)
     timeline = Timeline.of_motion(load_motion(motion, read_scene(TEXT)), shown.frames)
     shown.pose(timeline.poses(4.0))
-    assert shown.X_WF('scene::a').translation()[0] == pytest.approx(1.0)
+    assert shown.X_WF(('scene', 'a')).translation()[0] == pytest.approx(1.0)
     assert (timeline.start, timeline.end) == (0.0, 4.0)

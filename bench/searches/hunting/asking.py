@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.tolerances import ROUNDING, SEARCH
+from bench.evidence.truth import convex
 from bench.searches.hunting import judge
 from bench.searches.hunting.chains import ChainedScene
 from bench.searches.hunting.judge import Judged, Ratios
 from bench.searches.hunting.scene import PairsScene
-from drake_geom_ros.evidence.bodies.bodies import Floats, Pair
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.tolerances import ROUNDING, SEARCH
-from drake_geom_ros.evidence.truth import convex
+from drake_geom_ros.cross_check.bodies import Floats, Pair
 
 GIVEN, CHAIN = 'given', 'chain'
 POWERS = (-30, 14)  # of two, of other scales

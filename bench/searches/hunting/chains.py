@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bench.evidence.bodies.random_bodies import random_rotation
 from bench.searches.hunting.scene import PairsScene
-from drake_geom_ros.evidence.bodies.bodies import Body, Pair, Pose
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.bodies import Body, Pair, Pose
 from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryFrame
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 

@@ -12,11 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bench.searches.hunting import planes
-from bench.searches.hunting.scene import Distances, Replies
-from drake_geom_ros.evidence.bodies.bodies import Floats, Pair
-from drake_geom_ros.evidence.judging import laws
-from drake_geom_ros.evidence.tolerances import (
+from bench.evidence.judging import laws
+from bench.evidence.tolerances import (
     AS_TOUCHING,
     COARSE_NORMALS,
     POSITIONS,
@@ -24,6 +21,10 @@ from drake_geom_ros.evidence.tolerances import (
     TURNED,
     UNIT,
 )
+from bench.searches.hunting import planes
+from bench.searches.hunting.scene import Distances, Replies
+from drake_geom_ros.cross_check.bodies import Floats, Pair
+from drake_geom_ros.cross_check.surfaces import off_surfaces
 
 TINY = math.ulp(0.0)
 
@@ -114,7 +115,7 @@ class Judged:
 
     def _off_surfaces(self, x: Distances) -> Floats:
         seen = zip(self._at_origin, x.p_ACa, x.p_BCb, strict=True)
-        off = np.array([laws.off_surfaces(*each) for each in seen])
+        off = np.array([off_surfaces(*each) for each in seen])
         return off / (x.error_bound + POSITIONS * self.extent)
 
     def _not_attained(self, x: Distances) -> Floats:

@@ -19,10 +19,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
-from drake_geom_ros.evidence.bodies.random_bodies import even_directions
-from drake_geom_ros.evidence.tolerances import ALIKE, NARROWEST, ON_AXIS
-from drake_geom_ros.evidence.truth.supports import posed
+from bench.evidence.bodies.random_bodies import even_directions
+from bench.evidence.tolerances import ALIKE, NARROWEST, ON_AXIS
+from bench.evidence.truth.supports import posed
+from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
 
 SHAPES = 4096  # that are kept as arrays
 RING = 16  # directions about each axis

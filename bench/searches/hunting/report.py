@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import itertools
 
+from bench.evidence.hard_cases.cases import Case
+from bench.evidence.pages import table
+from bench.evidence.tolerances import SEARCH
+from bench.evidence.truth.convex import of_any_size
 from bench.searches.hunting.judge import LAWS
 from bench.searches.hunting.minimising import minimised
 from bench.searches.hunting.search import CHAIN, WAYS, Hunt
-from drake_geom_ros.evidence.bodies.bodies import Pair
-from drake_geom_ros.evidence.hard_cases.cases import Case
-from drake_geom_ros.evidence.pages import table
-from drake_geom_ros.evidence.tolerances import SEARCH
-from drake_geom_ros.evidence.truth.convex import of_any_size
+from drake_geom_ros.cross_check.bodies import Pair
 
 SHOWN = 2  # pairs of shapes, the worst of each law and way, that are minimised
 # What each law demands.

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.evidence.bodies.bodies import Body, Floats, Pair
-from drake_geom_ros.evidence.judging.asking import BodyScene
+from bench.evidence.judging.asking import BodyScene
+from drake_geom_ros.cross_check.bodies import Body, Floats, Pair
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
     METHODS,

@@ -8,15 +8,15 @@ import numpy as np
 from scipy.spatial import QhullError
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
-from drake_geom_ros.evidence.bodies.random_bodies import (
+from bench.evidence.bodies.random_bodies import (
     box_corners,
     random_directions,
     random_rotation,
 )
-from drake_geom_ros.evidence.judging.asking import BodyScene
-from drake_geom_ros.evidence.judging.surfaces import height
-from drake_geom_ros.evidence.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
+from bench.evidence.judging.asking import BodyScene
+from bench.evidence.tolerances import ACCEPTED_SKEW, RATIONAL_STEPS
+from drake_geom_ros.cross_check.bodies import BOUNDED, COUNTS, Body, Floats, Pair, as_tuples
+from drake_geom_ros.cross_check.surfaces import height
 
 KINDS = (*BOUNDED, 'Convex', 'HalfSpace')
 OFTEN = ('Sphere', *2 * KINDS[1:-1])  # as the first body, and half of the others

@@ -10,7 +10,7 @@ EPS = 2.0**-52
 # digits, and a number below the largest. Boxes of few bodies are compared in it.
 SINGLE_EPS, SINGLE_TINY, SINGLE_LARGEST = 2.0**-23, 2.0**-125, 2.0**127
 
-# Gap [m] between the certified bounds that an iteration aims for at each accuracy level,
+# How far apart [m] the certified bounds may be that an iteration aims for at each accuracy level,
 # for a pair of size 1 m. ``bound`` runs no iteration at all.
 LEVEL_GAPS = {'fast': 1e-3, 'balanced': 1e-6, 'exact': 1e-9}
 
@@ -79,10 +79,10 @@ TIE = 8.0 * EPS
 # tests against 50 digits keep it true.
 CLOSED_FORM_ROUNDING = 32.0 * EPS
 
-# A gap longer than this [-], in ties, has a direction: rounding turns it by less than a tenth of a
-# radian even where a separating axis as wide but for a tie stands in for it.
-CLEAR_GAP = 256.0
-# Sine of the angle between a shorter gap and an axis below which the axis is its direction.
+# A separation longer than this [-], in ties, has a direction: rounding turns it by less than a
+# tenth of a radian even where a separating axis as wide but for a tie stands in for it.
+CLEAR_SEPARATION = 256.0
+# Sine of the angle between a shorter separation and an axis below which the axis is its direction.
 ALONG_AXIS = 2.0**-4
 
 # Sine above which two normals are told apart when it is asked whether the normal is unique.
@@ -94,12 +94,13 @@ DISTINCT_NORMALS = 2.0**-20
 SAME_WITNESS = 2.0**-16
 
 # Stiffness [-], relative to the pair's extent, below which a turn of the normal costs nothing: the
-# direction of a gap this short has lost so much to rounding that it is off by DISTINCT_NORMALS.
+# direction of a separation this short has lost so much to rounding that it is off by
+# DISTINCT_NORMALS.
 SOFT = EPS / DISTINCT_NORMALS
 
-# Gap, relative to the pair's extent, below which the normal of two cores is taken from the
-# separating axis instead of the gap vector, whose direction then has lost 10 bits or more.
-SHORT_GAP = 2.0**-10
+# Separation, relative to the pair's extent, below which the normal of two cores is taken from the
+# separating axis instead of the vector b - a, whose direction then has lost 10 bits or more.
+SHORT_SEPARATION = 2.0**-10
 
 # Lengths below this, relative to the largest semi-axis, are taken for 0 in the ellipsoid's
 # equation, so that nothing in it overflows or underflows.
@@ -148,9 +149,9 @@ SHARPER = 1e-3
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
 
-# A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
-# has no volume, and its faces no sides.
-FLAT_HULL = 1e-9
+# A mesh whose least extent is below this [-], relative to the largest, is flat: of its thickness
+# rounding leaves fewer than four digits, and its faces have no sides.
+FLAT_HULL = 1e-12
 
 # Squares of lengths [m^2] between these have lost no digit to underflow, and none to overflow.
 SMALL_SQUARE = 2.0**-900
@@ -190,6 +191,9 @@ SAME_VOLUME = 1e-9
 # does not.
 CROSSING = 1e-6
 
-# A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
-# triangle bounds, and its winding number keeps seven digits there.
-BENEATH = 1e-9
+# How far off [-] the gap of a point and a triangle may be, relative to where the triangle is, as
+# it is computed of eight at once: the place on one that is NEEDLE wide is off by 1000 roundings.
+LANE_ERROR = 2.0**-36
+
+# Square of a triangle's width over its longest side [-] below which its normal says little.
+NEEDLE = 1e-6

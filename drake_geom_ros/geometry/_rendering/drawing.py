@@ -37,7 +37,7 @@ class Lens(NamedTuple):
     up_C: Floats
 
 
-class Look(NamedTuple):
+class Shading(NamedTuple):
     """How colours are made."""
 
     background: Floats  # (3,) from 0 to 1
@@ -64,7 +64,7 @@ def render(
     R_CGs: Floats,
     p_CGs: Floats,
     lens: Lens,
-    look: Look,
+    look: Shading,
     wanted: Wanted,
     empty: int,
 ) -> Outputs:
@@ -130,14 +130,14 @@ class _Pass:
         self._seen = Seen(order[shown[order]], *poses, p_CVs, windows, nearest, view, slopes)
         self._depth_range = lens.depth_range
 
-    def draw(self, outputs: Outputs, look: Look, empty: int) -> None:
+    def draw(self, outputs: Outputs, look: Shading, empty: int) -> None:
         """Fill the images that are wanted."""
         if not any(image.size for image in outputs):
             return
         paint, room = self._paint(look), self._room(1)
         draw_bands(self._bodies, self._seen, room, paint, self._depth_range, empty, outputs)
 
-    def draw_fine(self, colour: NDArray[np.uint32], look: Look) -> None:
+    def draw_fine(self, colour: NDArray[np.uint32], look: Shading) -> None:
         """Fill a colour image, if it is wanted, whose pixels are means of samples."""
         if not colour.size:
             return
@@ -163,7 +163,7 @@ class _Pass:
         shape = min(max(pixels // width // step, 1) * step, height), width
         return Band(0, np.empty(shape), np.empty(shape, np.int32), np.empty(shape, np.int32))
 
-    def _paint(self, look: Look) -> Paint:
+    def _paint(self, look: Shading) -> Paint:
         """Return how colours are made."""
         width = self._size[0]
         above, normals = np.full(width, -1, np.int32), np.zeros((2, 3, width))

@@ -34,7 +34,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     P_FBCB,
 )
 from drake_geom_ros.geometry._proximity.tolerances import SOFT
-from drake_geom_ros.geometry.autodiff.witnesses import Motion, Side, motion_of, side_of
+from drake_geom_ros.geometry.autodiff.witnesses import PoseDerivatives, Side, motion_of, side_of
 from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
@@ -84,13 +84,13 @@ class PairWitnesses:
     def _numbers(self, row: Floats, column: int, rates: Floats) -> Any:
         return autodiff_array(row[column : column + 3], rates, self._number)
 
-    def _motion(self, k: int) -> tuple[Floats, Motion, tuple[Floats, Floats]]:
+    def _motion(self, k: int) -> tuple[Floats, PoseDerivatives, tuple[Floats, Floats]]:
         """Return a row, how its points and normal move, and the velocities of the material."""
         row, features = self._rows[k], self._features
         V_A, V_B = (V_WFs[k] for V_WFs in self.velocities)
         if V_A.shape[1] == 0:  # constants
             none = np.zeros((3, 0))
-            return row, Motion(none, none, none), (none, none)
+            return row, PoseDerivatives(none, none, none), (none, none)
         if why := self._why_not(k):
             raise GeometryError(f'The derivatives of points and normal were asked for, but {why}.')
         n, U = row[NORMAL : NORMAL + 3], features.axes[k].T
@@ -142,7 +142,7 @@ class PointWitnesses:
         """Return grad_W and p_GN of answer k; raises GeometryError where they have none."""
         found, V = self._found, self.velocities[k]
         n, place = found.grad_W[k], self._places[k]
-        motion = Motion(*3 * [np.zeros((3, 0))])
+        motion = PoseDerivatives(*3 * [np.zeros((3, 0))])
         if V.shape[1]:
             motion = self._motion(k, n)
         of_N = found._scene.R_WGs[place].T @ motion.of_b
@@ -151,7 +151,7 @@ class PointWitnesses:
             'p_GN': autodiff_array(found.p_GN[k], of_N, self._number),
         }
 
-    def _motion(self, k: int, n: Floats) -> Motion:
+    def _motion(self, k: int, n: Floats) -> PoseDerivatives:
         found, V, phi = self._found, self.velocities[k], float(self._found.distance[k])
         features, p_FN = self._features, self._p_FQs[k] - phi * n
         why = ''

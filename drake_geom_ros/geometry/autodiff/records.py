@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from drake_geom_ros.geometry.ids import GeometryId
 
 
-class _Record:
+class _AutoDiffRecord:
     """Named values; points and normals are computed when one of them is first asked for.
 
     Their derivatives may not exist where those of the distance do: asking raises then.
@@ -35,7 +35,7 @@ class _Record:
         return self
 
 
-class SignedDistancePairAutoDiffXd(_Record):
+class SignedDistancePairAutoDiffXd(_AutoDiffRecord):
     """A ``SignedDistancePair`` of AutoDiffXd: distance, p_ACa, p_BCb and nhat_BA_W are such.
 
     ``is_gradient_unique`` tells whether the distance has a derivative; else one of the generalised
@@ -51,7 +51,7 @@ class SignedDistancePairAutoDiffXd(_Record):
     id_B: GeometryId
 
 
-class PenetrationAsPointPairAutoDiffXd(_Record):
+class PenetrationAsPointPairAutoDiffXd(_AutoDiffRecord):
     """A ``PenetrationAsPointPair`` of AutoDiffXd: depth, p_WCa, p_WCb and nhat_BA_W are such.
 
     As for ``SignedDistancePair_[AutoDiffXd]`` the depth always has derivatives, and asking for the
@@ -66,7 +66,7 @@ class PenetrationAsPointPairAutoDiffXd(_Record):
     id_B: GeometryId
 
 
-class SignedDistanceToPointAutoDiffXd(_Record):
+class SignedDistanceToPointAutoDiffXd(_AutoDiffRecord):
     """A ``SignedDistanceToPoint`` of AutoDiffXd: distance, p_GN and grad_W are such.
 
     The distance always has derivatives, and asking for the others may raise GeometryError.

@@ -35,7 +35,7 @@ class Side(NamedTuple):
     velocity: Floats  # (2, n) of its material, in the axes
 
 
-class Motion(NamedTuple):
+class PoseDerivatives(NamedTuple):
     """Derivatives by n variables, in World."""
 
     nhat: Floats  # (3, n) of the normal
@@ -55,7 +55,7 @@ def side_of(feature: Floats, U: Floats, n: Floats, w: Floats, v: Floats) -> Side
     return Side(D, M, U.T @ np.cross(w, n[:, None], axis=0), U.T @ v)
 
 
-def motion_of(phi: float, n: Floats, U: Floats, A: Side, B: Side) -> Motion:
+def motion_of(phi: float, n: Floats, U: Floats, A: Side, B: Side) -> PoseDerivatives:
     """Return how the normal and the nearest points move, where the equations have one solution.
 
     Raises numpy.linalg.LinAlgError where they have not.
@@ -76,4 +76,4 @@ def motion_of(phi: float, n: Floats, U: Floats, A: Side, B: Side) -> Motion:
     dn, s_A, s_B = solved[:2], solved[2 : 2 + f], solved[2 + f :]
     slip_A = -A.M @ (dn - A.turn) + A.D @ s_A
     slip_B = B.M @ (dn - B.turn) + B.D @ s_B
-    return Motion(U @ dn, U @ slip_A, U @ slip_B)
+    return PoseDerivatives(U @ dn, U @ slip_A, U @ slip_B)

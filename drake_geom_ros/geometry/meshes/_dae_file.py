@@ -34,7 +34,7 @@ def parse_dae(data: bytes) -> ParsedMesh:
     if root.tag != 'COLLADA':
         raise ValueError(f'<{root.tag}> is no Collada file')
     metres = _unit(root)
-    vertices, triangles = _Reader(root).mesh()
+    vertices, triangles = _DaeReader(root).mesh()
     remarks = [] if metres == 1.0 else [f'lengths are times {metres:g} m by its <unit>']
     axis = root.findtext('asset/up_axis', 'Z_UP').strip()
     if axis != 'Z_UP':
@@ -51,7 +51,7 @@ def _unit(root: Element) -> float:
     return metres.pop()
 
 
-class _Reader:
+class _DaeReader:
     """Reads the scene of one document."""
 
     def __init__(self, root: Element) -> None:

@@ -44,7 +44,7 @@ def parse_gltf(data: bytes) -> ParsedMesh:
     odd = [name for name in tree.get('extensionsRequired', []) if not name.startswith(_HARMLESS)]
     if odd:
         raise ValueError(f'it requires {", ".join(odd)}, which is not read')
-    return _Reader(tree, binary).mesh()
+    return _GltfReader(tree, binary).mesh()
 
 
 def _document(data: bytes) -> tuple[Any, bytes | None]:
@@ -65,7 +65,7 @@ def _document(data: bytes) -> tuple[Any, bytes | None]:
     return json.loads(chunks[_JSON]), chunks.get(_BINARY)
 
 
-class _Reader:
+class _GltfReader:
     """Reads the scene of one document."""
 
     def __init__(self, tree: Any, binary: bytes | None) -> None:

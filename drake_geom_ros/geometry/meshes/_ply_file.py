@@ -56,7 +56,7 @@ class _TruncatedError(Exception):
     """There are fewer numbers than were told of."""
 
 
-class _Body(Protocol):
+class _PlyBody(Protocol):
     """The numbers after the header, read one after the other."""
 
     position: int
@@ -112,7 +112,7 @@ def parse_ply(data: bytes) -> ParsedMesh:
         raise ValueError("it does not begin as a PLY file: 'ply' and a header up to 'end_header'")
     order, elements = _header(data[:end].decode(errors='replace'))
     start = data.index(b'\n', end) + 1
-    body: _Body = (
+    body: _PlyBody = (
         _Binary(data[start:], _ORDERS[order]) if order in _ORDERS else _Text(data[start:])
     )
     tables = {element.name: _read(body, element) for element in elements}
@@ -164,7 +164,7 @@ def _header(text: str) -> tuple[str, list[_Element]]:
     return order, elements
 
 
-def _read(body: _Body, element: _Element) -> tuple[Columns, Lists]:
+def _read(body: _PlyBody, element: _Element) -> tuple[Columns, Lists]:
     """Return the columns (rows,) of an element, and its lists: their members and their lengths."""
     start = body.position
     try:
@@ -190,7 +190,7 @@ def _read(body: _Body, element: _Element) -> tuple[Columns, Lists]:
     return columns, lists
 
 
-def _row(body: _Body, properties: list[_Property]) -> list[Floats]:
+def _row(body: _PlyBody, properties: list[_Property]) -> list[Floats]:
     """Return the values (1, members) of each property in the next row."""
     found = []
     for each in properties:
@@ -199,7 +199,7 @@ def _row(body: _Body, properties: list[_Property]) -> list[Floats]:
     return found
 
 
-def _alike(body: _Body, element: _Element) -> list[list[Floats]] | None:
+def _alike(body: _PlyBody, element: _Element) -> list[list[Floats]] | None:
     """Return the values (rows, members) of each property, if all rows are as the first one is.
 
     They are as a rule; others are read one by one, which takes long.

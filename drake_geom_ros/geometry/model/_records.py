@@ -6,10 +6,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-from drake_geom_ros.geometry._proximity.kinds import CONVEX
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model.geometry_version import fresh_marks
 from drake_geom_ros.geometry.model.properties import (
@@ -20,10 +16,8 @@ from drake_geom_ros.geometry.model.properties import (
     Role,
 )
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
-from drake_geom_ros.geometry.shapes.primitives import Shape
+from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape
 from drake_geom_ros.math import RigidTransform
-
-Floats = NDArray[np.float64]
 
 # One world for all scenes of the process, as in Drake.
 WORLD_FRAME_ID = FrameId.get_new_id()
@@ -88,29 +82,21 @@ class GeometryRecord:
     perception: PerceptionProperties | None = None
 
     @cached_property
-    def packed_shape(self) -> tuple[int, Floats]:
-        """The type number and the parameters of the shape, as queries take it.
+    def queried_shape(self) -> QueriedShape:
+        """What the shape is to proximity queries, with the properties that it has.
 
-        A mesh counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
-        its surface encloses. Raises GeometryError where it is neither. They live as long as the
-        record: however many meshes a scene has, none is read again because another one came.
+        Raises GeometryError where queries could not answer for it. It lives as long as the record:
+        however many meshes a scene has, none is read again because another one came.
         """
-        shape = self.shape
-        if not isinstance(shape, Mesh):
-            return shape._type_number(), shape._kernel_parameters()
-        if not is_solid(self):
-            return CONVEX, shape._kernel_parameters()
-        from drake_geom_ros.geometry.meshes._solids import solid_of
-
-        return solid_of(*shape._measures)
+        return self.shape._for_queries(is_solid(self))
 
     def changed(self, **fields: Any) -> GeometryRecord:
         """Return the record with other values in some fields; the shape stays packed if it can."""
         other = replace(self, **fields)
-        packed = vars(self).get('packed_shape')
+        packed = vars(self).get('queried_shape')
         same = other.shape is self.shape and is_solid(other) == is_solid(self)
         if packed and same and other.proximity is not None:
-            vars(other)['packed_shape'] = packed
+            vars(other)['queried_shape'] = packed
         return other
 
     def properties(self, role: Role) -> GeometryProperties | None:
@@ -160,5 +146,8 @@ def is_solid(record: GeometryRecord) -> bool:
 
 def check_for_queries(record: GeometryRecord) -> None:
     """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
-    if record.proximity is not None:
-        _ = record.packed_shape
+    if record.proximity is None:
+        return
+    _ = record.queried_shape
+    if isinstance(record.shape, Mesh) and not is_solid(record):
+        record.shape._tell_if_open()

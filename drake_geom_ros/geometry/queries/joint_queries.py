@@ -16,7 +16,7 @@ from drake_geom_ros.geometry._proximity.states.joint_checks import (
 )
 from drake_geom_ros.geometry._proximity.states.joint_loops import JointLoops
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
-from drake_geom_ros.geometry.queries.state_queries import PackedScene, gap_of
+from drake_geom_ros.geometry.queries.state_queries import PackedScene, level_gap_of
 
 # What is said of a state; see ``JointQueries.verdict``.
 __all__ = ['FREE', 'NEAR', 'NO_POSE', 'NO_STATE', 'OUTSIDE', 'JointQueries', 'Least']
@@ -52,7 +52,7 @@ class JointQueries:
             scene.moved.copy(),
             chain,
             limits,
-            gap_of(accuracy),
+            level_gap_of(accuracy),
             margin,
         )
         # Bound here: a method that passes it on takes a tenth of a microsecond.

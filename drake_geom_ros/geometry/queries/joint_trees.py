@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.world.joint_poses import (
     JointChain,
     pose_links,
 )
+from drake_geom_ros.math.batched import rotations_from_quaternions
 
 __all__ = ['JointChain', 'JointKind', 'JointTree', 'side_by_side']
 
@@ -55,6 +56,38 @@ class JointTree:
         for parent, child, is_held in zip(self.parents, self.children, held, strict=True):
             still[child] = still[parent] and is_held
         return still
+
+    def needs(self) -> NDArray[np.bool_]:
+        """Return (m + 1, c): which links which joint values move against the root."""
+        columns = 1 + int(self.leaders.max(initial=-1))
+        needs = np.zeros((len(self.parents) + 1, columns), dtype=np.bool_)
+        held = (self.kinds == JointKind.FIXED) | (self.leaders < 0)
+        rows = zip(self.parents, self.children, held, self.leaders, strict=True)
+        for parent, child, is_held, leader in rows:
+            needs[child] = needs[parent]
+            if not is_held:
+                needs[child, leader] = True
+        return needs
+
+    def link_twists(self, speeds: ArrayLike, X_WLs: Floats, V_WB: ArrayLike) -> Floats:
+        """Return V_WL (m + 1, 6) of all links, [w, v] of the link's origin in World axes.
+
+        For joint speeds (c,) [rad/s] or [m/s] at the poses X_WLs (m + 1, 7), where the root moves
+        with V_WB (6,): each joint adds its own motion to that of its parent link.
+        """
+        rates = np.asarray(speeds, dtype=np.float64)
+        V_WLs = np.empty((len(self.parents) + 1, 6))
+        V_WLs[0] = V_WB
+        R_WLs = rotations_from_quaternions(X_WLs[self.children, 3:])
+        axes_W = (R_WLs @ self.axes[:, :, np.newaxis])[:, :, 0]
+        for j, (parent, child) in enumerate(zip(self.parents, self.children, strict=True)):
+            w, v = V_WLs[parent, :3], V_WLs[parent, 3:]
+            arm = X_WLs[child, :3] - X_WLs[parent, :3]
+            V_WLs[child, :3], V_WLs[child, 3:] = w, v + np.cross(w, arm)
+            if self.kinds[j] != JointKind.FIXED and self.leaders[j] >= 0:
+                part = slice(0, 3) if self.kinds[j] == JointKind.REVOLUTE else slice(3, 6)
+                V_WLs[child, part] += self.multipliers[j] * rates[self.leaders[j]] * axes_W[j]
+        return V_WLs
 
     def link_poses(self, values: ArrayLike, X_WB: ArrayLike) -> Floats:
         """Return X_WL (N, m + 1, 7), x y z [m] qx qy qz qw, for joint values (N, c).

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.derivatives.gradients import gradients_of_pairs, places_of
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_GRADIENT
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import PointBatch
-from drake_geom_ros.geometry._proximity.world.moment import Moment, Posed
+from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
 from drake_geom_ros.geometry.errors import ArgumentError, GeometryError
 from drake_geom_ros.geometry.ids import FrameId
 
@@ -33,7 +33,7 @@ class PairGradients:
 
     _ids: Indices
     _rows: Floats
-    _moment: Moment | None
+    _kept_poses: KeptPoses | None
     _derived: Derivatives | None = None
 
     @property
@@ -94,8 +94,8 @@ class PairGradients:
         return self._derived
 
     @property
-    def _scene(self) -> Posed:
-        return _posed(self._moment)
+    def _scene(self) -> PosedWorld:
+        return _posed(self._kept_poses)
 
     def _frames(self) -> Indices:
         scene = self._scene
@@ -119,12 +119,12 @@ class PointGradients:
     """The part of distances to points that is about derivatives."""
 
     _arrays: PointBatch
-    _moment: Moment | None
+    _kept_poses: KeptPoses | None
     _p_WQs: Floats  # (m, 3) [m]
 
     @property
-    def _scene(self) -> Posed:
-        return _posed(self._moment)
+    def _scene(self) -> PosedWorld:
+        return _posed(self._kept_poses)
 
     @property
     def gradients(self) -> Floats:
@@ -156,14 +156,14 @@ class PointGradients:
         return of_points
 
 
-def _posed(moment: Moment | None) -> Posed:
+def _posed(kept_poses: KeptPoses | None) -> PosedWorld:
     """Return the shapes as they were when the query was answered."""
-    if moment is None:
+    if kept_poses is None:
         raise GeometryError(
             'Derivatives of results of many states were asked for, which keep no orientations: '
             'ask a QueryObject of the state in question.'
         )
-    return moment.keep()
+    return kept_poses.keep()
 
 
 def _checked(J: ArrayLike, count: int, height: int = 6) -> Floats:

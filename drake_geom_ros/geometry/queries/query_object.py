@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDIDATES, CONTACT
 from drake_geom_ros.geometry._proximity.kernels.pair_table import unsupported
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import PairBatch
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import batch_of
 from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
@@ -187,15 +187,13 @@ class QueryObject(ImageQueries):
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
-        query = context._query(accuracy, 0.0, True, ANSWERS)
-        world = context._world
+        query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
-        batch = context._engine.answer_of(query, world, budget)
+        answers = context._engine.answer_of(query, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
-        unsure = query.is_bound or budget > 0.0
-        if unsure:
-            batch = PairBatch(*batch).penetrating()
-        return PenetrationResults(batch, world.moment())
+        if query.is_bound or budget > 0.0:
+            return PenetrationResults(batch_of(answers).penetrating(), query.world.kept_poses())
+        return PenetrationResults(answers, query.world.kept_poses())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -205,8 +203,8 @@ class QueryObject(ImageQueries):
         interval of its distance reaches below 0: there a contact is possible.
         """
         context = self._context
-        query = context._query(accuracy, 0.0, True, CONTACT)
-        return context._engine.finds_overlap(query, context._world)
+        query = context._query('contact', accuracy, 0.0, True, CONTACT)
+        return context._engine.finds_overlap(query)
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self,
@@ -232,11 +230,10 @@ class QueryObject(ImageQueries):
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
-        query = context._query(accuracy, reach, False, ANSWERS)
-        world = context._world
+        query = context._query(reach, accuracy, reach, False, ANSWERS)
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
-        batch = context._engine.answer_of(query, world, budget)
-        return SignedDistanceResults(batch, world.moment())
+        answers = context._engine.answer_of(query, budget)
+        return SignedDistanceResults(answers, query.world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -297,7 +294,7 @@ class QueryObject(ImageQueries):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
-        return SignedDistanceResults(batch, world.moment())
+        return SignedDistanceResults(batch, world.kept_poses())
 
     def FindCollisionCandidates(
         self, *, accuracy: str | None = None
@@ -313,9 +310,8 @@ class QueryObject(ImageQueries):
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        query = context._query('bound', 0.0, False, CANDIDATES)
-        world = context._world
-        return world.geometries.ids[context._engine.candidates_of(query, world)]
+        query = context._query('candidates', 'bound', 0.0, False, CANDIDATES)
+        return query.world.geometries.ids[context._engine.candidates_of(query)]
 
     # Points.
 
@@ -345,9 +341,9 @@ class QueryObject(ImageQueries):
         if not are_allowed(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
-        world = context._posed_world()
+        world = context._pointed_world()
         batch = context._engine.point_distances(world, p_WQs, reach)
-        return PointDistanceResults(batch, world.moment(), p_WQs)
+        return PointDistanceResults(batch, world.kept_poses(), p_WQs)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

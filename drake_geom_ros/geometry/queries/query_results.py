@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
 )
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     DEPTH,
+    IDS,
     P_ACA,
     P_BCB,
     P_FACA,
@@ -41,7 +42,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     PairBatch,
     PointBatch,
 )
-from drake_geom_ros.geometry._proximity.world.moment import Moment
+from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses
 from drake_geom_ros.geometry.ids import GeometryId
 from drake_geom_ros.geometry.queries.query_gradients import PairGradients, PointGradients
 from drake_geom_ros.geometry.queries.query_records import (
@@ -51,7 +52,8 @@ from drake_geom_ros.geometry.queries.query_records import (
 )
 
 # Of columns, made once: to write them as slices takes a third of the time of a view.
-_FIRST, _SECOND = np.s_[:, 0], np.s_[:, 1]
+_FIRST, _SECOND, _IDS = np.s_[:, 0], np.s_[:, 1], np.s_[:, IDS:]
+_INT64, _Array = np.dtype(np.int64), np.ndarray
 _NORMALS = np.s_[:, NORMAL : NORMAL + 3]
 _POINTS_A, _POINTS_B = np.s_[:, WITNESS_A : WITNESS_A + 3], np.s_[:, WITNESS_B : WITNESS_B + 3]
 _IN_A, _IN_B = np.s_[:, P_ACA : P_ACA + 3], np.s_[:, P_BCB : P_BCB + 3]
@@ -135,13 +137,16 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, batch: tuple[Ids, Floats], moment: Moment | None = None) -> None:
-        """Have the arrays of a ``PairBatch``, which needs not be one.
+    def __init__(self, answers: Floats | PairBatch, kept_poses: KeptPoses | None = None) -> None:
+        """Have answers (k, ANSWER_WIDTH), which nobody changes, or a batch.
 
-        Without a ``moment``, of pairs of many states, there are no derivatives.
+        Without a ``kept_poses``, of pairs of many states, there are no derivatives.
         """
-        self._ids, self._rows = batch
-        self._moment = moment
+        if type(answers) is _Array:
+            self._ids, self._rows = answers.view(_INT64)[_IDS], answers
+        else:
+            self._ids, self._rows = answers
+        self._kept_poses = kept_poses
 
     @property
     def _batch(self) -> PairBatch:
@@ -238,7 +243,7 @@ class SignedDistanceResults(_PairSequence[SignedDistancePair]):
 
         One narrow phase serves both answers of a cycle.
         """
-        return PenetrationResults(self._batch.penetrating(), self._moment)
+        return PenetrationResults(self._batch.penetrating(), self._kept_poses)
 
     @property
     def distance(self) -> Floats:
@@ -304,11 +309,11 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
     def __init__(
-        self, batch: PointBatch, moment: Moment | None = None, p_WQs: Floats | None = None
+        self, batch: PointBatch, kept_poses: KeptPoses | None = None, p_WQs: Floats | None = None
     ) -> None:
-        """Without a ``moment``, of points in many states, there are no derivatives."""
+        """Without a ``kept_poses``, of points in many states, there are no derivatives."""
         self._take(batch)
-        self._moment = moment
+        self._kept_poses = kept_poses
         if p_WQs is not None:
             self._p_WQs = p_WQs
 

@@ -15,11 +15,17 @@ from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
-from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._proximity.world.world import (
+    FrameTable,
+    GeometryTable,
+    PointShapes,
+    World,
+)
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.query_results import (
     PointDistanceResults,
     SignedDistanceResults,
@@ -50,6 +56,10 @@ class PackedScene:
     types: Indices  # (n,)
     starts: Indices  # (n + 1,) of the shapes' parameters
     pool: Floats
+    # What they are to points; of those who ask about none the same.
+    point_types: Indices
+    point_starts: Indices
+    point_pool: Floats
     pairs: Indices  # (k, 2) that no filter leaves out
     moved: Indices  # the frames whose poses make a state
 
@@ -59,15 +69,21 @@ class PackedScene:
         context: SceneGraphContext,
         frame_ids: Indices,
         still: Mapping[int, Floats] | None = None,
+        *,
+        about_points: bool = True,
     ) -> tuple[PackedScene, Indices]:
         """Return a context's scene of now, and its geometries' id values (n,) by their place.
 
         ``frame_ids`` are values of the frames that states pose, ``still`` the poses X_PF (7,) of
         those among them that have the same in each state: what is welded to the world stays so
-        there, and nowhere else. Raises PoseError for one that is
+        there, and nowhere else. Only who asks ``about_points`` has to pack what meshes are to
+        these. Raises PoseError for one that is
         not there or is there twice, and for other frames that never had a pose.
         """
-        world = context._up_to_date_world().copy()
+        world = context._up_to_date_world()
+        if about_points:
+            know_point_shapes(world, context._model)
+        world = world.copy()
         named = world.named(frame_ids)
         if named is None or len(np.unique(frame_ids)) < len(frame_ids):
             known = world.has_frames(frame_ids)
@@ -99,6 +115,9 @@ class PackedScene:
             types=table.types,
             starts=table.starts,
             pool=table.pool,
+            point_types=world.point_shapes.types,
+            point_starts=world.point_shapes.starts,
+            point_pool=world.point_shapes.pool,
             pairs=near.pairs,
             moved=rows,
         )
@@ -137,6 +156,9 @@ class PackedScene:
                 pool=self.pool.copy(),
             ),
         )
+        types, starts = self.point_types.copy(), self.point_starts.copy()
+        kinds = frozenset(types.tolist())
+        world.point_shapes = PointShapes(types, starts, self.point_pool.copy(), kinds)
         rows = np.arange(1, count)
         world.set_poses(rows, self.R_PFs[1:].copy(), self.p_PFs[1:].copy())
         return world
@@ -171,9 +193,9 @@ class StateQueries:
         That is so unless every pair is certified to be farther apart than the margin.
         """
         if margin is None:
-            done, found = self._loops.overlaps(poses, gap_of(accuracy), stop)
+            done, found = self._loops.overlaps(poses, level_gap_of(accuracy), stop)
         else:
-            done, found = self._loops.near(poses, gap_of(accuracy), margin, stop)
+            done, found = self._loops.near(poses, level_gap_of(accuracy), margin, stop)
         _check_done(done, poses, stop)
         return found
 
@@ -186,14 +208,14 @@ class StateQueries:
         higher one than the last of so many, or one above ``max_distance`` [m].
         """
         done, counts, batch = self._loops.nearest(
-            poses, gap_of(accuracy), max_distance, most, stop
+            poses, level_gap_of(accuracy), max_distance, most, stop
         )
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
     def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
-        done, counts, batch = self._loops.within(poses, gap_of(accuracy), max_distance, stop)
+        done, counts, batch = self._loops.within(poses, level_gap_of(accuracy), max_distance, stop)
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
@@ -209,7 +231,7 @@ def pose_gradients(results: SignedDistanceResults) -> Floats:
     return gradients_of_rows(results._rows)
 
 
-def gap_of(accuracy: str) -> float:
+def level_gap_of(accuracy: str) -> float:
     """Return the gap [m] that a level allows kernels; infinite: bounds alone will do."""
     return math.inf if accuracy == 'bound' else LEVEL_GAPS[accuracy]
 

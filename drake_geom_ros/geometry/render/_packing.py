@@ -190,9 +190,8 @@ def _primitive(record: GeometryRecord) -> tuple[int, Floats]:
     if isinstance(shape, (Convex, Mesh)):
         return CONVEX, np.zeros(3)
     numbers = np.zeros(3)
-    parameters = shape._kernel_parameters()
+    kind, parameters = shape._for_queries().in_pairs
     numbers[: len(parameters)] = parameters
-    kind = shape._type_number()
     small = (parameters < SMALLEST_SIZE).any() and kind not in (SPHERE, HALF_SPACE)
     if small or (parameters > LARGEST_SIZE).any():
         raise GeometryError(

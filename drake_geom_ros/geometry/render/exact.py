@@ -55,7 +55,7 @@ class RenderEngineExact(RenderEngine):
         # Only here: who makes no images imports nothing that does.
         from drake_geom_ros.geometry._rendering.drawing import (
             Lens,
-            Look,
+            Shading,
             Wanted,
             bytes_of,
             render,
@@ -77,7 +77,7 @@ class RenderEngineExact(RenderEngine):
             R_SW[:, 2],
         )
         params = self._params
-        look = Look(params.default_clear_color.rgba[:3], params.edges, params.color_samples)
+        look = Shading(params.default_clear_color.rgba[:3], params.edges, params.color_samples)
         images = render(
             packed.bodies,
             bodies.placed,

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import Any, ClassVar, TypeVar
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +31,32 @@ Floats = NDArray[np.float64]
 _S = TypeVar('_S', bound='Shape')
 
 
+class PackedShape(NamedTuple):
+    """What compiled code is told of a shape, as ``_proximity.kernels`` lays it out."""
+
+    kind: int  # a number of ``_proximity.kinds``
+    parameters: Floats
+
+
+class QueriedShape:
+    """What a shape is to proximity queries: in pairs of geometries, and to points.
+
+    What it is to points may take long to pack, and is packed when somebody asks about points.
+    """
+
+    def __init__(
+        self, in_pairs: PackedShape, to_points: Callable[[], PackedShape] | None = None
+    ) -> None:
+        """Without ``to_points`` it is the same to them."""
+        self.in_pairs = in_pairs
+        self._pack = to_points
+
+    @cached_property
+    def to_points(self) -> PackedShape:
+        """The shape that points are about."""
+        return self.in_pairs if self._pack is None else self._pack()
+
+
 class Shape:
     """What all shapes share: values that compare, hash and print by their measures."""
 
@@ -45,12 +73,16 @@ class Shape:
         """Return another object that is the same shape."""
         return copy.copy(self)
 
-    def _type_number(self) -> int:
-        """Return the number of the kind, as in the kernels and in messages."""
-        return self._TYPE
+    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
+        """Return what the shape is to proximity queries: the one place that says so.
 
-    def _kernel_parameters(self) -> Floats:
-        """Return what the kernels need to know, laid out as ``_proximity.kernels`` says."""
+        ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds. Raises
+        GeometryError for what cannot have the proximity role.
+        """
+        return QueriedShape(PackedShape(self._TYPE, self._lengths()))
+
+    def _lengths(self) -> Floats:
+        """Return the lengths [m] that kernels work with, half of those that people measure."""
         return np.array(self._measures, dtype=np.float64)
 
     def __eq__(self, other: object) -> bool:
@@ -119,7 +151,7 @@ class Box(Shape):
         """Return width, depth and height (3,) [m]."""
         return np.array(self._measures)
 
-    def _kernel_parameters(self) -> Floats:
+    def _lengths(self) -> Floats:
         return 0.5 * self.size()
 
 
@@ -146,7 +178,7 @@ class _Swept(Shape):
         """Return the length [m]; of a capsule, the length between its two centres."""
         return float(self._measures[1])
 
-    def _kernel_parameters(self) -> Floats:
+    def _lengths(self) -> Floats:
         return np.array([self.radius(), 0.5 * self.length()])
 
 
@@ -259,7 +291,7 @@ class MeshcatCone(Shape):
         """Return the semi-axis [m] of the base along y."""
         return float(self._measures[2])
 
-    def _kernel_parameters(self) -> Floats:
+    def _for_queries(self, is_solid: bool = False) -> QueriedShape:
         raise GeometryError('MeshcatCone: it is for pictures, and cannot have the proximity role')
 
 

@@ -24,7 +24,7 @@ _NUMBERS = {'int8_t': '>i1', 'int32_t': '>i4', 'int64_t': '>i8', 'float': '>f4'}
 
 
 @dataclass(frozen=True)
-class Member:
+class TypeMember:
     """A member of a type, of a primitive type or another; sizes are numbers or earlier members."""
 
     name: str
@@ -37,7 +37,7 @@ class LcmType:
     """A type, by its members in their order."""
 
     name: str
-    members: tuple[Member, ...]
+    members: tuple[TypeMember, ...]
 
     @cached_property
     def fingerprint(self) -> int:
@@ -64,7 +64,7 @@ class LcmType:
         return b''.join(_encoded(member, values[member.name]) for member in self.members)
 
 
-def _encoded(member: Member, value: Any) -> bytes:
+def _encoded(member: TypeMember, value: Any) -> bytes:
     """Return a member in bytes; an array's size is told by another member."""
     if isinstance(member.kind, LcmType):
         return b''.join(member.kind._body(each) for each in value)

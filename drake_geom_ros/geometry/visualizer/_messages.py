@@ -29,7 +29,7 @@ from drake_geom_ros.geometry.shapes.primitives import (
     Shape,
     Sphere,
 )
-from drake_geom_ros.geometry.visualizer._lcm_types import LcmType, Member
+from drake_geom_ros.geometry.visualizer._lcm_types import LcmType, TypeMember
 from drake_geom_ros.math import RigidTransform
 
 Floats = NDArray[np.float64]
@@ -38,37 +38,37 @@ Fields = dict[str, Any]
 GEOMETRY_DATA = LcmType(
     'viewer_geometry_data',
     (
-        Member('type', 'int8_t'),
-        Member('position', 'float', (3,)),
-        Member('quaternion', 'float', (4,)),
-        Member('color', 'float', (4,)),
-        Member('string_data', 'string'),
-        Member('num_float_data', 'int32_t'),
-        Member('float_data', 'float', ('num_float_data',)),
+        TypeMember('type', 'int8_t'),
+        TypeMember('position', 'float', (3,)),
+        TypeMember('quaternion', 'float', (4,)),
+        TypeMember('color', 'float', (4,)),
+        TypeMember('string_data', 'string'),
+        TypeMember('num_float_data', 'int32_t'),
+        TypeMember('float_data', 'float', ('num_float_data',)),
     ),
 )
 LINK_DATA = LcmType(
     'viewer_link_data',
     (
-        Member('name', 'string'),
-        Member('robot_num', 'int32_t'),
-        Member('num_geom', 'int32_t'),
-        Member('geom', GEOMETRY_DATA, ('num_geom',)),
+        TypeMember('name', 'string'),
+        TypeMember('robot_num', 'int32_t'),
+        TypeMember('num_geom', 'int32_t'),
+        TypeMember('geom', GEOMETRY_DATA, ('num_geom',)),
     ),
 )
 LOAD_ROBOT = LcmType(
     'viewer_load_robot',
-    (Member('num_links', 'int32_t'), Member('link', LINK_DATA, ('num_links',))),
+    (TypeMember('num_links', 'int32_t'), TypeMember('link', LINK_DATA, ('num_links',))),
 )
 DRAW = LcmType(
     'viewer_draw',
     (
-        Member('timestamp', 'int64_t'),
-        Member('num_links', 'int32_t'),
-        Member('link_name', 'string', ('num_links',)),
-        Member('robot_num', 'int32_t', ('num_links',)),
-        Member('position', 'float', ('num_links', 3)),
-        Member('quaternion', 'float', ('num_links', 4)),
+        TypeMember('timestamp', 'int64_t'),
+        TypeMember('num_links', 'int32_t'),
+        TypeMember('link_name', 'string', ('num_links',)),
+        TypeMember('robot_num', 'int32_t', ('num_links',)),
+        TypeMember('position', 'float', ('num_links', 3)),
+        TypeMember('quaternion', 'float', ('num_links', 4)),
     ),
 )
 

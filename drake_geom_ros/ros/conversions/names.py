@@ -55,6 +55,7 @@ class NameTable:
         self._frames: dict[str, list[FrameId]] = defaultdict(list)
         # Names may hold `::` and `/`: they are compared as pairs or whole, and never split.
         self.labels: dict[FrameId, tuple[str, str]] = {}  # source and name, not of the world
+        self._owners: dict[FrameId | GeometryId, str] = {}
         self._called: dict[str, list[FrameId]] = defaultdict(list)
         self._geometries: dict[str, list[GeometryId]] = defaultdict(list)
         self.frame_names: dict[FrameId, str] = {}
@@ -71,6 +72,7 @@ class NameTable:
             source = inspector.GetOwningSourceName(frame)
             full = f'{source}::{name}'
             self.labels[frame] = source, name
+            self._owners[frame] = source
             self._called[name].append(frame)
             short[frame] = name
             self.frame_names[frame] = full
@@ -79,6 +81,7 @@ class NameTable:
         for geometry in inspector.GetAllGeometryIds():
             name = inspector.GetName(geometry)
             source, frame = inspector.GetOwningSourceName(geometry), inspector.GetFrameId(geometry)
+            self._owners[geometry] = source
             self.geometry_names[geometry] = f'{source}::{short[frame]}/{name}'
             frames = self._world_names if frame == world else {short[frame]}
             aliases = {f'{called}/{name}' for called in frames}
@@ -178,7 +181,12 @@ class NameTable:
     ) -> str:
         shown = shortened(name)
         if found:
-            ids = ', '.join(f"'{names[i]}' (#{i.get_value()})" for i in found)
+            # Names may be the same, of other sources: `b::c` of `a`, and `c` of `a::b`.
+            whole = [names[i] for i in found]
+            ids = ', '.join(
+                f"'{n}'{self._of(i) if whole.count(n) > 1 else ''} (#{i.get_value()})"
+                for i, n in zip(found, whole, strict=True)
+            )
             return (
                 f'{len(found)} {plural(kind)} share the name {shown!r}: {ids}. '
                 'Add the source, as in `source::name`, or give `#<id>`.'
@@ -194,6 +202,10 @@ class NameTable:
             f'There is no {kind} {shown!r} in the scene{self._hints[key]}. It holds '
             f'{len(names)}: {_some(names.values())}. See the topic ~/scene.'
         )
+
+    def _of(self, id: FrameId | GeometryId) -> str:
+        """Return in words whose a frame or a geometry is."""
+        return ', the world' if id == self.world else f" of source '{self._owners[id]}'"
 
     def _hint(self, kind: str, name: str) -> str:
         """Return what else a name stands for, or which names are like it."""

@@ -31,7 +31,7 @@ from drake_geom_ros.ros.inputs.tf_edges import Edge, Refusal, plain_name, read_e
 from drake_geom_ros.ros.inputs.tf_troubles import SHOWN, Claims, loop_of, shared, unlinked
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Clocks, Since
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
-from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
+from drake_geom_ros.ros.scene.feeders import TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
@@ -160,7 +160,7 @@ class TfInput:
         affected = set()
         for frame, names in self._names_of_frames(scene):
             name = next((n for n in names if n in self._edges), None)
-            if name not in heard and scene.feeders.is_fed_by(MESSAGES, frame.get_value()):
+            if name not in heard and scene.feeders.is_fed_by_others(TF, frame.get_value()):
                 continue
             if name is not None and (here := self._place(name, placed)) is not None:
                 found[frame] = here

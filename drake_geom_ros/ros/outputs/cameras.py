@@ -38,7 +38,7 @@ _LEGEND = 'labels/legend'
 
 
 @dataclass
-class _Open:
+class _OpenCamera:
     """A camera with its topics, and what was published last."""
 
     frame: FrameId
@@ -79,7 +79,7 @@ class CameraPublisher:
         self._images, self._latched = images, latched
         self._transforms = CameraTransforms(surface, live.world_frame, latched, transforms)
         self.beside = Beside('cameras', self._why_not)  # what is told in the report of a cycle
-        self._open: dict[str, _Open] = {}
+        self._open: dict[str, _OpenCamera] = {}
         self._unheard, self._unchanged = 0, 0  # times that a camera was due, since last told
 
     def _why_not(self) -> str:
@@ -118,7 +118,7 @@ class CameraPublisher:
                 self._show(each, kinds, view, state, now)
 
     def _show(
-        self, each: _Open, kinds: list[str], view: SceneView, state: bytes, now: float
+        self, each: _OpenCamera, kinds: list[str], view: SceneView, state: bytes, now: float
     ) -> None:
         """Publish images of a camera, taken now where something moved."""
         if each.state != state or not each.messages.keys() >= set(kinds):
@@ -139,7 +139,7 @@ class CameraPublisher:
             each.publishers[f'{kind} info'].publish(info)
             publish(each.publishers[kind], image)
 
-    def _take(self, each: _Open, kinds: list[str], view: SceneView) -> None:
+    def _take(self, each: _OpenCamera, kinds: list[str], view: SceneView) -> None:
         """Take images of a camera, and keep them as messages."""
         camera, stamp = each.camera, view.moment.newest_stamp
         images = view.query.render_images(camera_of(camera), each.frame, camera.X_FC, kinds)
@@ -177,7 +177,7 @@ class CameraPublisher:
         new = cameras.keys() - self._open.keys()
         for name in new:
             frame, camera = cameras[name]
-            self._open[name] = _Open(frame, camera, self._publishers(camera))
+            self._open[name] = _OpenCamera(frame, camera, self._publishers(camera))
         if gone or new:
             self._transforms.fix(camera for frame, camera in cameras.values() if frame == world)
 

@@ -17,7 +17,7 @@ from drake_geom_ros.ros.outputs.effects import NO_SUBSCRIBER, Beside, Effect
 from drake_geom_ros.ros.outputs.level_costs import LevelCosts
 from drake_geom_ros.ros.outputs.replays import Replays
 from drake_geom_ros.ros.scene.held_scene import HeldScene
-from drake_geom_ros.ros.scene.scene_view import Moment
+from drake_geom_ros.ros.scene.scene_view import SceneStamp
 
 if TYPE_CHECKING:  # a node that asks for no second opinion loads nothing of it
     from drake_geom_ros.ros.outputs.cross_check import CrossCheck
@@ -100,7 +100,7 @@ class Cycle:
     def _answer(
         self,
         scene: HeldScene,
-        moment: Moment,
+        moment: SceneStamp,
         wanted: dict[str, bool],
         max_distance: float,
         time_budget: float,
@@ -136,7 +136,7 @@ class Cycle:
             self.cross_check.look_at(scene, distances, reach)
         return computed, published
 
-    def _publish(self, name: str, moment: Moment) -> Effect:
+    def _publish(self, name: str, moment: SceneStamp) -> Effect:
         start = time.perf_counter()
         message = self._messages[name]
         moment.stamp(message)
@@ -145,7 +145,7 @@ class Cycle:
 
     def _report(
         self,
-        moment: Moment,
+        moment: SceneStamp,
         effects: list[Effect],
         computed: Effects | None,
         seconds: float,

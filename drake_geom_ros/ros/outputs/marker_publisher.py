@@ -9,7 +9,7 @@ from typing import Any
 
 from drake_geom_ros.geometry import GeometryError, GeometryId
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.ros.outputs.markers import DELETE_ALL, MarkerWriter, Part, parts_of
+from drake_geom_ros.ros.outputs.markers import DELETE_ALL, MarkerPart, MarkerWriter, parts_of
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
 from drake_geom_ros.viewing.looks import LAYERS, Colour, looks_of
@@ -45,7 +45,7 @@ class MarkerPublisher:
         self._max_distance = max_distance
         self._listeners = 0
         self._version = -1
-        self._looks: dict[Key, tuple[list[Part], Colour]] = {}
+        self._looks: dict[Key, tuple[list[MarkerPart], Colour]] = {}
         self._shown: dict[Key, tuple[int, bytes]] = {}
 
     def publish(self) -> None:

@@ -47,7 +47,7 @@ _ID_RANGE = 2**31  # marker ids are int32
 
 
 @dataclass(frozen=True)
-class Part:
+class MarkerPart:
     """One marker of a geometry: its kind, pose in the geometry's frame, and scale [m]."""
 
     kind: int
@@ -56,34 +56,36 @@ class Part:
     triangles: NDArray[np.float64] | None = None  # corners (3 m, 3) [m]
 
 
-def parts_of(shape: Shape, solid: bool = False) -> list[Part]:
+def parts_of(shape: Shape, solid: bool = False) -> list[MarkerPart]:
     """Return the markers that draw a shape in its geometry's frame, a mesh as a solid if it is.
 
     A solid of more than MOST_DRAWN triangles is drawn as its hull.
     """
     here = RigidTransform()
     if isinstance(shape, Sphere):
-        return [Part(SPHERE, here, (2 * shape.radius(),) * 3)]
+        return [MarkerPart(SPHERE, here, (2 * shape.radius(),) * 3)]
     if isinstance(shape, Box):
-        return [Part(CUBE, here, (shape.width(), shape.depth(), shape.height()))]
+        return [MarkerPart(CUBE, here, (shape.width(), shape.depth(), shape.height()))]
     if isinstance(shape, Ellipsoid):
-        return [Part(SPHERE, here, (2 * shape.a(), 2 * shape.b(), 2 * shape.c()))]
+        return [MarkerPart(SPHERE, here, (2 * shape.a(), 2 * shape.b(), 2 * shape.c()))]
     if isinstance(shape, Cylinder):
-        return [Part(CYLINDER, here, (2 * shape.radius(), 2 * shape.radius(), shape.length()))]
+        return [
+            MarkerPart(CYLINDER, here, (2 * shape.radius(), 2 * shape.radius(), shape.length()))
+        ]
     if isinstance(shape, Capsule):
         across, half = 2 * shape.radius(), shape.length() / 2
         ends = [RigidTransform([0.0, 0.0, z]) for z in (-half, half)]
         return [
-            Part(CYLINDER, here, (across, across, shape.length())),
-            *(Part(SPHERE, X, (across,) * 3) for X in ends),
+            MarkerPart(CYLINDER, here, (across, across, shape.length())),
+            *(MarkerPart(SPHERE, X, (across,) * 3) for X in ends),
         ]
     if isinstance(shape, HalfSpace):
         X_GP = RigidTransform([0.0, 0.0, -_PLATE_THICKNESS / 2])
-        return [Part(CUBE, X_GP, (_PLATE, _PLATE, _PLATE_THICKNESS))]
+        return [MarkerPart(CUBE, X_GP, (_PLATE, _PLATE, _PLATE_THICKNESS))]
     if not isinstance(shape, (Convex, Mesh)):
         raise GeometryError(f'RViz has no marker for {shape!r}')
     vertices, triangles = mesh_surface(shape, solid)
-    return [Part(TRIANGLE_LIST, here, (1.0, 1.0, 1.0), vertices[triangles.ravel()])]
+    return [MarkerPart(TRIANGLE_LIST, here, (1.0, 1.0, 1.0), vertices[triangles.ravel()])]
 
 
 class MarkerWriter:
@@ -104,7 +106,7 @@ class MarkerWriter:
         self,
         namespace: str,
         id: GeometryId,
-        parts: list[Part],
+        parts: list[MarkerPart],
         colour: Colour,
         X_WG: RigidTransform,
     ) -> list[Any]:

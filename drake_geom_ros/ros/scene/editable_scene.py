@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from drake_geom_ros.geometry import (
     ArgumentError,
     FilterError,
@@ -17,9 +20,9 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
-from drake_geom_ros.ros.scene.feeders import MESSAGES
+from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
-from drake_geom_ros.ros.scene.pose_ages import Posed
+from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
     CameraDescription,
@@ -133,7 +136,7 @@ class EditableScene(HeldScene):
         self.pose(poses, posed, message.header.stamp, MESSAGES)
         return len(poses)
 
-    def pose(self, poses: FramePoseVector, posed: Posed, stamp: Any, feeder: str) -> None:
+    def pose(self, poses: FramePoseVector, posed: PosedFrames, stamp: Any, feeder: str) -> None:
         """Pose frames; ``posed`` says since when these hold."""
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
@@ -166,6 +169,13 @@ class EditableScene(HeldScene):
             raise ArgumentError('header.stamp is 0; twists belong to the poses of their time')
         if self._twists is not None:
             since = self._clocks.arrival(waited).since(seconds_of(message.header.stamp))
+            self._twists.note_twists(frames, twists, stamp, since)
+
+    def note_twists(
+        self, frames: NDArray[np.int64], twists: NDArray[np.float64], stamp: int, since: Since
+    ) -> None:
+        """Note the twists V_WF (n, 6) of frames (n,) at a stamp [ns], if motion is watched."""
+        if self._twists is not None:
             self._twists.note_twists(frames, twists, stamp, since)
 
     def lease(self, filter_id: FilterId, seconds: float) -> None:
@@ -205,7 +215,7 @@ class EditableScene(HeldScene):
         return expired
 
 
-def _stamps(posed: Posed, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:
+def _stamps(posed: PosedFrames, stamp: Any, feeder: str) -> dict[int, tuple[int, Since]]:
     """Return the stamps [ns] of poses by frame, and since when they hold.
 
     All of a message bear the same one; transforms have their own, which ``posed`` knows. Those
@@ -215,7 +225,7 @@ def _stamps(posed: Posed, stamp: Any, feeder: str) -> dict[int, tuple[int, Since
     for frames, since in posed.items():
         own = 0
         if since != ALWAYS:
-            own = stamp_of(stamp) if feeder == MESSAGES else int(since.held * 1e9)
+            own = int(since.held * 1e9) if feeder == TF else stamp_of(stamp)
         stamps.update(dict.fromkeys(frames, (own, since)))
     return stamps
 

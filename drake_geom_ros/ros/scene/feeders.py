@@ -1,11 +1,11 @@
-"""Who poses which frame: the last one counts, and two that do it by turns are told of."""
+"""Who poses which frame: the last one counts, and who do it by turns are told of."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 
-TF, MESSAGES = 'TF', '~/frame_poses'
+TF, MESSAGES, JOINTS = 'TF', '~/frame_poses', 'joint states'
 _BY_TURNS = 1.0  # [s] a frame that changes hands again that soon is not handed over
 _REMEMBERED = 5.0  # [s] for which it is told of
 
@@ -16,7 +16,7 @@ class Feeders:
     def __init__(self, now: Callable[[], float]) -> None:
         """``now()`` [s] is of steady time."""
         self._now = now
-        self._frames: dict[str, set[int]] = {TF: set(), MESSAGES: set()}
+        self._frames: dict[str, set[int]] = {f: set() for f in (TF, MESSAGES, JOINTS)}
         # What was noted last, where nothing of it was handed over since: a stream repeats it.
         self._last: dict[str, frozenset[int]] = {}
         self._handed: dict[int, float] = {}  # when [s] a frame was handed over
@@ -43,11 +43,15 @@ class Feeders:
                 self._handed[frame] = now
             theirs -= fresh
 
+    def is_fed_by_others(self, feeder: str, frame: int) -> bool:
+        """Return whether somebody else than a feeder was the last who posed a frame."""
+        return any(frame in frames for who, frames in self._frames.items() if who != feeder)
+
     def is_fed_by(self, feeder: str, frame: int) -> bool:
         """Return whether a feeder was the last who posed a frame."""
         return frame in self._frames[feeder]
 
     def contested(self) -> list[int]:
-        """Return the frames that both pose by turns."""
+        """Return the frames that two pose by turns."""
         now = self._now()
         return [frame for frame, seen in self._contested.items() if now - seen < _REMEMBERED]

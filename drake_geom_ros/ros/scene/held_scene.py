@@ -25,10 +25,11 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ReadPoses
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks, Since
-from drake_geom_ros.ros.scene.feeders import MESSAGES, TF, Feeders
+from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
-from drake_geom_ros.ros.scene.scene_view import Moment, SceneView
+from drake_geom_ros.ros.scene.robot_joints import RobotJoints
+from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 from drake_geom_ros.scene_files import (
@@ -55,6 +56,7 @@ class HeldScene:
         self.world_frame = world_frame
         self._clocks = clocks
         self._longest_gap: float | None = None
+        self._joints = RobotJoints((), {})
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
         self.warned: list[str] = []  # what is to be logged as a warning, each once
@@ -138,6 +140,8 @@ class HeldScene:
         if self._named_version != self.version:
             self._names = NameTable(self.inspector, self.world_frame)
             self._reader = FramePosesReader(self._names)
+            frames = {label: frame for frame, label in self._names.labels.items()}
+            self._joints = RobotJoints(self._robots, frames, self._joints)
             self._named_version = self.version
 
     def pose_ages(self) -> dict[str, float]:
@@ -156,12 +160,28 @@ class HeldScene:
         """Return how far [s] behind the poses that were taken last the node is."""
         return self._ages.lag()
 
-    def moment(self) -> Moment:
+    def moment(self) -> SceneStamp:
         """Return which scene and poses an answer of now is for."""
         self.tell_named(self)
         oldest = self._ages.oldest(self.names)
         stamp = self._ages.newest_stamp
-        return Moment(self.version, self.names_version, stamp, oldest, self.world_frame)
+        return SceneStamp(self.version, self.names_version, stamp, oldest, self.world_frame)
+
+    @property
+    def joints(self) -> RobotJoints:
+        """The joints of the robots of this version of the scene, and what is known of them."""
+        self._refresh()
+        return self._joints
+
+    @property
+    def newest_stamp(self) -> Any:
+        """The newest stamp of a pose, a builtin_interfaces/Time; None before the first."""
+        return self._ages.newest_stamp
+
+    @property
+    def watches_motion(self) -> bool:
+        """Whether twists of frames are kept."""
+        return self._twists is not None
 
     def watch_motion(self, longest_gap: float) -> None:
         """Keep the twists of frames from now on: see ``FrameTwists``."""
@@ -202,8 +222,9 @@ class HeldScene:
             return told
         return [
             *told,
-            f'{counted(len(names), "frame")} {are(len(names))} posed by {TF} and by '
-            f'{MESSAGES} in turn, and the last one counts: {some_of(names)}; stop one of the two',
+            f'{counted(len(names), "frame")} {are(len(names))} posed by two of {TF}, '
+            f'{MESSAGES} and {JOINTS} in turn, and the last one counts: {some_of(names)}; '
+            'stop one of the two',
         ]
 
     def view(self, *, moving: bool = False) -> SceneView:
@@ -212,7 +233,7 @@ class HeldScene:
         filters = self._scene_graph.collision_filter_manager(context)
         owners = self.filter_owners()
         twists = self.twists() if moving else None
-        told = self.moment(), owners, self.unknown_ages(), twists
+        told = self.moment(), owners, self.unknown_ages(), self.joints.entries, twists
         return SceneView(context, filters, self.names, *told)
 
     def copy(self) -> SceneGraphContext:

@@ -35,7 +35,7 @@ class UnknownAges(NamedTuple):
 
 
 # Since when frames have their poses: those of a message have them since the same moment.
-Posed = Mapping[frozenset[int], Since]
+PosedFrames = Mapping[frozenset[int], Since]
 
 
 @dataclass
@@ -79,7 +79,7 @@ class PoseAges:
         moved = (value for value, together in self._posed.items() if together.since != ALWAYS)
         return {**self._declared, **dict.fromkeys(moved, False)}
 
-    def posed_by(self, frames: frozenset[int], since: Since, stamp: Any) -> Posed:
+    def posed_by(self, frames: frozenset[int], since: Since, stamp: Any) -> PosedFrames:
         """Return since when frames have the poses of a message that is heard ``since``.
 
         The same stamp (not 0, which is none) coming again for a frame is no new pose.
@@ -94,7 +94,7 @@ class PoseAges:
             found.setdefault(_again(self._posed.get(frame), since, stamp), set()).add(frame)
         return {frozenset(some): each for each, some in found.items()}
 
-    def note(self, posed: Posed, stamp: Any) -> None:
+    def note(self, posed: PosedFrames, stamp: Any) -> None:
         """Note since when frames have their poses.
 
         ``stamp`` is when these held by the sender's clock. A message that comes late must not make

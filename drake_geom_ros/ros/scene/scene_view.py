@@ -20,12 +20,13 @@ from drake_geom_ros.geometry import (
     closing_speeds,
 )
 from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.driven_robot import JointEntry
 from drake_geom_ros.ros.scene.pose_ages import UnknownAges
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
 @dataclass(frozen=True)
-class Moment:
+class SceneStamp:
     """Which scene and which poses a result answers for."""
 
     version: int
@@ -56,9 +57,10 @@ class SceneView:
     context: SceneGraphContext
     filters: CollisionFilterManager
     names: NameTable
-    moment: Moment
+    moment: SceneStamp
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
     unknown_ages: UnknownAges
+    joints: tuple[JointEntry, ...] = ()  # of the robots
     twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches
 
     @property

@@ -33,7 +33,7 @@ _NEWEST = QoSProfile(depth=1)
 _ANY_FILE = ['package://', '/']
 
 
-class NoAnswerError(GeometryError):
+class SilentNodeError(GeometryError):
     """The node did not answer in time."""
 
 
@@ -207,12 +207,14 @@ class NodeScene:
     def _call(self, name: str, **fields: Any) -> Any:
         """Call a service from a thread that waits; raises GeometryError without an answer."""
         if self._services.missing(name):
-            raise NoAnswerError(f'nobody serves {self._server}/{name} now')
+            raise SilentNodeError(f'nobody serves {self._server}/{name} now')
         future, came = self._services.send(name, **fields), threading.Event()
         future.add_done_callback(lambda _: came.set())
         if not came.wait(_ANSWER_PATIENCE):
-            raise NoAnswerError(f'{self._server}/{name} did not answer in {_ANSWER_PATIENCE:g} s')
+            raise SilentNodeError(
+                f'{self._server}/{name} did not answer in {_ANSWER_PATIENCE:g} s'
+            )
         answer = future.result()
         if answer is None or not answer.success:
-            raise NoAnswerError(f'{name}: {getattr(answer, "message", "no answer")}')
+            raise SilentNodeError(f'{name}: {getattr(answer, "message", "no answer")}')
         return answer

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from drake_geom_ros.common.frame_names import AmbiguousNameError, Frame
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.texts import as_csv, as_yaml
@@ -29,11 +30,15 @@ class CopyPanel:
     def _write(
         self,
         scene: LocalScene,
-        write: Callable[[Mapping[str, RigidTransform]], str],
+        write: Callable[[Mapping[Frame, RigidTransform]], str],
         name: str,
         event: Any,
     ) -> None:
-        self.text.value = write(scene.poses())
+        try:
+            self.text.value = write(scene.poses())
+        except AmbiguousNameError as error:
+            self.text.value = f'cannot be written in this form: {error}'
+            return
         if event.client is not None:
             event.client.send_file_download(name, self.text.value.encode())
 

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from drake_geom_ros.common.frame_names import FrameNames
 from drake_geom_ros.geometry import GeometryError
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.math.batched import matrices_from_poses, quaternions_from_rotations
-from drake_geom_ros.viewing.joints import Joint, Joints
+from drake_geom_ros.viewing.joints import JointSlider, JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.plot import plot
 from drake_geom_ros.viewing.timeline import Timeline, least_distances
@@ -33,7 +34,7 @@ class MotionPanel:
         server: Any,
         scene: LocalScene,
         touch: Callable[[], None],
-        joints: Joints | None,
+        joints: JointSliders | None,
         timeline: Timeline | None,
     ) -> None:
         """``touch()`` is called when another picture is due."""
@@ -42,7 +43,7 @@ class MotionPanel:
         self._lock = threading.RLock()  # of the joint values and the time
         self._following: int | None = None  # the thread that moves sliders by itself
         self._last = 0.0  # [s] of the steady clock, when the motion was last moved on
-        self.sliders: dict[Joint, Any] = {}
+        self.sliders: dict[JointSlider, Any] = {}
         if timeline is not None:
             self._add_timeline(server.gui, timeline)
         if joints is not None and joints.all():
@@ -123,7 +124,7 @@ class MotionPanel:
 
     # Joints.
 
-    def _add_joints(self, gui: Any, joints: Joints) -> None:
+    def _add_joints(self, gui: Any, joints: JointSliders) -> None:
         folders: dict[str, Any] = {}
         for joint in joints.all():
             if joint.robot not in folders:
@@ -137,7 +138,7 @@ class MotionPanel:
             slider.on_update(partial(self._joint_moved, joint))
             self.sliders[joint] = slider
 
-    def _joint_moved(self, joint: Joint, event: Any) -> None:
+    def _joint_moved(self, joint: JointSlider, event: Any) -> None:
         if self._following == threading.get_ident():
             return
         assert self._joints is not None
@@ -148,11 +149,13 @@ class MotionPanel:
     # One frame.
 
     def _add_gizmo(self, gui: Any, robots: set[str]) -> None:
-        free = [name for name in self._scene.frames if name.partition('::')[0] not in robots]
+        names = FrameNames(self._scene.frames)
+        free = [frame for frame in self._scene.frames if frame[0] not in robots]
+        self._free = {names.label(frame): frame for frame in free[:_MOST_FRAMES]}
         if not free:
             return
         with gui.add_folder('Move a frame'):
-            self.frame = gui.add_dropdown('frame', (NO_FRAME, *free[:_MOST_FRAMES]))
+            self.frame = gui.add_dropdown('frame', (NO_FRAME, *self._free))
         self.frame.on_update(lambda _: self._take_frame())
         self.gizmo: Any = None
 
@@ -165,7 +168,7 @@ class MotionPanel:
         if name == NO_FRAME:
             return
         try:
-            X_WF = self._scene.X_WF(name)
+            X_WF = self._scene.X_WF(self._free[name])
         except GeometryError:
             X_WF = RigidTransform()
         wxyz = np.roll(quaternions_from_rotations(X_WF.rotation().matrix()[None])[0], 1)
@@ -179,10 +182,10 @@ class MotionPanel:
         self.place(name, np.concatenate([handle.position, np.roll(handle.wxyz, -1)]))
 
     def place(self, name: str, pose: Any) -> None:
-        """Pose a frame in the world by x y z [m] qx qy qz qw; what cannot be is left alone."""
+        """Pose a frame of the list by x y z [m] qx qy qz qw; what cannot be is left alone."""
         try:
             matrices_from_poses([pose])
-            self._scene.place(name, RigidTransform.FromArray(pose))
+            self._scene.place(self._free[name], RigidTransform.FromArray(pose))
         except RuntimeError:  # a browser may send anything, and a parent may have no pose
             return
         self._touch()

@@ -11,7 +11,7 @@ from html import escape
 import numpy as np
 
 from drake_geom_ros.geometry import HalfSpace
-from drake_geom_ros.viewing.joints import Joints
+from drake_geom_ros.viewing.joints import JointSliders
 from drake_geom_ros.viewing.local_scene import LocalScene
 from drake_geom_ros.viewing.page.answer_panel import AnswerPanel
 from drake_geom_ros.viewing.page.copy_panel import CopyPanel
@@ -40,7 +40,7 @@ class Page:
         served: Served,
         scene: ShownScene,
         *,
-        joints: Joints | None = None,
+        joints: JointSliders | None = None,
         timeline: Timeline | None = None,
         max_distance: float = 0.1,
         accuracy: str = 'exact',

@@ -17,7 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
 from drake_geom_ros.geometry._proximity.pairs.budget import LONGEST_BLOCK, SHORTEST_BLOCK
-from drake_geom_ros.geometry._proximity.pairs.budgeted import Stepwise
+from drake_geom_ros.geometry._proximity.pairs.budgeted import BudgetedAnswers
 
 PLENTY, NOTHING = 1e6, 1e-12  # [s]
 
@@ -202,7 +202,7 @@ def test_a_budget_that_is_ample_costs_nothing(monkeypatch):
     world = random_world(rng, 30)
     engine, filters = Engine(), filters_of(world)
     engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)
-    monkeypatch.delattr(Stepwise, 'answer_within')
+    monkeypatch.delattr(BudgetedAnswers, 'answer_within')
     for _ in range(3):
         shuffle(rng, world)
         engine.signed_distances(world, filters, 'exact', 0.3, time_budget=PLENTY)

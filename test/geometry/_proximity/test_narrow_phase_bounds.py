@@ -48,7 +48,7 @@ def test_gaps_of_balls_are_lower_bounds_and_tight():
         apart = np.linalg.norm(world.p_WGs[i] - world.p_WGs[i + 1])
         expected = apart - world.outer_radii[i] - world.outer_radii[i + 1]
         arguments = world.p_WGs, world.roundings, world.outer_radii
-        found = pair_gaps.gap_of_balls(i, i + 1, *arguments)
+        found = pair_gaps.separation_of_balls(i, i + 1, *arguments)
         assert expected - 1e-13 <= found <= expected
 
 
@@ -57,14 +57,14 @@ def test_gaps_of_balls_count_the_rounding_of_where_they_are(offset):
     p_WGs, outer = np.array([[offset, 0, 0], [0, offset, 0]]), np.array([0.1, 0.2])
     roundings = np.zeros((2, 2))
     expected = math.sqrt(2.0) * offset - 0.3
-    found = pair_gaps.gap_of_balls(0, 1, p_WGs, roundings, outer)
+    found = pair_gaps.separation_of_balls(0, 1, p_WGs, roundings, outer)
     assert 8 * EPS * offset <= expected - found <= 40 * EPS * (offset + 1.0)
     roundings[:, RADIUS] = 0.02, 0.03
-    found = pair_gaps.gap_of_balls(0, 1, p_WGs, roundings, outer)
+    found = pair_gaps.separation_of_balls(0, 1, p_WGs, roundings, outer)
     assert expected - found == pytest.approx(0.05, abs=40 * EPS * (offset + 1.0))
 
 
 def test_balls_too_far_apart_for_squares_are_left_to_boxes():
     p_WGs, outer = np.array([[1e200, 0, 0], [-1e200, 0, 0]]), np.ones(2)
     with np.errstate(over='ignore'):
-        assert pair_gaps.gap_of_balls(0, 1, p_WGs, np.zeros((2, 2)), outer) == -math.inf
+        assert pair_gaps.separation_of_balls(0, 1, p_WGs, np.zeros((2, 2)), outer) == -math.inf

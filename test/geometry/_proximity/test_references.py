@@ -19,7 +19,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import _proximity
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     NORMAL,

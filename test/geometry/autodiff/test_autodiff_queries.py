@@ -7,8 +7,8 @@ import pytest
 from oracles.shape_scenes import PAIRS, SHAPES, MovingPair, lattice_pair, random_pair
 from scipy.spatial.transform import Rotation
 
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.autodiffutils import AutoDiffXd, ExtractGradient, ExtractValue
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import (
     Box,
     Capsule,

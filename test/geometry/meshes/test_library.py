@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from oracles.solids import surface_of
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry import MeshData, MeshFileError
 from drake_geom_ros.geometry.meshes.source import MeshFile, hull_of, hull_surface, surface
 

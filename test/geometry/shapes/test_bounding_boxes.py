@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Aabb, HalfSpace, Obb, Plane
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
 

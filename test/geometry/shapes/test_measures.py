@@ -115,4 +115,4 @@ def test_a_cone_is_for_pictures():
     assert (MeshcatCone(3).a(), MeshcatCone(height=3).b()) == (1, 1)
     assert eval(repr(cone)) == cone == MeshcatCone([3, 1, 2])
     with pytest.raises(RuntimeError, match='cannot have the proximity role'):
-        cone._kernel_parameters()
+        cone._for_queries()

@@ -54,9 +54,13 @@ def test_measures_can_be_given_at_once():
 def test_kernels_get_half_sizes_and_the_number_of_the_kind():
     expected = [[0.5], [0.5, 1, 1.5], [0.5, 1], [0.5, 1], [1, 2, 3], []]
     for shape, parameters in zip(SHAPES, expected, strict=False):
-        assert shape._kernel_parameters().tolist() == parameters
-        assert shape._kernel_parameters().dtype == np.float64
-    assert [shape._type_number() for shape in SHAPES] == [1, 2, 3, 4, 5, 6, 7, 8]
+        assert shape._for_queries().in_pairs.parameters.tolist() == parameters
+        assert shape._for_queries().in_pairs.parameters.dtype == np.float64
+    kinds = [shape._for_queries().in_pairs.kind for shape in SHAPES[:6]]
+    assert kinds == [1, 2, 3, 4, 5, 6]
+    assert all(
+        shape._for_queries(True).to_points.kind == k for k, shape in enumerate(SHAPES[:6], 1)
+    )
 
 
 @pytest.mark.parametrize(

@@ -159,3 +159,18 @@ def test_a_source_called_as_the_id_of_another_is_refused():
         names.source(f'#{first.get_value()}')
     assert names.source('first') == first
     assert names.source(f'#{second.get_value()}') == second
+
+
+def test_two_things_of_one_full_name_are_told_apart_by_their_sources():
+    scene, _ = named_scene(('a', 'b::c'), ('a::b', 'c'), ('x', 'a::b::c'))
+    names = NameTable(scene.model_inspector())
+    with pytest.raises(UnknownNameError, match='3 frames share the name') as caught:
+        names.frame('a::b::c')
+    for told in ("'a::b::c' of source 'a' (#", "'a::b::c' of source 'a::b' (#", "'x::a::b::c' (#"):
+        assert told in str(caught.value)
+    with pytest.raises(UnknownNameError, match='3 geometries share') as caught:
+        names.geometry('a::b::c/ball')
+    assert "'a::b::c/ball' of source 'a::b' (#" in str(caught.value)
+    names = NameTable(scene.model_inspector(), 'x::a::b::c')
+    with pytest.raises(UnknownNameError, match=r"'x::a::b::c', the world \(#1\)"):
+        names.frame('x::a::b::c')

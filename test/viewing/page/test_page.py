@@ -99,12 +99,12 @@ def test_a_frame_is_moved_and_the_distance_follows(opened):
     wait_for(lambda: abs(distance() - 0.05) < 1e-9, 'the distance')
     for hostile in ([np.nan] * 7, [0.0] * 7, [1.0]):
         page.motion.place('t::b', hostile)
-    assert scene.X_WF('t::b').translation()[1] == 0.35
+    assert scene.X_WF(('t', 'b')).translation()[1] == 0.35
 
 
 def test_a_motion_is_played_and_its_least_distance_found():
     scene = local_scene(TEXT)
-    frame = scene.frames['t::b']
+    frame = scene.frames['t', 'b']
     ys = [0.5, 0.4, 0.31, 0.6]
     vectors = [FramePoseVector({frame: RigidTransform([1.0, y, 0.0])}) for y in ys]
     timeline = Timeline.of_moments([0.0, 0.1, 0.2, 0.3], vectors)
@@ -121,7 +121,7 @@ def test_a_motion_is_played_and_its_least_distance_found():
             *(('0.0000', '0.1200'), ('0.3333', '0.1200')),
             *(('0.6667', '0.8800'), ('1.0000', '0.1200')),
         ]
-        assert scene.X_WF('t::b').translation()[1] == 0.31
+        assert scene.X_WF(('t', 'b')).translation()[1] == 0.31
         page.motion.time.value = 0.0
         page.motion.play.value = True
         wait_for(lambda: page.motion.time.value > 0.1, 'time to pass')

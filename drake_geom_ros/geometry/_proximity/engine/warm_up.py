@@ -1,4 +1,4 @@
-"""A rehearsal: everything that cycles run but the kernels, compiled or loaded before it counts.
+"""The warm-up: everything that cycles run but the kernels, compiled or loaded before it counts.
 
 Numba compiles a function when it is first called, and some of ours are first called in a second
 cycle, or when a body has moved far. So all of it is called once on three balls, at the level that
@@ -25,7 +25,7 @@ from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation
 from drake_geom_ros.geometry._proximity.world.pose_rounding import shift_of
-from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_frame_poses
+from drake_geom_ros.geometry._proximity.world.pose_rows import FRAME_POSES, POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, Named, World
 
 
@@ -33,7 +33,7 @@ def compile_everything(tell: Tell | None = None) -> list[str]:
     """Compile all that any scene may need, or load it from the cache; return the kernels."""
     warm_up(tell)
     with compilation(tell, 'points and derivatives of distances', 1, 1):
-        world, engine = _rehearse()
+        world, engine = _warmed_scene()
         points = np.zeros((1, 3))
         are_allowed(points)
         engine.point_distances(world, points, 0.0)
@@ -46,11 +46,11 @@ def compile_everything(tell: Tell | None = None) -> list[str]:
 def warm_up(tell: Tell | None = None) -> None:
     """Run some cycles on a small world, once a process."""
     with compilation(tell, 'what every query runs', 1, 1):
-        _rehearse()
+        _warmed_scene()
 
 
 @functools.cache
-def _rehearse() -> tuple[World, Engine]:
+def _warmed_scene() -> tuple[World, Engine]:
     count = 3
     frames = FrameTable(np.arange(1, count + 1), np.zeros(count, dtype=np.int64))
     table = GeometryTable(
@@ -77,7 +77,7 @@ def _rehearse() -> tuple[World, Engine]:
     for step in (0.1, 0.2, 0.2, 50.0):
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
         X_PFs = np.empty((count - 1, POSE_WIDTH))
-        read_frame_poses(named.ids, poses, X_PFs)
+        FRAME_POSES.call(named.ids, named.ids, poses, X_PFs)
         world.pose(named, X_PFs)
         world.copy()  # takes what was given without a query
         world.pose(named, X_PFs)

@@ -9,8 +9,8 @@ was said of it; all that was said counts again once it is activated. A geometry 
 starts with the invariants only, but for groups that ignore the universal group, to which it
 belongs as all do.
 
-Four files: ``filter_matrix`` holds the outcome and answers queries, ``filter_log`` holds what
-was said, ``filter_groups`` the bit masks of groups, and this one keeps the three in step.
+Four files: ``matrix`` holds the outcome and answers queries, ``log`` holds what
+was said, ``groups`` the bit masks of groups, and this one keeps the three in step.
 """
 
 from __future__ import annotations

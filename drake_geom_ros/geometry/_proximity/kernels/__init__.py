@@ -10,7 +10,7 @@ shape_A    parameters of A, see *Shape parameters* (float64, 1-D)
 R_WA       orientation of A (3, 3), C order
 p_AB_W     position of Bo from Ao, in World axes (3,) [m]: a kernel never sees how far
            the pair is from the world's origin, so an offset costs it no digits
-tolerance  gap [m] between the certified bounds at which an iteration may stop;
+tolerance  how far [m] apart the certified bounds at which an iteration may stop;
            a closed form ignores it
 cutoff     [m] once the distance is certified to exceed it a kernel may stop and report
            its lower bound with BOUND_ONLY as method; infinity: never
@@ -25,7 +25,7 @@ Whatever it is, of any length or not even finite, the certificate of the answer 
 ignore it.
 
 Signs and frames. ``phi(A, B) = max over unit n of (-h_A(n) - h_B(-n))`` with n out of A
-towards B: a gap where positive, minus the least translation that separates where negative.
+towards B: a separation where positive, minus the least translation that separates where negative.
 ``nhat_BA_W`` is unit, points out of B into A (so it is minus the maximising n).
 Witness points ``p_ACa_W``, ``p_ACb_W`` lie on the surfaces of A and B, are measured from Ao and
 expressed in World axes, and ``p_ACa_W - p_ACb_W = distance * nhat_BA_W`` holds for either sign.
@@ -45,7 +45,7 @@ CYLINDER   radius, half_length           axis z
 ELLIPSOID  a, b, c                       semi-axes
 HALF_SPACE (none)                        occupies z <= 0
 CONVEX     n, then n x 3 vertices, ...   in the geometry's frame, scaled; see ``hulls``
-SOLID      those of CONVEX, then a tree  see ``solids.tree``
+SOLID      those of CONVEX, then a tree  see ``solids.solid``
 ========== ============================= ==========================================
 
 Words, as in the literature (C. Ericson, *Real-Time Collision Detection*, 2005; G. van den Bergh,
@@ -57,6 +57,10 @@ witness points     Ca and Cb, the points that attain a distance or a depth
 penetration depth  -phi of bodies that overlap: the least translation that separates
 Minkowski          D = {a - b}, which holds the origin where A and B overlap; the ball about the
 difference         origin that just fits into D has the depth as radius
+separation         how far apart two bodies are, as bounds tell it: a slab along an axis, or boxes
+level gap          how far apart an accuracy level lets the certified bounds of an answer be
+cutoff             the distance beyond which nobody asks; of points it is pydrake's *threshold*
+skin               what a body's box is grown by, for a list of neighbours to stand for a while
 core               what is left of a body when the ball that it is grown by is taken away
 separating axis    a direction along which a slab between the bodies is empty
 certificate        two numbers that phi is between: a pair of points above, a slab below
@@ -73,4 +77,8 @@ winding number     1 in a closed surface and 0 outside: the solid angles of its 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on
 the heap that grows with its input. 3-vectors are tuples of three floats (``vectors``).
 Every epsilon comes from ``tolerances``, where its reason stands.
+
+In: numbers of shapes, poses of one to another, a tolerance and a cutoff [m].
+Out: one row a pair, as told above.
+May import: ``math``, ``_proximity``, ``runtime``; numpy.
 """

@@ -39,9 +39,9 @@ RESTING = 11  # pairs of bodies that rest
 FOUND = 12  # codes of pairs, before the filters
 NUMBERS = 13
 # Places of ``ListArrays.lengths``.
-REACH = 0  # [m] the list holds every pair this near; below 0: not made yet
-WANTED = 1  # [m] the largest distance asked for since the list was made
-RESTING_WITHIN = 2  # [m] what the resting pairs were made for
+LIST_CUTOFF = 0  # [m] the list holds every pair this near; below 0: not made yet
+ASKED_CUTOFF = 1  # [m] the largest cutoff asked for since the list was made
+RESTING_CUTOFF = 2  # [m] that the resting pairs were made for
 FILTERING = 3  # [s] that the filters took when the list was made
 ORIGIN = 4  # [m] three places: where the ``sides`` of boxes are measured from
 LENGTHS = 7
@@ -65,7 +65,7 @@ class ListArrays(NamedTuple):
     planes: Integers  # (p,) rows
     nobody: Flags  # (0,)
     # Codes of pairs: all that were found (c,), room to sort and to filter them, and of those that
-    # rest. The last place is none (see ``broadphase.put_code``).
+    # rest. The last place is none (see ``grids.put_code``).
     found: Integers
     sorting: Integers
     resting: Integers
@@ -76,7 +76,7 @@ class ListArrays(NamedTuple):
     new_slots: Integers  # (m,)
     free: Integers  # (m,) slots
     hits: Integers  # (m,) room for numbers of pairs
-    memory: Rows  # (m, SLOT_WIDTH or more) by slots, see ``records.empty_memory``
+    memory: Rows  # (m, SLOT_WIDTH or more) by slots, see ``pairs.slots.empty_memory``
 
 
 class FilterArrays(NamedTuple):

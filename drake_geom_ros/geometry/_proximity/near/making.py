@@ -1,7 +1,7 @@
 """The making of a neighbour list, compiled: who may be near whom, less the filtered, with slots.
 
 Of few bodies every pair of boxes is looked at (``all_pairs``); else boxes go into hashed grids
-(``broadphase``), and those that rest are put there, and paired among themselves, once. The pairs
+(``grids``), and those that rest are put there, and paired among themselves, once. The pairs
 come in the order of their codes whichever way they were found.
 """
 
@@ -12,6 +12,7 @@ import math
 from drake_geom_ros.geometry._proximity.near.all_pairs import look_at_all
 from drake_geom_ros.geometry._proximity.near.arrays import (
     ACTIVE_THEN,
+    ASKED_CUTOFF,
     CONSIDERED,
     FILTERING,
     FOUND,
@@ -19,54 +20,65 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     LACKS_CODES,
     LACKS_RESTING,
     LACKS_SLOTS,
+    LIST_CUTOFF,
     MADE,
     NEEDED,
     PLACINGS,
-    REACH,
     RESTING,
-    RESTING_WITHIN,
+    RESTING_CUTOFF,
     SETTLED_AT,
     STANDS,
     VERSION,
-    WANTED,
+    FilterArrays,
+    ListArrays,
 )
 from drake_geom_ros.geometry._proximity.near.grid_pairs import pairs_between, pairs_within
-from drake_geom_ros.geometry._proximity.near.grids import put_code, put_in, rows_of
+from drake_geom_ros.geometry._proximity.near.grids import Boxes, put_code, put_in, rows_of
 from drake_geom_ros.geometry._proximity.near.keeping import carry, keep, sort
-from drake_geom_ros.geometry._proximity.near.margins import (
+from drake_geom_ros.geometry._proximity.near.skins import (
     PATIENCE,
     set_boxes,
     somebody_left,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 FEW = 256  # bodies; of these every pair of boxes is looked at
 
 
 @compiled
-def bring_up_to_date(  # type: ignore[no-untyped-def]
-    near, world, boxes, resting, filters, revision, version, placings, distance
-):
+def bring_up_to_date(
+    near: ListArrays,
+    world: WorldArrays,
+    boxes: Boxes,
+    resting: Boxes,
+    filters: FilterArrays,
+    revision: int,
+    version: int,
+    placings: int,
+    cutoff: float,
+) -> int:
     """Make the list unless it stands; return which, or what it lacks room for.
 
-    The first five are records; with what is asked for by a ``distance`` [m] that is infinite, all
+    The first five are records; with what is asked for by a ``cutoff`` [m] that is infinite, all
     pairs are listed. Who gives it the room that it lacks calls it again.
     """
     numbers, lengths = near.numbers, near.lengths
-    distance = max(distance, 0.0)
-    lengths[WANTED] = max(lengths[WANTED], distance)
-    reach, holds = lengths[WANTED], distance <= lengths[REACH]
+    cutoff = max(cutoff, 0.0)
+    lengths[ASKED_CUTOFF] = max(lengths[ASKED_CUTOFF], cutoff)
+    list_cutoff, holds = lengths[ASKED_CUTOFF], cutoff <= lengths[LIST_CUTOFF]
     if holds:
-        holds = math.isinf(lengths[REACH]) or not somebody_left(near, world, revision)
+        holds = math.isinf(lengths[LIST_CUTOFF]) or not somebody_left(near, world, revision)
         if holds and version == numbers[VERSION] and placings == numbers[PLACINGS]:
             return STANDS
-    lengths[REACH], before = -1.0, lengths[REACH]  # until it is made
-    if holds and reach == before:
+    lengths[LIST_CUTOFF], before = -1.0, lengths[LIST_CUTOFF]  # until it is made
+    if holds and list_cutoff == before:
         count = numbers[FOUND]  # of which others may be reported now
     else:
-        count = _find_all(near, world, boxes, resting, revision, reach)
+        count = _find_all(near, world, boxes, resting, revision, list_cutoff)
         if count < 0:
             return LACKS_RESTING
     if count >= near.found.size:
@@ -82,24 +94,31 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
     carry(near, part(near.sorting, 0, kept))
     numbers[CONSIDERED], numbers[HAS_KERNELS] = considered, 0
     numbers[VERSION], numbers[PLACINGS] = version, placings
-    lengths[REACH], lengths[WANTED] = reach, distance
+    lengths[LIST_CUTOFF], lengths[ASKED_CUTOFF] = list_cutoff, cutoff
     return MADE
 
 
 @inlined
-def _find_all(near, world, boxes, resting, revision, reach):  # type: ignore[no-untyped-def]
+def _find_all(
+    near: ListArrays,
+    world: WorldArrays,
+    boxes: Boxes,
+    resting: Boxes,
+    revision: int,
+    list_cutoff: float,
+) -> int:
     """Find the codes of all near pairs; return how many, or -1 without room for who rests.
 
     They are in order, unless there are more than there is room for.
     """
     n = near.is_plane.size
-    at_once = math.isinf(reach) or n <= FEW
-    active, idle = set_boxes(near, world, revision, reach, at_once)
+    at_once = math.isinf(list_cutoff) or n <= FEW
+    active, idle = set_boxes(near, world, revision, list_cutoff, at_once)
     if at_once:
-        return look_at_all(near, world, reach)
+        return look_at_all(near, world, list_cutoff)
     changed = _many_have_changed(near.numbers, n, revision, active, idle)
-    if reach > near.lengths[RESTING_WITHIN] or changed:
-        if not _settle(near, world, boxes, resting, revision, reach):
+    if list_cutoff > near.lengths[RESTING_CUTOFF] or changed:
+        if not _settle(near, world, boxes, resting, revision, list_cutoff):
             return -1
         active = near.numbers[ACTIVE_THEN]
     rows = part(near.rows, 0, active)
@@ -111,8 +130,8 @@ def _find_all(near, world, boxes, resting, revision, reach):  # type: ignore[no-
 
 
 @inlined
-def _find(near, world, boxes, resting):  # type: ignore[no-untyped-def]
-    """Do what ``_look_at_all`` does by grids; codes come in any order, some of them twice."""
+def _find(near: ListArrays, world: WorldArrays, boxes: Boxes, resting: Boxes) -> int:
+    """Do what ``look_at_all`` does by grids; codes come in any order, some of them twice."""
     n, found = near.is_plane.size, near.found
     count = pairs_within(boxes, near.nobody, found, 0)
     # Who woke up since the resting ones were put into their cells is in both.
@@ -131,7 +150,9 @@ def _find(near, world, boxes, resting):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _many_have_changed(numbers, bodies, revision, active, idle):  # type: ignore[no-untyped-def]
+def _many_have_changed(
+    numbers: Indices, bodies: int, revision: int, active: int, idle: int
+) -> bool:
     """Tell whether the division into active and resting is out of date."""
     if 8 * (active - numbers[ACTIVE_THEN]) > bodies + 64:
         return True
@@ -139,7 +160,14 @@ def _many_have_changed(numbers, bodies, revision, active, idle):  # type: ignore
 
 
 @compiled
-def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no-untyped-def]
+def _settle(
+    near: ListArrays,
+    world: WorldArrays,
+    boxes: Boxes,
+    resting: Boxes,
+    revision: int,
+    cutoff: float,
+) -> bool:
     """Put those that rest into cells, and pair them, for distances up to this one.
 
     The rows of those that do not rest are put in order. Return False, and count the pairs, where
@@ -147,7 +175,7 @@ def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no
     """
     numbers, n = near.numbers, near.is_plane.size
     padding = part(near.rest_paddings, 0, n)
-    padding[:] = 0.5 * distance
+    padding[:] = 0.5 * cutoff
     posed = world.p_WGs, world.half_extents, padding
     loose, fixed = 0, 0
     for g in range(n):
@@ -166,7 +194,7 @@ def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no
     count = pairs_within(boxes, near.nobody, near.resting, 0)
     count = pairs_between(boxes, resting, near.nobody, near.resting, count)
     if count >= near.resting.size:
-        numbers[NEEDED], near.lengths[RESTING_WITHIN] = count, -1.0  # to be done again
+        numbers[NEEDED], near.lengths[RESTING_CUTOFF] = count, -1.0  # to be done again
         return False
     rest, active = 0, 0
     for g in range(n):
@@ -179,5 +207,5 @@ def _settle(near, world, boxes, resting, revision, distance):  # type: ignore[no
             near.rows[active] = g
             active += 1
     numbers[RESTING], numbers[SETTLED_AT], numbers[ACTIVE_THEN] = count, revision, active
-    near.lengths[RESTING_WITHIN] = distance
+    near.lengths[RESTING_CUTOFF] = cutoff
     return True

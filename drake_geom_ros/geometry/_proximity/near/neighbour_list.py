@@ -1,18 +1,18 @@
 """Which pairs are near enough to be looked at, and what is known of each, from cycle to cycle.
 
-A list is made for a little more than the distance that is asked for: the box of each body gets a
-margin of as far as the body is expected to come in some updates, and the list stands until a body
-leaves its box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with margins of each
+A list is made for a little more than the cutoff that is asked for: the box of each body gets a
+skin of as far as the body is expected to come in some updates, and the list stands until a body
+leaves its box (Verlet's neighbour list, *Physical Review* 159, 98, 1967, with skins of each
 body's own). Only then the broad phase runs again, and only for the bodies that move. Where a body
-is so fast that no margin lasts, nobody gets one: the list is made for each update, and has no pair
+is so fast that no skin lasts, nobody gets one: the list is made for each update, and has no pair
 too many.
 
 What was answered for a pair stays in its *slot* for as long as the pair is near: the row of its
 last answer, in which revision of the world that was, how sharp, and its *slack*: the certified
 least distance then plus the travels of both bodies then. As long as slack minus travels now
-exceeds a distance, the pair is farther apart than that, without any look at it.
+exceeds a cutoff, the pair is farther apart than that, without any look at it.
 
-The work is done by ``list_making``; here are the arrays that it works on, which grow.
+The work is done by ``making``; here are the arrays that it works on, which grow.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     LACKS_CODES,
     LACKS_RESTING,
     LENGTHS,
+    LIST_CUTOFF,
     MADE,
     NEEDED,
     NUMBERS,
     PAIRS,
-    REACH,
-    RESTING_WITHIN,
+    RESTING_CUTOFF,
     FilterArrays,
     ListArrays,
     filters_of,
@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.near.box_lanes import empty_sides
 from drake_geom_ros.geometry._proximity.near.grids import Boxes, room_for
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
-from drake_geom_ros.geometry._proximity.runtime.handles import handle_of, taker
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of, taker
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.world import World
 
@@ -57,7 +57,7 @@ MOST_REMEMBERED = 128  # geometries, all pairs of which have room to remember a 
 
 
 class NeighbourList:
-    """The unfiltered pairs of a world within ``reach``, sorted, with a slot each."""
+    """The unfiltered pairs of a world within the cutoff, sorted, with a slot each."""
 
     def __init__(self, world: World, unlimited: bool = False) -> None:
         n = world.geometry_count
@@ -92,7 +92,7 @@ class NeighbourList:
             hits=none,
             memory=np.zeros((0, SLOT_WIDTH + (MEMORY_WIDTH if remembers else 0))),
         )
-        self.arrays.lengths[[REACH, RESTING_WITHIN]] = -1.0
+        self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
         self._boxes = room_for(n), room_for(n)  # of those that move, and of those that rest
         self._told: tuple[FilterState | None, int] = None, -1
         self._filters = FilterArrays(rows, *FilterState().matrix)
@@ -108,9 +108,9 @@ class NeighbourList:
         self._hand_over()  # the arrays of a copy are elsewhere
 
     @property
-    def reach(self) -> float:
+    def list_cutoff(self) -> float:
         """The list holds every pair this near [m]; below 0 it was never made."""
-        return float(self.arrays.lengths[REACH])
+        return float(self.arrays.lengths[LIST_CUTOFF])
 
     @property
     def considered(self) -> int:
@@ -134,21 +134,21 @@ class NeighbourList:
 
     @property
     def memory(self) -> NDArray[np.float64]:
-        """What is known of the pairs, by slot; see ``records.empty_memory``."""
+        """What is known of the pairs, by slot; see ``pairs.slots.empty_memory``."""
         return self.arrays.memory
 
     def know_kernels(self) -> None:
         """Note that the kernels of all pairs are compiled."""
         self.arrays.numbers[HAS_KERNELS] = 1
 
-    def bring_up_to_date(self, world: World, filters: FilterState, distance: float) -> bool:
-        """Make the list hold every unfiltered pair within ``distance`` [m]; tell if it was made.
+    def bring_up_to_date(self, world: World, filters: FilterState, cutoff: float) -> bool:
+        """Make the list hold every unfiltered pair within ``cutoff`` [m]; tell if it was made.
 
         The world is up to date.
         """
         self.look_at(world, filters)
         state = world.revision, filters.version, world.placings
-        while (told := _bring_up_to_date(world.handle, *self.handles, *state, distance)) > MADE:
+        while (told := _bring_up_to_date(world.handle, *self.handles, *state, cutoff)) > MADE:
             self.make_room(told)
         return bool(told == MADE)
 
@@ -163,7 +163,7 @@ class NeighbourList:
         self.handles = *self.handles[:3], handle_of(self._filters)
 
     def make_room(self, lacking: int) -> None:
-        """Make room for what ``list_making`` tells that it lacks; nothing that is held is lost."""
+        """Make room for what ``making`` tells that it lacks; nothing that is held is lost."""
         needed = int(self.arrays.numbers[NEEDED])
         capacity = needed + needed // 4
         if lacking == LACKS_CODES:
@@ -191,10 +191,18 @@ class NeighbourList:
 
 
 @compiled
-def _bring_up_to_date(  # type: ignore[no-untyped-def]
-    world, near, boxes, resting, filters, revision, version, placings, distance
-):
-    """Do what ``list_making.bring_up_to_date`` does, by handles."""
+def _bring_up_to_date(
+    world: Handle,
+    near: Handle,
+    boxes: Handle,
+    resting: Handle,
+    filters: Handle,
+    revision: int,
+    version: int,
+    placings: int,
+    cutoff: float,
+) -> int:
+    """Do what ``making.bring_up_to_date`` does, by handles."""
     return bring_up_to_date(
         list_of(near),
         world_of(world),
@@ -204,5 +212,5 @@ def _bring_up_to_date(  # type: ignore[no-untyped-def]
         revision,
         version,
         placings,
-        distance,
+        cutoff,
     )

@@ -29,7 +29,7 @@ _NO_DISTANCES = np.zeros(0)
 _AT_ONCE = np.zeros(0, dtype=np.int64), _NO_DISTANCES  # a queue in which no pair waits
 
 
-class Stepwise:
+class BudgetedAnswers:
     """Runs the narrow phase over lists that are up to date, and reports what it did."""
 
     def __init__(self, report: ReportArrays) -> None:

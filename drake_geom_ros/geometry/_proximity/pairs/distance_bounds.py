@@ -5,31 +5,36 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID, SPHERE
-from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 
 
 @inlined
-def box_gap(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
+def separation_of_aabbs(p_WGs: Floats, half_extents: Floats, i: int, j: int) -> float:
     """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
-    squared, reach, widest = 0.0, 0.0, 0.0
+    squared, farthest, widest = 0.0, 0.0, 0.0
     for k in range(3):
         p, q = p_WGs[i, k], p_WGs[j, k]
         sizes = half_extents[i, k] + half_extents[j, k]
-        reach = max(reach, abs(p) + abs(q) + sizes)
-        gap = abs(p - q) - sizes
-        if gap > 0.0:
-            squared += gap * gap
-            widest = max(widest, gap)
+        farthest = max(farthest, abs(p) + abs(q) + sizes)
+        separation = abs(p - q) - sizes
+        if separation > 0.0:
+            squared += separation * separation
+            widest = max(widest, separation)
     if squared < LARGE_SQUARE:
         widest = math.sqrt(squared)
     # Rounding of the corners: a few spacings where they are.
-    return max(0.0, widest - 4.0 * EPS * reach)
+    return max(0.0, widest - 4.0 * EPS * farthest)
 
 
 @inlined
-def plane_gap(R_WGs, p_WGs, roundings, half_extents, h, g):  # type: ignore[no-untyped-def]
+def separation_from_plane(
+    R_WGs: Floats, p_WGs: Floats, roundings: Floats, half_extents: Floats, h: int, g: int
+) -> float:
     """Return a lower bound of the distance [m] of the box around g above the half space h.
 
     Boxes have room for the rounding of their poses; that of h is taken off, see ``pose_rounding``.
@@ -43,17 +48,25 @@ def plane_gap(R_WGs, p_WGs, roundings, half_extents, h, g):  # type: ignore[no-u
 
 
 @inlined
-def gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents):  # type: ignore[no-untyped-def]
+def separation_of_boxes(
+    i: int,
+    j: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+) -> float:
     """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
     if types[i] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, roundings, half_extents, i, j)
+        return separation_from_plane(R_WGs, p_WGs, roundings, half_extents, i, j)
     if types[j] == HALF_SPACE:
-        return plane_gap(R_WGs, p_WGs, roundings, half_extents, j, i)
-    return box_gap(p_WGs, half_extents, i, j)
+        return separation_from_plane(R_WGs, p_WGs, roundings, half_extents, j, i)
+    return separation_of_aabbs(p_WGs, half_extents, i, j)
 
 
 @inlined
-def gap_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
+def separation_of_balls(i: int, j: int, p_WGs: Floats, roundings: Floats, outer: Floats) -> float:
     """Return a lower bound of the distance [m] of the balls around i and j."""
     squared = 0.0
     for k in range(3):
@@ -67,41 +80,78 @@ def gap_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def gap_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer, enough):  # type: ignore[no-untyped-def]
-    """Return a lower bound of the distance [m] by balls, and boxes unless these say ``enough``."""
-    # The ball of a half space has no bound, and its gap is minus infinity.
-    balls = gap_of_balls(i, j, p_WGs, roundings, outer)
+def separation_of_bounds(
+    i: int,
+    j: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+    outer: Floats,
+    cutoff: float,
+) -> float:
+    """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff."""
+    # The ball of a half space has no bound, and its separation is minus infinity.
+    balls = separation_of_balls(i, j, p_WGs, roundings, outer)
     round_ones = types[i] == SPHERE and types[j] == SPHERE and balls > -math.inf
-    if round_ones or balls > enough:
+    if round_ones or balls > cutoff:
         return balls
-    boxes = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+    boxes = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
     return max(boxes, balls)
 
 
 @inlined
-def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
+def least_possible(
+    i: int,
+    j: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+    outer: Floats,
+) -> float:
     """Return a lower bound [m] of a signed distance, of bodies that overlap too.
 
     The depth of convex bodies is no more than the overlap of their shadows on any line, so no
     more than that of their boxes along an axis or of their balls along the line of the centres.
     """
-    gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+    separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
     if types[i] == HALF_SPACE or types[j] == HALF_SPACE:
-        return gap
-    if gap == 0.0:
+        return separation
+    if separation == 0.0:
         if types[i] == SOLID or types[j] == SOLID:
             return -math.inf  # how deep a solid is, its hull does not tell
-        gap, reach = -math.inf, 0.0
+        separation, farthest = -math.inf, 0.0
         for k in range(3):
             p, q = p_WGs[i, k], p_WGs[j, k]
             sizes = half_extents[i, k] + half_extents[j, k]
-            gap, reach = max(gap, abs(p - q) - sizes), max(reach, abs(p) + abs(q) + sizes)
-        gap -= 4.0 * EPS * reach
-    return max(gap, gap_of_balls(i, j, p_WGs, roundings, outer))
+            separation, farthest = (
+                max(separation, abs(p - q) - sizes),
+                max(farthest, abs(p) + abs(q) + sizes),
+            )
+        separation -= 4.0 * EPS * farthest
+    return max(separation, separation_of_balls(i, j, p_WGs, roundings, outer))
 
 
 @inlined
-def apart(p_WGs, a, b):  # type: ignore[no-untyped-def]
+def apart(p_WGs: Floats, a: int, b: int) -> float:
     """Return no less than the distance [m] of two origins, what no square overflows."""
     x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
     return abs(x) + abs(y) + abs(z)
+
+
+@compiled
+def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
+    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
+    world, found = world_of(world), 0
+    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
+    roundings, half_extents = world.roundings, world.half_extents
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        if separation <= cutoff:
+            hits[found] = k
+            found += 1
+    return found

@@ -50,8 +50,8 @@ def seconds_a_pair(
     compile_rows(table_rows(*world.geometries.types[pairs].T))
     no_queue = waiting[:0], distances[:0]
     costs = {}
-    for level, gap in {'bound': math.inf, **LEVEL_GAPS}.items():
-        trials = [_answer(world, pairs, gap, cutoff, no_queue) for _ in range(TRIALS)]
+    for level, level_gap in {'bound': math.inf, **LEVEL_GAPS}.items():
+        trials = [_answer(world, pairs, level_gap, cutoff, no_queue) for _ in range(TRIALS)]
         costs[level] = min(seconds for seconds, _ in trials) / len(pairs)
     return costs, len(chosen)
 
@@ -66,7 +66,7 @@ def _some(rng: np.random.Generator, pairs: Indices, most: int) -> Indices:
 def _answer(
     world: World,
     pairs: Indices,
-    gap: float,
+    level_gap: float,
     cutoff: float,
     queue: tuple[Indices, NDArray[np.float64]],
 ) -> tuple[float, Indices]:
@@ -83,7 +83,7 @@ def _answer(
         memory,
         world.handle,
         world.revision,
-        (gap, cutoff, False),
+        (level_gap, cutoff, False),
         -1,
         queue,
         hits,

@@ -9,7 +9,6 @@ starts from the pair's last normal.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +17,12 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, R
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
+    vanishes,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    GAP,
+    LEVEL_GAP,
     METHOD,
     NORMAL,
     PAIR_WIDTH,
@@ -44,8 +44,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, raise_lower_end
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     apart,
-    gap_of_bounds,
-    gap_of_boxes,
+    separation_of_bounds,
 )
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     hides_contact,
@@ -53,9 +52,11 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue
+from drake_geom_ros.geometry._proximity.pairs.slots import Aim, Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -70,31 +71,23 @@ Indices = NDArray[np.int64]
 
 
 @inlined
-def _code(type_a, type_b):  # type: ignore[no-untyped-def]
+def _code(type_a: int, type_b: int) -> int:
     """Return where a pair of types stands in ROW_OF_TYPES."""
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
 
 
-class Shapes(NamedTuple):
-    """Type numbers, and where in the pool the parameters are."""
-
-    types: Indices
-    starts: Indices
-    pool: Floats
-
-
-class Aim(NamedTuple):
-    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
-
-    size: float
-    tolerance: float
-    cutoff: float
-
-
 @inlined
-def _call_in_order(  # type: ignore[no-untyped-def]
-    a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out
-):
+def _call_in_order(
+    a: int,
+    b: int,
+    kernels: Addresses,
+    shapes: Shapes,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    p_AB_W: Floats,
+    aim: Aim,
+    out: Floats,
+) -> None:
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
     types, starts, pool = shapes.types, shapes.starts, shapes.pool
     swapped = types[a] > types[b]
@@ -108,7 +101,9 @@ def _call_in_order(  # type: ignore[no-untyped-def]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
-    if types[b] <= CONVEX and is_extreme(aim.size, p_AB_W):
+    extreme = is_extreme(aim.size, p_AB_W)
+    extreme = extreme or vanishes(types[a], shape_a) or vanishes(types[b], shape_b)
+    if extreme and types[b] <= CONVEX:
         call_at_one_metre(
             kernels[AT_ONE_METRE],
             address,
@@ -148,7 +143,7 @@ def _call_in_order(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
+def _may_leap(out: Floats, moved: float, type_a: int, type_b: int) -> bool:
     """Tell whether the distance can have changed by more than both bodies have moved [m].
 
     A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
@@ -159,7 +154,7 @@ def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
+def _take_narrower(out: Floats, bounds: Floats, moved: float) -> None:
     """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
 
     A support value changes by no more than the points do, so the distance of convex bodies by no
@@ -175,7 +170,7 @@ def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
+def _slack(least: float, travelled: float, type_a: int, type_b: int) -> float:
     """Return a least distance plus the travels of the same time [m], rounded down.
 
     What the turn of a half space moves has no bound.
@@ -186,19 +181,19 @@ def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _least(out, gap, size, rounding):  # type: ignore[no-untyped-def]
-    """Return what the distance is at least [m], by an answer that was computed for ``gap``.
+def _least(out: Floats, level_gap: float, size: float, rounding: float) -> float:
+    """Return what the distance is at least [m], by an answer that was computed for ``level_gap``.
 
     ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
     """
-    if out[METHOD] == BOUND_ONLY and not math.isinf(gap):
+    if out[METHOD] == BOUND_ONLY and not math.isinf(level_gap):
         # A kernel that stopped at the cutoff reports its lower bound.
         return out[DISTANCE] - rounding - 2.0 * ROUNDING * EPS * (size + abs(out[DISTANCE]))
     return out[DISTANCE] - out[ERROR_BOUND]
 
 
 @inlined
-def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-def]
+def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts: Indices) -> None:
     """Put pair k into the queue, with its least distance if that has room for it."""
     waiting[counts[POSTPONED]] = k
     if distances.size > 0:
@@ -207,41 +202,84 @@ def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-
 
 
 @inlined
-def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
-    """Tell whether an answer is within reach; of bounds alone, whether it may be."""
-    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[GAP]) else 0.0)
+def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
+    """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
+
+    What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
+    certified that the pair is beyond the cutoff.
+    """
+    alone = math.isinf(out[LEVEL_GAP])
+    least = out[DISTANCE] - out[ERROR_BOUND]
     if penetrating:
-        return distance < -TOUCHING_DEPTH * size
-    return distance <= cutoff
+        return (least if alone else out[DISTANCE]) < -TOUCHING_DEPTH * size
+    return least <= cutoff and (alone or out[METHOD] != BOUND_ONLY)
 
 
 @inlined
-def _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts):  # type: ignore[no-untyped-def]
-    """Add the rounding of a pair's poses to its bound and return it [m]; count a wide bound.
+def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> bool:
+    """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
+
+    A kernel that stopped at a cutoff says enough about smaller ones only.
+    """
+    stopped = out[METHOD] == BOUND_ONLY and out[SLACK] - travelled <= cutoff
+    return out[LEVEL_GAP] == level_gap < math.inf and not stopped
+
+
+@inlined
+def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
+    """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
     """
-    extent = size + apart(p_WGs, a, b)
-    kept = tolerance_of_pair(gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+    kept = tolerance + PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
-    rounding = rounding_of_pair(a, b, extent, roundings)
+    counts[BY_METHOD + int(out[METHOD])] += 1
     out[ERROR_BOUND] += rounding
-    return rounding
+
+
+@inlined
+def _beyond(cutoff: float, size: float, rounding: float) -> float:
+    """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
+    return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
+
+
+@inlined
+def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
+    """Forget the normal from which a kernel would start, where it is not this level's.
+
+    So what one level was asked changes no digit of what another answers. With solids a kernel
+    starts from nothing: which leaves are looked at would depend on it.
+    """
+    solid = type_a == SOLID or type_b == SOLID
+    if solid or (out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf):
+        for c in range(3):
+            out[NORMAL + c] = 0.0
 
 
 @allocating
-def answer_pairs(  # type: ignore[no-untyped-def]
-    kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
-):
-    """Bring the slots of the pairs up to date that may be within reach; return how many are.
+def answer_pairs(
+    kernels: Addresses,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    world: Handle,
+    revision: int,
+    query: tuple[float, float, bool],
+    first: int,
+    queue: tuple[Indices, Floats],
+    hits: Indices,
+    counts: Indices,
+) -> int:
+    """Bring the slots of the pairs up to date that may be within the cutoff; return how many are.
 
     ``kernels`` are addresses, ``world`` is a handle; ``query`` and ``queue`` are plain tuples of
-    these ``records``, ``memory`` is one of slots (see ``empty_memory`` there). ``hits`` gets the
-    numbers of the pairs. A gap that is infinite asks for the bounds of now, for to use what is
-    known from before would make the answer depend on what was asked. A ``first`` that is not
+    ``slots``, ``memory`` is as its ``empty_memory``. ``hits`` gets the
+    numbers of the pairs. A level gap that is infinite asks for the bounds of now, for to use what
+    is known from before would make the answer depend on what was asked. A ``first`` that is not
     negative is where to begin, and then one hit is enough. A queue with room for all pairs gets
     those for which a kernel would run, with their certified least distance if there is room for
-    these too; without any room, kernels run.
+    these too; without any room, kernels run. No cutoff below 0 leaves out by depth: boxes that
+    overlap are 0 apart, and a solid may leap (see ``_may_leap``).
 
     (The records are taken apart first: to hand that of the world on made a pair of spheres take 6
     ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
@@ -251,29 +289,28 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     types, R_WGs, p_WGs, roundings = world.types, world.R_WGs, world.p_WGs, world.roundings
     halves, outer, inner = world.half_extents, world.outer, world.inner
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
-    gap, cutoff, penetrating = query.gap, query.cutoff, query.penetrating
+    level_gap, cutoff, penetrating = query.level_gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    # Not how deep they are: boxes that overlap have a gap of 0, and a solid may leap (see above).
-    reach, found = max(cutoff, 0.0), 0
-    enough = math.inf if math.isinf(gap) else reach
-    counts[:] = 0
+    near_cutoff = max(cutoff, 0.0)
+    far_cutoff = math.inf if math.isinf(level_gap) else near_cutoff
+    counts[:], found = 0, 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, travelled = row(memory, s), travels[a] + travels[b]
-        if out[SLACK] - travelled > enough:
+        if out[SLACK] - travelled > far_cutoff:
             counts[FAR] += 1
             continue
-        size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
-        rests = latest <= out[SEEN] and 0.0 <= out[GAP] <= gap < math.inf
-        # What stopped at a cutoff says enough about smaller ones only.
-        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff):
+        size = size_of_pair(a, b, types, outer)
+        if max(stamps[a], stamps[b]) <= out[SEEN] and _stands(out, level_gap, travelled, cutoff):
             counts[CACHED] += 1
         else:
             least = -math.inf
             if cutoff < math.inf:
-                least = gap_of_bounds(a, b, types, R_WGs, p_WGs, roundings, halves, outer, reach)
-            near = least <= reach
+                least = separation_of_bounds(
+                    a, b, types, R_WGs, p_WGs, roundings, halves, outer, near_cutoff
+                )
+            near = least <= near_cutoff
             if near and queue.waiting.size > 0:
                 if queue.distances.size > 0:
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
@@ -281,18 +318,21 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
-                if math.isinf(gap):
+                extent = size + apart(p_WGs, a, b)
+                tolerance = tolerance_of_pair(level_gap, a, b, outer)
+                rounding = rounding_of_pair(a, b, extent, roundings)
+                if math.isinf(level_gap):
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
-                    aim = Aim(size, tolerance_of_pair(gap, a, b, outer), cutoff)
+                    _recall(out, level_gap, types[a], types[b])
                     shapes = Shapes(types, starts, pool)
+                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
                     _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
-                rounding = _rounded(out, a, b, gap, size, p_WGs, outer, roundings, counts)
-                if math.isinf(gap):
+                _widen(out, tolerance, extent, rounding, counts)
+                if math.isinf(level_gap):
                     raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
-                out[SEEN], out[GAP] = revision, gap
-                counts[BY_METHOD + int(out[METHOD])] += 1
-                least = _least(out, gap, size, rounding)
+                out[SEEN], out[LEVEL_GAP] = revision, level_gap
+                least = _least(out, level_gap, size, rounding)
             else:
                 counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
             out[SLACK] = _slack(least, travelled, types[a], types[b])
@@ -307,12 +347,21 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # type: ignore[no-untyped-def]
+def bound_pairs(
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    world: Handle,
+    revision: int,
+    query: tuple[float, float, bool],
+    hits: Indices,
+    counts: Indices,
+) -> int:
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 
     No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
-    widened by what both bodies can have moved since, and its gap that of no question. (Not in
-    ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
+    widened by what both bodies can have moved since, and its level gap that of no question. (Not
+    in ``answer_pairs``, whose kernels of spheres took 10 % longer beside this, measured.)
     """
     world, query = world_of(world), Query(*query)
     types, starts, pool = world.types, world.starts, world.pool
@@ -326,38 +375,23 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
         out, size = row(memory, s), size_of_pair(a, b, types, outer)
         travelled = travels[a] + travels[b]
-        if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[GAP]):
+        if stamps[a] <= out[SEEN] and stamps[b] <= out[SEEN] and math.isinf(out[LEVEL_GAP]):
             counts[CACHED] += 1
         else:
             bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, bounds)
             moved = math.inf
             if out[SEEN] >= 0.0:
-                moved = travelled - (out[SLACK] - _least(out, out[GAP], size, 0.0))
+                moved = travelled - (out[SLACK] - _least(out, out[LEVEL_GAP], size, 0.0))
             if _may_leap(out, moved, types[a], types[b]):
                 moved = math.inf
             _take_narrower(out, bounds, moved)
             rounding = rounding_of_pair(a, b, size + apart(p_WGs, a, b), world.roundings)
             out[ERROR_BOUND] += rounding
-            out[SEEN], out[GAP] = revision, -math.inf
+            out[SEEN], out[LEVEL_GAP] = revision, -math.inf
             counts[BY_METHOD + BOUND_ONLY] += 1
-            least = _least(out, out[GAP], size, rounding)
+            least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
-    return found
-
-
-@compiled
-def near_pairs(pairs, world, distance, hits):  # type: ignore[no-untyped-def]
-    """Write the numbers of the pairs whose boxes are within ``distance``; return how many."""
-    world, found = world_of(world), 0
-    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
-    roundings, half_extents = world.roundings, world.half_extents
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        gap = gap_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if gap <= distance:
             hits[found] = k
             found += 1
     return found

@@ -1,10 +1,10 @@
 """What compiled code is handed a query, by name.
 
-The arrays of a world go over as one handle (``handing``), of which compiled code makes the record
-in its first lines: ``world = world_of(world)``. The small records below go over as plain tuples,
-which Numba recognises sooner than named ones, and are named again likewise: ``Memory(*memory)``.
-Neither costs anything there; to hand a record on inside a loop over pairs does, see
-``narrow_phase``.
+The arrays of a world go over as one handle (``runtime.handles``), of which compiled code makes the
+record in its first lines: ``world = world_of(world)``. The small records below go over as plain
+tuples, which Numba recognises sooner than named ones, and are named again likewise:
+``Memory(*memory)``. Neither costs anything there; to hand a record on inside a loop over pairs
+does, see ``narrow_phase``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Indices = NDArray[np.int64]
 class Query(NamedTuple):
     """What is asked of pairs."""
 
-    gap: float  # [m] of the level; infinite: bounds alone will do
+    level_gap: float  # [m] of the level; infinite: bounds alone will do
     cutoff: float  # [m]
     penetrating: bool  # only pairs count that overlap by more than touching
 
@@ -33,6 +33,22 @@ class Queue(NamedTuple):
 
     waiting: Indices
     distances: Floats
+
+
+class Shapes(NamedTuple):
+    """Type numbers, and where in the pool the parameters are."""
+
+    types: Indices
+    starts: Indices
+    pool: Floats
+
+
+class Aim(NamedTuple):
+    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
+
+    size: float
+    tolerance: float
+    cutoff: float
 
 
 def empty_memory(pairs: int) -> Floats:

@@ -30,16 +30,19 @@ from drake_geom_ros.geometry._proximity.report import (
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Integers,
+    Reals,
     handle_of,
     taker,
 )
 from drake_geom_ros.geometry._proximity.runtime.views import part
-from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
+from drake_geom_ros.geometry._proximity.world.world import NO_POSES, PointShapes, World
 from drake_geom_ros.math.tolerances import FARTHEST
 
 Floats = NDArray[np.float64]
@@ -53,13 +56,16 @@ class PointHands(NamedTuple):
     kernels: HandleField  # addresses by shape type
     pair_kernels: HandleField  # the addresses of the pair table
     pair_rows: Integers  # (n,) of points to each geometry in that table
+    types: Integers  # these three of ``PointShapes``
+    starts: Integers
+    pool: Reals
 
 
 _hands_of = taker(PointHands)
 
 
 @compiled
-def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+def are_allowed(p_WQs: Floats) -> bool:
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
     allowed = True
     for k in range(p_WQs.shape[0]):
@@ -69,18 +75,27 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, named, given, p_WQs, threshold, rows, found, points, ids
-):
+def _run_points(
+    hands: Handle,
+    stale: bool,
+    revision: int,
+    X_PFs: Floats,
+    p_WQs: Floats,
+    threshold: float,
+    rows: Floats,
+    found: Booleans,
+    points: Unsigned32,
+    ids: Indices,
+) -> int:
     """Do what a point query does; return how many answers there are.
 
-    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``cycle``. Answers
-    for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,) comes
-    in as does not matter.
+    ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
+    Answers for points (m, 3) and n geometries are those of ``point_phase``; what ``found`` (m n,)
+    comes in as does not matter.
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, named, given)
+    pose_world(hands.world, report, stale, revision, X_PFs)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -89,6 +104,9 @@ def _run_points(  # type: ignore[no-untyped-def]
         hands.kernels,
         hands.pair_kernels,
         hands.pair_rows,
+        hands.types,
+        hands.starts,
+        hands.pool,
         hands.world,
         p_WQs,
         threshold,
@@ -104,12 +122,13 @@ def _run_points(  # type: ignore[no-untyped-def]
     return count
 
 
-class PointQueries:
+class PointDistanceQueries:
     """Answers the point queries of one engine."""
 
     def __init__(self, report: ReportArrays) -> None:
         self._report = report
         self._world: World | None = None
+        self._shapes: PointShapes | None = None
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, '_world': None}  # the handles of a copy are others
@@ -119,17 +138,17 @@ class PointQueries:
 
         The kernels are there, and the points ``are_allowed``.
         """
-        if self._world is not world:
+        if self._world is not world or self._shapes is not world.point_shapes:
             self._hand_over(world)
         capacity = len(p_WQs) * world.geometry_count
         rows = np.empty((capacity, POINT_WIDTH))
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.given_for.rows, world.given
-        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
-        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
-        world.revision, world.given, world.is_stale = revision, NO_POSES, False
+        X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
+        asked = p_WQs, threshold
+        count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
+        world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
         if world.is_whole:
             return PointBatch(ids[:count], points[:count], rows[:count])
         there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])
@@ -137,7 +156,13 @@ class PointQueries:
 
     def _hand_over(self, world: World) -> None:
         """Take another world."""
-        pair_rows = POINT_ROWS[world.geometries.types]
-        self._kept = handle_of(self._report), world.handle, pair_rows  # by the handle of handles
-        hands = PointHands(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES, pair_rows)
+        self._shapes = shapes = world.point_shapes
+        types, starts, pool = shapes.types, shapes.starts, shapes.pool
+        pair_rows = POINT_ROWS[types]
+        # By the handle of handles.
+        self._kept = handle_of(self._report), world.handle, pair_rows, types, starts, pool
+        hands = PointHands(
+            *(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES),
+            *(pair_rows, types, starts, pool),
+        )
         self._world, self._hands = world, handle_of(hands)

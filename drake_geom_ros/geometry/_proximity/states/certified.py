@@ -17,7 +17,7 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
-    GAP,
+    LEVEL_GAP,
     METHOD,
     PAIR_WIDTH,
     SEEN,
@@ -27,21 +27,29 @@ from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.report import COUNTS
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
-from drake_geom_ros.geometry._proximity.states.groups import Groups, collect, put_boxes
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.states.groups import (
+    GroupArrays,
+    Groups,
+    collect,
+    put_boxes,
+)
 from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 
 
 @inlined
-def most_below(gap, world):  # type: ignore[no-untyped-def]
-    """Return how far the lower end of an answer may be below any certified bound [m], at a gap.
+def most_below(level_gap: float, world: WorldArrays) -> float:
+    """Return how far [m] the lower end of an answer may be below any certified bound.
 
-    That is twice what ``promise.promised_bound`` is of any pair. Of bounds alone it is rounding:
-    no box or ball knows more of a pair than they tell.
+    That is twice what ``error_bounds.promised_error_bound`` is of any pair. Of bounds alone it is
+    rounding: no box or ball knows more of a pair than they tell.
     """
     types, p_WGs, roundings, outer = world.types, world.p_WGs, world.roundings, world.outer
     extent, radius, tilt = 0.0, 0.0, 0.0
@@ -49,25 +57,25 @@ def most_below(gap, world):  # type: ignore[no-untyped-def]
         size = 0.0 if types[g] == HALF_SPACE else outer[g]
         extent = max(extent, size + abs(p_WGs[g, 0]) + abs(p_WGs[g, 1]) + abs(p_WGs[g, 2]))
         radius, tilt = max(radius, roundings[g, RADIUS]), max(tilt, roundings[g, TILT])
-    promised = 0.0 if math.isinf(gap) else gap
+    promised = 0.0 if math.isinf(level_gap) else level_gap
     promised += 2.0 * (radius + extent * (2.0 * tilt + PROMISED_ROUNDING * EPS))
     return 2.0 * promised
 
 
 @inlined
-def lower_end(out):  # type: ignore[no-untyped-def]
+def lower_end(out: Floats) -> float:
     """Return the lower end of an answer [m]; infinity for a pair kept apart from what was asked.
 
     Boxes or balls did that, or a kernel that stopped at the cutoff.
     """
-    stopped = out[METHOD] == BOUND_ONLY and not math.isinf(out[GAP])
+    stopped = out[METHOD] == BOUND_ONLY and not math.isinf(out[LEVEL_GAP])
     if out[SEEN] < 0.0 or stopped:
         return math.inf
     return out[DISTANCE] - out[ERROR_BOUND]
 
 
 @inlined
-def _take_nearest(order, left, bounds, most):  # type: ignore[no-untyped-def]
+def _take_nearest(order: Indices, left: int, bounds: Floats, most: float) -> int:
     """Put the pair of least bound behind those that are left; return how many are, with it.
 
     Pairs whose bound is above ``most`` [m] are dropped on the way.
@@ -86,7 +94,15 @@ def _take_nearest(order, left, bounds, most):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _insert(found, number, end, answer, numbers, ends, answers):  # type: ignore[no-untyped-def]
+def _insert(
+    found: int,
+    number: int,
+    end: float,
+    answer: Floats,
+    numbers: Indices,
+    ends: Floats,
+    answers: Floats,
+) -> int:
     """Put an answer among those (most,) of the least lower ends, in order; return how many.
 
     Of equal ends the pair with the lower number is the first.
@@ -109,9 +125,19 @@ def _insert(found, number, end, answer, numbers, ends, answers):  # type: ignore
 
 
 @allocating
-def nearest_pairs(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, world, pairs, groups, query, stop, found, ids, out
-):
+def nearest_pairs(
+    kernels: Addresses,
+    poses: Floats,
+    rows: Indices,
+    world: Handle,
+    pairs: Indices,
+    groups: GroupArrays,
+    query: tuple[float, float, bool],
+    stop: Indices,
+    found: Indices,
+    ids: Indices,
+    out: Floats,
+) -> int:
     """Answer for the nearest pairs of each state (N, n, 7); return how many states are done.
 
     ``found`` (N,) gets how many pairs may be within the cutoff, at most as many as ``ids``
@@ -124,7 +150,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
     when it has certified that a pair is farther away, and changes no digit of a pair that is not.
     """
     posed, groups = world_of(world), Groups(*groups)
-    gap, cutoff, _ = query
+    level_gap, cutoff, _ = query
     total, most = pairs.shape[0], ids.shape[1]
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(total), np.empty(total, dtype=np.int64)
@@ -139,13 +165,17 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        below = most_below(gap, posed)
+        below = most_below(level_gap, posed)
         limit, count = cutoff, 0
-        for turn in range(min(2, groups.gaps.size)):
+        for turn in range(min(2, groups.separations.size)):
             # The two groups that are nearest come first: what they hold leaves out most others.
-            nearest = np.argmin(groups.gaps)
-            span = (nearest, nearest + 1, -1) if turn == 0 else (0, groups.gaps.size, nearest)
-            left = collect(groups, *span, limit + below, pairs, posed, order, bounds)
+            nearest = int(np.argmin(groups.separations))
+            first, last, skipped = nearest, nearest + 1, -1
+            if turn == 1:
+                first, last, skipped = 0, groups.separations.size, nearest
+            left = collect(
+                groups, first, last, skipped, limit + below, pairs, posed, order, bounds
+            )
             while True:
                 left = _take_nearest(order, left, bounds, limit + below) - 1
                 if left < 0:
@@ -153,7 +183,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
                 k = order[left]
                 one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
                 forget(memory, 0, 1)
-                asked = (gap, limit + below, False)
+                asked = (level_gap, limit + below, False)
                 answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
                 end = lower_end(memory[0])
                 if end <= limit and end < math.inf:
@@ -163,7 +193,7 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
         found[s] = count
         for r in range(count):
             both[r, 0], both[r, 1] = pairs[best[r], 0], pairs[best[r], 1]
-        gather_rows(slots[:count], both, slots, kept, gap, world, some_ids, full)
+        gather_rows(slots[:count], both, slots, kept, level_gap, world, some_ids, full)
         for r in range(count):
             ids[s, r, 0], ids[s, r, 1] = some_ids[r, 0], some_ids[r, 1]
             for c in range(BATCH_WIDTH):
@@ -172,14 +202,24 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def any_near(kernels, poses, rows, world, pairs, groups, query, stop, out):  # type: ignore[no-untyped-def]
+def any_near(
+    kernels: Addresses,
+    poses: Floats,
+    rows: Indices,
+    world: Handle,
+    pairs: Indices,
+    groups: GroupArrays,
+    query: tuple[float, float, bool],
+    stop: Indices,
+    out: Booleans,
+) -> int:
     """Tell of each state (N, n, 7) whether a pair may be within the cutoff; return how many.
 
     ``out`` (N,) is False where every pair is certified to be farther. Each state ends at the first
     pair that is not. How many states are done is as in ``nearest_pairs``.
     """
     posed, groups = world_of(world), Groups(*groups)
-    gap, cutoff, _ = query
+    level_gap, cutoff, _ = query
     Xs = np.empty((rows.size, POSE_WIDTH))
     bounds, order = np.empty(pairs.shape[0]), np.empty(pairs.shape[0], dtype=np.int64)
     one, slot, hits = np.empty((1, 2), np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64)
@@ -190,9 +230,9 @@ def any_near(kernels, poses, rows, world, pairs, groups, query, stop, out):  # t
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        below = most_below(gap, posed)
-        asked = (gap, cutoff + below, False)
-        everything = (0, groups.gaps.size, -1, cutoff + below)
+        below = most_below(level_gap, posed)
+        asked = (level_gap, cutoff + below, False)
+        everything = (0, groups.separations.size, -1, cutoff + below)
         count = collect(groups, *everything, pairs, posed, order, bounds)
         for r in range(count):
             if order[r] == last:  # what was near still is, mostly

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap, least_possible
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
+    least_possible,
+    separation_of_aabbs,
+)
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -31,7 +35,11 @@ class Groups(NamedTuple):
     numbers: Indices  # (k,) of pairs of geometries
     centres: Floats  # (g, 3) of the boxes [m]; room, as all that follows
     halves: Floats  # (g, 3) half the sizes [m]
-    gaps: Floats  # (m,) of the boxes [m]
+    separations: Floats  # (m,) of the boxes [m]
+
+
+# As compiled code is handed them: see ``pairs.slots``.
+GroupArrays: TypeAlias = tuple[Indices, Indices, Indices, Indices, Indices, Floats, Floats, Floats]
 
 
 def groups_of(groups: Indices, pairs: Indices) -> Groups:
@@ -49,12 +57,12 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
         numbers=numbers,
         centres=np.zeros((count, 3)),
         halves=np.zeros((count, 3)),
-        gaps=np.zeros(len(known)),
+        separations=np.zeros(len(known)),
     )
 
 
 @inlined
-def put_box(groups, world, g):  # type: ignore[no-untyped-def]
+def put_box(groups: Groups, world: WorldArrays, g: int) -> None:
     """Put a box around a group; a half space has none."""
     types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
     for c in range(3):
@@ -76,28 +84,28 @@ def put_box(groups, world, g):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def put_boxes(groups, world):  # type: ignore[no-untyped-def]
-    """Put a box around each group, and find the gaps between them."""
+def put_boxes(groups: Groups, world: WorldArrays) -> None:
+    """Put a box around each group, and find how far they are apart."""
     for g in range(groups.firsts.size - 1):
         put_box(groups, world, g)
-    for m in range(groups.gaps.size):
+    for m in range(groups.separations.size):
         a, b = groups.pairs[m, 0], groups.pairs[m, 1]
-        groups.gaps[m] = box_gap(groups.centres, groups.halves, a, b)
+        groups.separations[m] = separation_of_aabbs(groups.centres, groups.halves, a, b)
 
 
 @compiled
-def put_boxes_of(groups, world):  # type: ignore[no-untyped-def]
+def put_boxes_of(groups: tuple[Any, ...], world: Handle) -> None:
     """Do what ``put_boxes`` does for groups as a plain tuple, in a world given by its handle."""
     put_boxes(Groups(*groups), world_of(world))
 
 
 @inlined
-def plainly_apart(groups, m, most):  # type: ignore[no-untyped-def]
-    """Tell whether the boxes of a pair of groups are farther apart than ``most`` [m], on an axis.
+def plainly_apart(groups: Groups, m: int, cutoff: float) -> bool:
+    """Tell whether the boxes of a pair of groups are farther apart than a cutoff [m], on an axis.
 
-    Plainly: by more than ``box_gap`` takes off for rounding, which then tells the same.
+    Plainly: by more than ``separation_of_aabbs`` takes off for rounding: it then tells the same.
     """
-    centres, halves, reach = groups.centres, groups.halves, max(most, 0.0)
+    centres, halves, reach = groups.centres, groups.halves, max(cutoff, 0.0)
     a, b = groups.pairs[m, 0], groups.pairs[m, 1]
     for c in range(3):
         p, q, sizes = centres[a, c], centres[b, c], halves[a, c] + halves[b, c]
@@ -107,8 +115,18 @@ def plainly_apart(groups, m, most):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def collect(groups, first, last, skipped, most, pairs, world, order, bounds):  # type: ignore[no-untyped-def]
-    """Collect the numbers of pairs that may be nearer than ``most`` [m]; return how many.
+def collect(
+    groups: Groups,
+    first: int,
+    last: int,
+    skipped: int,
+    cutoff: float,
+    pairs: Indices,
+    world: WorldArrays,
+    order: Indices,
+    bounds: Floats,
+) -> int:
+    """Collect the numbers of pairs that may be nearer than ``cutoff`` [m]; return how many.
 
     Of pairs of groups from the first up to the last, without it, and without the one ``skipped``;
     ``bounds`` (k,) [m] get what is known of those that are collected.
@@ -117,13 +135,15 @@ def collect(groups, first, last, skipped, most, pairs, world, order, bounds):  #
     roundings, half_extents = world.roundings, world.half_extents
     count = 0
     for m in range(first, last):
-        if m == skipped or groups.gaps[m] > max(most, 0.0):  # boxes that overlap have a gap of 0
+        if m == skipped or groups.separations[m] > max(
+            cutoff, 0.0
+        ):  # boxes that overlap are 0 apart
             continue
         for r in range(groups.starts[m], groups.starts[m + 1]):
             k = groups.numbers[r]
             a, b = pairs[k, 0], pairs[k, 1]
             bound = least_possible(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer)
-            if bound <= most:
+            if bound <= cutoff:
                 order[count], bounds[k] = k, bound
                 count += 1
     return count

@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import separation_of_aabbs
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     IndexPairs,
     Integers,
@@ -42,7 +43,7 @@ from drake_geom_ros.geometry._proximity.states.groups import (
     put_box,
 )
 from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.joint_poses import pose_links
 
 # What is true of a state.
@@ -54,6 +55,8 @@ NO_POSE = 4  # a link would be where no pose may be
 
 GAP, MARGIN = 0, 1  # places of ``asked``
 
+Floats: TypeAlias = NDArray[np.float64]
+Indices: TypeAlias = NDArray[np.int64]
 States: TypeAlias = Annotated[NDArray[np.float64], np.float64, (None, None)]
 StateIds: TypeAlias = Annotated[NDArray[np.int64], np.int64, (None, 2)]
 
@@ -89,7 +92,7 @@ class CheckArrays(NamedTuple):
     numbers: Integers
     centres: Vectors
     halves: Vectors
-    gaps: Reals
+    separations: Reals
     # The question, and room.
     kernels: HandleField
     asked: Reals  # (2,) GAP, MARGIN
@@ -113,7 +116,7 @@ _checks_of = taker(CheckArrays)
 
 
 @inlined
-def _put_links(checks, q):  # type: ignore[no-untyped-def]
+def _put_links(checks: CheckArrays, q: Floats) -> None:
     """Write the poses of the links that are frames, by joint values (c,), to ``poses``."""
     pose_links(
         table(q, 0, 1, q.size),
@@ -133,7 +136,7 @@ def _put_links(checks, q):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _groups_of(checks):  # type: ignore[no-untyped-def]
+def _groups_of(checks: CheckArrays) -> Groups:
     return Groups(
         checks.firsts,
         checks.members,
@@ -142,12 +145,12 @@ def _groups_of(checks):  # type: ignore[no-untyped-def]
         checks.numbers,
         checks.centres,
         checks.halves,
-        checks.gaps,
+        checks.separations,
     )
 
 
 @compiled
-def limits_verdict(q, lower, upper):  # type: ignore[no-untyped-def]
+def limits_verdict(q: Floats, lower: Floats, upper: Floats) -> int:
     """Return FREE for joint values (c,) within their limits, else OUTSIDE or NO_STATE."""
     outside = False
     for c in range(q.size):
@@ -158,11 +161,20 @@ def limits_verdict(q, lower, upper):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _any_near_of(checks, groups, world, m, asked, margin):  # type: ignore[no-untyped-def]
+def _any_near_of(
+    checks: CheckArrays,
+    groups: Groups,
+    world: WorldArrays,
+    m: int,
+    asked: tuple[float, float, bool],
+    margin: float,
+) -> bool:
     """Tell whether a pair of a pair of groups may be within the margin [m]."""
     _, most, _ = asked
     pairs, order, memory = checks.pairs, checks.order, checks.memory
-    groups.gaps[m] = box_gap(groups.centres, groups.halves, groups.pairs[m, 0], groups.pairs[m, 1])
+    groups.separations[m] = separation_of_aabbs(
+        groups.centres, groups.halves, groups.pairs[m, 0], groups.pairs[m, 1]
+    )
     count = collect(groups, m, m + 1, -1, most, pairs, world, order, checks.bounds)
     queue = (checks.waiting, checks.distances)  # in which no pair waits
     for r in range(count):
@@ -188,13 +200,14 @@ def _any_near_of(checks, groups, world, m, asked, margin):  # type: ignore[no-un
 
 
 @inlined
-def _verdict(checks, q):  # type: ignore[no-untyped-def]
+def _verdict(checks: CheckArrays, q: Floats) -> int:
     """Return what is true of joint values (c,): FREE, or the first other verdict."""
     verdict = limits_verdict(q, checks.lower, checks.upper)
     if verdict != FREE:
         return verdict
     _put_links(checks, q)
-    if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, checks.world):
+    posed: Handle = checks.world
+    if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, posed):
         return NO_POSE
     world, groups = world_of(checks.world), _groups_of(checks)
     gap, margin = checks.asked[GAP], checks.asked[MARGIN]
@@ -205,7 +218,7 @@ def _verdict(checks, q):  # type: ignore[no-untyped-def]
     # Groups that were near still are, mostly.
     if last >= 0 and _any_near_of(checks, groups, world, last, asked, margin):
         return NEAR
-    for m in range(groups.gaps.size):
+    for m in range(groups.separations.size):
         if m == last or plainly_apart(groups, m, most):
             continue
         if _any_near_of(checks, groups, world, m, asked, margin):
@@ -215,7 +228,7 @@ def _verdict(checks, q):  # type: ignore[no-untyped-def]
 
 
 @allocating
-def check_states(handle, states, verdicts):  # type: ignore[no-untyped-def]
+def check_states(handle: Handle, states: Floats, verdicts: Indices) -> int:
     """Write what is true of each state (N, c) to ``verdicts`` (N,), and return the last.
 
     NEAR unless every pair is certified to be farther apart than the margin, as ``any_near`` tells.
@@ -228,7 +241,7 @@ def check_states(handle, states, verdicts):  # type: ignore[no-untyped-def]
 
 
 @allocating
-def least_of_state(handle, states):  # type: ignore[no-untyped-def]
+def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, int, int]:
     """Return the pair of the least lower bound in the state (1, c), whatever its joints' limits.
 
     As a verdict, NEAR where there is a pair and FREE where there is none, its distance [m] and
@@ -252,7 +265,7 @@ def least_of_state(handle, states):  # type: ignore[no-untyped-def]
             checks.numbers,
             checks.centres,
             checks.halves,
-            checks.gaps,
+            checks.separations,
         ),
         (checks.asked[GAP], math.inf, False),
         checks.never,

@@ -64,7 +64,7 @@ class JointLoops:
 
     def verdict(self, state: Floats) -> int:
         """Return the verdict about a state (1, c), in one piece."""
-        return check_states(self._handle, state, self._verdict)  # type: ignore[no-any-return]
+        return check_states(self._handle, state, self._verdict)
 
     def verdicts(self, states: Floats) -> Indices:
         """Return the verdicts (N,) about states (N, c), in one piece."""
@@ -74,7 +74,7 @@ class JointLoops:
 
     def least(self, state: Floats) -> Least:
         """Return the pair of the least lower bound in a state (1, c), whatever the limits."""
-        return least_of_state(self._handle, state)  # type: ignore[no-any-return]
+        return least_of_state(self._handle, state)
 
 
 def _arrays(
@@ -109,7 +109,7 @@ def _arrays(
         numbers=groups.numbers,
         centres=groups.centres,
         halves=groups.halves,
-        gaps=groups.gaps,
+        separations=groups.separations,
         kernels=ADDRESSES,
         asked=np.zeros(2),
         bounds=np.empty(most),

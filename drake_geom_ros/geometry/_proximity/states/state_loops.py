@@ -21,11 +21,11 @@ from drake_geom_ros.geometry._proximity.points.point_phase import (
     compile_point_kernels,
 )
 from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
-from drake_geom_ros.geometry._proximity.states.groups import groups_of
+from drake_geom_ros.geometry._proximity.states.groups import GroupArrays, groups_of
 from drake_geom_ros.geometry._proximity.states.loops import (
     any_overlap,
-    pairs_in_reach,
-    points_in_reach,
+    pairs_within_cutoff,
+    points_within_threshold,
 )
 from drake_geom_ros.geometry._proximity.world.world import World
 
@@ -52,17 +52,19 @@ class StateLoops:
         on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
         apart = len(world.frames.ids) + alone
         _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
-        self._groups = tuple(groups_of(groups, pairs))
+        self._groups: GroupArrays = groups_of(groups, pairs)[:]
         self._memory = empty_memory(len(pairs))
 
-    def _compile(self, gap: float) -> None:
+    def _compile(self, level_gap: float) -> None:
         """Compile the kernels of the pairs; bounds need none."""
-        if gap < np.inf:
+        if level_gap < np.inf:
             compile_rows(table_rows(*self._world.geometries.types[self._pairs].T))
 
-    def overlaps(self, poses: Floats, gap: float, stop: Indices) -> tuple[int, NDArray[np.bool_]]:
-        """Return which states (N,) have a pair that overlaps, at the gap of a level [m]."""
-        self._compile(gap)
+    def overlaps(
+        self, poses: Floats, level_gap: float, stop: Indices
+    ) -> tuple[int, NDArray[np.bool_]]:
+        """Return which states (N,) have a pair that overlaps, at a level gap [m]."""
+        self._compile(level_gap)
         out = np.zeros(len(poses), dtype=np.bool_)
         done = any_overlap(
             ADDRESSES,
@@ -71,7 +73,7 @@ class StateLoops:
             self._world.handle,
             self._pairs,
             self._groups,
-            (gap, 0.0, True),
+            (level_gap, 0.0, True),
             self._slots,
             self._memory,
             stop,
@@ -81,10 +83,10 @@ class StateLoops:
         return done, out
 
     def near(
-        self, poses: Floats, gap: float, margin: float, stop: Indices
+        self, poses: Floats, level_gap: float, cutoff: float, stop: Indices
     ) -> tuple[int, NDArray[np.bool_]]:
-        """Return which states (N,) have a pair that is not certified to be beyond a margin [m]."""
-        self._compile(gap)
+        """Return which states (N,) have a pair that is not certified to be beyond a cutoff [m]."""
+        self._compile(level_gap)
         out = np.zeros(len(poses), dtype=np.bool_)
         done = any_near(
             ADDRESSES,
@@ -93,20 +95,20 @@ class StateLoops:
             self._world.handle,
             self._pairs,
             self._groups,
-            (gap, margin, False),
+            (level_gap, cutoff, False),
             stop,
             out,
         )
         return done, out
 
     def nearest(
-        self, poses: Floats, gap: float, cutoff: float, most: int, stop: Indices
+        self, poses: Floats, level_gap: float, cutoff: float, most: int, stop: Indices
     ) -> tuple[int, Indices, PairBatch]:
         """Return how many pairs (N,) may be within the cutoff [m], at most some, and the nearest.
 
         Those of each state in the order of their lower bounds, one state after the other.
         """
-        self._compile(gap)
+        self._compile(level_gap)
         found = np.zeros(len(poses), dtype=np.int64)
         ids = np.zeros((len(poses), most, 2), dtype=np.int64)
         out = np.zeros((len(poses), most, BATCH_WIDTH))
@@ -117,7 +119,7 @@ class StateLoops:
             self._world.handle,
             self._pairs,
             self._groups,
-            (gap, cutoff, False),
+            (level_gap, cutoff, False),
             stop,
             found,
             ids,
@@ -127,13 +129,13 @@ class StateLoops:
         return done, found, PairBatch(ids[there], out[there])
 
     def within(
-        self, poses: Floats, gap: float, cutoff: float, stop: Indices
+        self, poses: Floats, level_gap: float, cutoff: float, stop: Indices
     ) -> tuple[int, Indices, PairBatch]:
         """Return how many pairs (N,) are within the cutoff [m], and these, by their ids."""
-        self._compile(gap)
+        self._compile(level_gap)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
-            return pairs_in_reach(  # type: ignore[no-any-return]
+            return pairs_within_cutoff(
                 ADDRESSES,
                 poses,
                 first,
@@ -141,7 +143,7 @@ class StateLoops:
                 self._world.handle,
                 self._pairs,
                 self._groups,
-                (gap, cutoff, False),
+                (level_gap, cutoff, False),
                 self._slots,
                 self._memory,
                 stop,
@@ -162,14 +164,16 @@ class StateLoops:
         Sorted by (point, id).
         """
         table = self._world.geometries
-        compile_point_kernels(self._world.shape_types)
+        types, starts, pool, kinds = self._world.point_shapes
+        compile_point_kernels(kinds)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
-            return points_in_reach(  # type: ignore[no-any-return]
+            return points_within_threshold(
                 POINT_ADDRESSES,
                 ADDRESSES,
-                POINT_ROWS[table.types],
+                POINT_ROWS[types],
+                (types, starts, pool),
                 poses,
                 first,
                 self._rows,

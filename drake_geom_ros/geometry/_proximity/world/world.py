@@ -13,7 +13,7 @@ from drake_geom_ros.geometry._proximity.kinds import SPHERE
 from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
 from drake_geom_ros.geometry._proximity.runtime.threads import share
 from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
-from drake_geom_ros.geometry._proximity.world.moment import Moment, Posed
+from drake_geom_ros.geometry._proximity.world.kept_poses import KeptPoses, PosedWorld
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, packed_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import (
     PACE,
@@ -47,11 +47,31 @@ class GeometryTable(NamedTuple):
     pool: Floats
 
 
-class Named(NamedTuple):
+class PointShapes(NamedTuple):
+    """What the geometries are to points: a mesh, a hull in pairs, may be its surface to them."""
+
+    types: Indices  # (n,) shape type numbers
+    starts: Indices  # (n + 1,)
+    pool: Floats
+    kinds: frozenset[int]  # those of the types
+
+
+class Named:
     """Frames of a world that poses are given for, looked up once."""
 
-    ids: Indices  # (n,) FrameId values
-    rows: Indices  # (n,) of the FrameTable
+    __slots__ = ('ids', 'rows')
+
+    def __init__(self, ids: Indices, rows: Indices) -> None:
+        """Have FrameId values (n,), which nobody changes, and rows (n,) of the FrameTable."""
+        self.ids, self.rows = ids, rows
+
+    def is_of(self, ids: Indices) -> bool:
+        """Tell whether these ids, which nobody changes, are those; the same array is mostly."""
+        if ids is not self.ids:
+            if not np.array_equal(ids, self.ids):
+                return False
+            self.ids = ids  # that of next time, too
+        return True
 
 
 _NOBODY = Named(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
@@ -70,6 +90,14 @@ class World:
     def __init__(self, frames: FrameTable, geometries: GeometryTable) -> None:
         """Make the world of frames that all wait for their first pose."""
         count = len(frames.ids)
+        # What each cycle looks at stands together, in memory too.
+        self.is_stale = True  # world poses and bounds have to be brought up to date
+        self.revision = 0  # of the world poses: grows with each update
+        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
+        self.pending_frames, self.pending_poses = _NOBODY, NO_POSES
+        self.is_whole = False  # nobody waits for a first pose
+        # That of now, if there is a result that asked for it.
+        self._kept_poses: ReferenceType[KeptPoses] | None = None
         self.frames = frames
         self.geometries = geometries
         self._R_PFs = np.tile(np.eye(3), (count, 1, 1))
@@ -81,9 +109,7 @@ class World:
         self._order = np.argsort(frames.ids)
         self._sorted_ids = frames.ids[self._order]
         self._moved = np.ones(count, dtype=np.bool_)
-        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
-        self.given_for, self.given = _NOBODY, NO_POSES
-        self.is_stale = True  # world poses and bounds have to be brought up to date
+        self._named = np.zeros(count, dtype=np.int64)
         self._posed = np.zeros(count, dtype=np.bool_)
         self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
         self._placings = np.zeros(1, dtype=np.int64)
@@ -94,7 +120,6 @@ class World:
         """Make room for the posed geometry and compute what does not depend on poses."""
         table = self.geometries
         n = len(table.ids)
-        self.revision = 0  # of the world poses: grows with each update
         self.stamps = np.zeros(n, dtype=np.int64)  # revision in which a geometry last moved
         # How far any point of a geometry can have come since the first update, along the path
         # [m], never less than the truth.
@@ -105,7 +130,10 @@ class World:
         self.roundings = np.zeros((n, 2))
         # Of the box around Go, in World axes, that holds the body wherever rounding put it [m].
         self.half_extents = np.zeros((n, 3))
-        self.shape_types = frozenset(table.types.tolist())
+        # To points the same, until somebody who asks about them sets it otherwise.
+        kinds = frozenset(table.types.tolist())
+        self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
+        self.has_point_shapes = False
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
@@ -114,7 +142,8 @@ class World:
         self.ball_centres, self.ball_radii = balls_inside(table.types, table.starts, table.pool)
         levers = np.where(table.types == SPHERE, 0.0, self.outer_radii)
         at_origin = (table.R_FGs == np.eye(3)).all(axis=(1, 2)) & ~table.p_FGs.any(axis=1)
-        # In one array (n, 5), for each that compiled code is given takes time: see ``posing``.
+        # In one array (n, 5), for each that compiled code is given takes time: see
+        # ``pose_update``.
         self._kept = np.column_stack((table.roundings, levers, at_origin, np.zeros(n)))
         self._hand_over()
 
@@ -123,14 +152,13 @@ class World:
         self._hand_over()  # the arrays of a copy are elsewhere
 
     def __getstate__(self) -> dict[str, object]:
-        return {**self.__dict__, '_moment': None}  # results refer to this world, not to a copy
+        return {**self.__dict__, '_kept_poses': None}  # results refer to this world, not to a copy
 
     def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        # That of now, if there is a result that asked for it.
-        self._moment: ReferenceType[Moment] | None = None
-        self._posed_now = Posed(
+        self._kept_poses = None
+        self._posed_now = PosedWorld(
             ids=table.ids,
             types=table.types,
             starts=table.starts,
@@ -142,6 +170,7 @@ class World:
         )
         arrays = WorldArrays(
             placings=self._placings,
+            named=self._named,
             moved=self._moved,
             parents=self.frames.parents,
             R_PFs=self._R_PFs,
@@ -180,13 +209,13 @@ class World:
     @property
     def R_PFs(self) -> Floats:
         """Orientations of the frames in their parents (nf, 3, 3)."""
-        self._take_given()
+        self._apply_pending()
         return self._R_PFs
 
     @property
     def p_PFs(self) -> Floats:
         """Positions of the frames in their parents (nf, 3) [m]."""
-        self._take_given()
+        self._apply_pending()
         return self._p_PFs
 
     @property
@@ -201,7 +230,7 @@ class World:
 
     def copy(self) -> World:
         """Return a world with poses of its own; the tables, which never change, are shared."""
-        self._take_given()
+        self._apply_pending()
         other = World.__new__(World)
         other.__dict__.update(self.__dict__)
         for name, value in self.__dict__.items():
@@ -237,7 +266,7 @@ class World:
     def _place(self, rows: Indices) -> None:
         """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
         self._posed[rows] = True
-        self.is_whole = bool(self._posed.all())  # nobody waits
+        self.is_whole = bool(self._posed.all())
         self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
@@ -267,58 +296,64 @@ class World:
 
         A pose that did not change is not a move.
         """
-        if self.given_for is not named:
-            self._take_given()
-            self.given_for = named
+        if self.pending_frames is not named:
+            self._apply_pending()
+            self.pending_frames = named
+            self._named[: len(named.rows)] = named.rows
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
-        self.given, self.is_stale = X_PFs, True
+        self.pending_poses, self.is_stale = X_PFs, True
         # Results that are still there have to remember where things were.
-        if self._moment is not None:
-            moment, self._moment = self._moment(), None
-            if moment is not None:
-                moment.keep()
+        if self._kept_poses is not None:
+            kept_poses, self._kept_poses = self._kept_poses(), None
+            if kept_poses is not None:
+                kept_poses.keep()
 
-    def _take_given(self) -> None:
+    def _apply_pending(self) -> None:
         """Have the poses that were given in ``_R_PFs`` and ``_p_PFs``, and their frames marked."""
-        given, self.given = self.given, NO_POSES
-        if len(given):
-            set_poses(self.given_for.rows, given, self.handle)
+        pending_poses, self.pending_poses = self.pending_poses, NO_POSES
+        if len(pending_poses):
+            set_poses(self.pending_frames.rows, pending_poses, self.handle)
 
     def update_shared(self) -> tuple[int, int]:
         """Do what ``update`` does, by threads."""
         if not self.is_stale:
             return 0, 0
-        rows, given, revision = self.given_for.rows, self.given, self.revision + 1
+        rows, pending_poses, revision = (
+            self.pending_frames.rows,
+            self.pending_poses,
+            self.revision + 1,
+        )
 
         def set_some(first: int, last: int) -> None:
-            set_poses(rows[first:last], given[first:last], self.handle)
+            set_poses(rows[first:last], pending_poses[first:last], self.handle)
 
         def pose_some(first: int, last: int) -> int:
             moved: int = update_geometries(self.handle, revision, first, last)
             return moved
 
-        share(len(given), set_some)
+        share(len(pending_poses), set_some)
         frames = update_frames(self.handle)
         is_new = bool(self._moved[0])
         geometries = sum(share(self.geometry_count if is_new else len(self.movable), pose_some))
         self._moved[:] = False
-        self.revision, self.given, self.is_stale = revision, NO_POSES, False
+        self.revision, self.pending_poses, self.is_stale = revision, NO_POSES, False
         return frames, geometries
 
-    def moment(self) -> Moment:
-        """Return the moment of the last update, which no later one reaches."""
-        moment = None if self._moment is None else self._moment()
-        if moment is None:
-            moment = Moment(self._posed_now)
-            self._moment = ref(moment)
-        return moment
+    def kept_poses(self) -> KeptPoses:
+        """Return the poses of the last update, which no later one reaches."""
+        kept_poses = None if self._kept_poses is None else self._kept_poses()
+        if kept_poses is None:
+            kept_poses = KeptPoses()
+            kept_poses.now = self._posed_now
+            self._kept_poses = ref(kept_poses)
+        return kept_poses
 
     def update(self) -> tuple[int, int]:
         """Bring world poses and bounds up to date; return how many frames, geometries moved."""
         if not self.is_stale:
             return 0, 0
-        self._take_given()
+        self._apply_pending()
         counts = update(self.handle, self.revision + 1)
         self.revision, self.is_stale = self.revision + 1, False
-        return counts  # type: ignore[no-any-return]
+        return counts

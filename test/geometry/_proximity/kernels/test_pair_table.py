@@ -20,7 +20,7 @@ from oracles.worlds import (
     scaled_parameters,
 )
 
-from drake_geom_ros.evidence.judging.asking import PairScene
+from bench.evidence.judging.asking import PairScene
 from drake_geom_ros.geometry import ACCURACY_GAPS, ACCURACY_LEVELS
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (

@@ -16,8 +16,8 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
 from drake_geom_ros.geometry._proximity.near.arrays import MADE_AT
 from drake_geom_ros.geometry._proximity.near.making import FEW
-from drake_geom_ros.geometry._proximity.near.margins import PATIENCE
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
+from drake_geom_ros.geometry._proximity.near.skins import PATIENCE
 from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 
@@ -133,7 +133,7 @@ def test_a_list_has_the_pairs_whose_boxes_meet(moving, length, far):
             sides = [tuple(rng.choice(keys, 8, replace=False).tolist()) for _ in range(2)]
             filters.apply([((EXCLUDE_BETWEEN, ALLOW_BETWEEN)[step % 2], *sides)])
         near.bring_up_to_date(world, filters, distance)
-        met = boxes_within(near, world, near.reach)
+        met = boxes_within(near, world, near.list_cutoff)
         assert near_pairs(world, distance) <= met
         assert near.considered == len(met)
         assert listed(near) == {(i, j) for i, j in met if not filters.filtered(keys[i], keys[j])}

@@ -3,7 +3,10 @@
 import numpy as np
 from oracles.worlds import geometry_table, random_world
 
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap, plane_gap
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
+    separation_from_plane,
+    separation_of_aabbs,
+)
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 
 
@@ -11,7 +14,7 @@ def test_touching_boxes_far_away_are_not_apart():
     # 0.1 + 0.2 is not 0.3: rounding must not lose a pair that touches.
     offset, half = 1e6, np.array([[0.1] * 3, [0.2] * 3])
     p = np.array([[offset, offset, 0.0], [offset + 0.3, offset, 0.0]])
-    assert box_gap(p, half, 0, 1) == 0.0
+    assert separation_of_aabbs(p, half, 0, 1) == 0.0
 
 
 def test_gaps_are_lower_bounds_and_tight():
@@ -21,7 +24,7 @@ def test_gaps_are_lower_bounds_and_tight():
         apart = np.abs(world.p_WGs[i] - world.p_WGs[i + 1])
         gap = apart - world.half_extents[i] - world.half_extents[i + 1]
         expected = np.linalg.norm(np.maximum(gap, 0.0))
-        found = box_gap(world.p_WGs, world.half_extents, i, i + 1)
+        found = separation_of_aabbs(world.p_WGs, world.half_extents, i, i + 1)
         assert expected - 1e-14 <= found <= expected
 
 
@@ -34,5 +37,5 @@ def test_the_gap_above_a_plane():
     world.set_poses(np.array([1]), np.eye(3)[None], np.array([[0.0, 0.0, 1.5]]))
     world.update()
     posed = world.R_WGs, world.p_WGs, world.roundings
-    gap = plane_gap(*posed, world.half_extents, 0, 1)
+    gap = separation_from_plane(*posed, world.half_extents, 0, 1)
     assert 0.4 - 1e-13 <= gap <= 0.4

@@ -10,7 +10,10 @@ from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import PROMISED
-from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_bound, tolerance_of_pair
+from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
+    promised_error_bound,
+    tolerance_of_pair,
+)
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, World
 
@@ -27,15 +30,15 @@ def test_far_from_the_origin_and_far_apart_rounding_is_allowed_for():
     p_WGs = np.array([[0.0, 0, 0], [0, 0, -1], [1e6, 0, 0]])
     roundings = np.array([[1e-15, 0.0], [0.0, 2e-15], [1e-8, 0.0]])  # radius and tilt
     scene = types, outer, p_WGs, roundings
-    near = promised_bound(1e-9, 0, 1, *scene)
+    near = promised_error_bound(1e-9, 0, 1, *scene)
     assert 1e-9 < near < 1.001e-9
-    far = promised_bound(1e-9, 0, 2, *scene)
+    far = promised_error_bound(1e-9, 0, 2, *scene)
     assert 3e-8 < far < 6e-8
     # The farther a body is from the origin of a half space, the more the turn of that counts.
     aside = p_WGs.copy()
     aside[0, 1] = 1e6
-    more = promised_bound(1e-9, 0, 1, types, outer, aside, roundings)
-    less = promised_bound(1e-9, 0, 1, types, outer, aside, roundings * [1.0, 0.0])
+    more = promised_error_bound(1e-9, 0, 1, types, outer, aside, roundings)
+    less = promised_error_bound(1e-9, 0, 1, types, outer, aside, roundings * [1.0, 0.0])
     assert more - less == pytest.approx(2e-15 * 1e6, rel=1e-5)
 
 

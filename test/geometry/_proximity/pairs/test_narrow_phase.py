@@ -28,7 +28,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ITERATIVE,
     SPHERE,
 )
-from drake_geom_ros.geometry._proximity.pairs import narrow_phase
+from drake_geom_ros.geometry._proximity.pairs import distance_bounds, narrow_phase
 from drake_geom_ros.geometry._proximity.pairs.slots import empty_memory
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, COUNTS, FAR, POSTPONED
 from drake_geom_ros.geometry._proximity.tolerances import TOUCHING_DEPTH
@@ -57,12 +57,12 @@ class Loop:
         self.world.set_poses(frames, R_WFs, np.array(ps, dtype=float))
         self.world.update()
 
-    def answer(self, cutoff, gap=1e-9, penetrating=False, first=-1, queue=AT_ONCE):
+    def answer(self, cutoff, level_gap=1e-9, penetrating=False, first=-1, queue=AT_ONCE):
         """Return the numbers of the hits and {name: count} of what was done."""
         hits, counts = np.empty(len(self.pairs), dtype=np.int64), np.empty(COUNTS, dtype=np.int64)
         found = narrow_phase.answer_pairs(
             *(kernel_table.ADDRESSES, self.pairs, self.slots, self.memory, self.world.handle),
-            *(self.world.revision, (gap, cutoff, penetrating), first, queue, hits, counts),
+            *(self.world.revision, (level_gap, cutoff, penetrating), first, queue, hits, counts),
         )
         names = {FAR: 'far', CACHED: 'cached', POSTPONED: 'postponed'}
         names |= {BY_METHOD + CLOSED_FORM: 'closed', BY_METHOD + BOUND_ONLY: 'bound'}
@@ -122,28 +122,28 @@ def test_pairs_are_far_new_or_known_and_a_move_wakes_only_its_own():
 
 def test_an_answer_for_a_wider_gap_is_not_one_for_a_narrower():
     loop = row_of_balls()
-    assert loop.answer(0.5, gap=1e-3)[1] == {'far': 3, 'closed': 3}
-    assert loop.answer(0.5, gap=1e-3)[1] == {'far': 3, 'cached': 3}
-    assert loop.answer(0.5, gap=1e-2)[1] == {'far': 3, 'cached': 3}
-    assert loop.answer(0.5, gap=1e-6)[1] == {'far': 3, 'closed': 3}
+    assert loop.answer(0.5, level_gap=1e-3)[1] == {'far': 3, 'closed': 3}
+    assert loop.answer(0.5, level_gap=1e-3)[1] == {'far': 3, 'cached': 3}
+    assert loop.answer(0.5, level_gap=1e-2)[1] == {'far': 3, 'cached': 3}
+    assert loop.answer(0.5, level_gap=1e-6)[1] == {'far': 3, 'closed': 3}
 
 
 def test_bounds_alone_are_those_of_now_whatever_is_known_from_before():
     loop = row_of_balls()
-    hits, done = loop.answer(0.5, gap=math.inf)
+    hits, done = loop.answer(0.5, level_gap=math.inf)
     rows = [loop.row(k).copy() for k in hits]
     for cutoff in (0.5, math.inf):
-        assert loop.answer(cutoff, gap=1e-6)[1]['closed'] >= 3
-        assert loop.answer(0.5, gap=math.inf) == (hits, done)
+        assert loop.answer(cutoff, level_gap=1e-6)[1]['closed'] >= 3
+        assert loop.answer(0.5, level_gap=math.inf) == (hits, done)
         np.testing.assert_array_equal([loop.row(k) for k in hits], rows)
 
 
 def test_bounds_alone_call_no_kernel_and_keep_what_may_be():
     loop = row_of_balls()
-    hits, done = loop.answer(0.5, gap=math.inf)
+    hits, done = loop.answer(0.5, level_gap=math.inf)
     assert (hits, done) == ([0, 1, 3], {'far': 3, 'bound': 3})
     # And what was asked before says nothing: an interval may reach below where boxes are apart.
-    assert loop.answer(0.5, gap=math.inf)[1] == {'far': 3, 'bound': 3}
+    assert loop.answer(0.5, level_gap=math.inf)[1] == {'far': 3, 'bound': 3}
     assert loop.answer(0.5)[1] == {'far': 3, 'closed': 3}
 
 
@@ -192,7 +192,7 @@ def test_pairs_out_of_the_range_of_products_have_the_digits_of_those_within(type
     for e in (0, exponent):
         parameters = [np.ldexp(sizes[kind], e) for kind in types]
         loop = Loop(types, parameters, np.ldexp([[0, 0, 0], [0.5, 3.0, 0.25]], e))
-        assert loop.answer(math.inf, gap=math.ldexp(1e-9, e))[0] == [0]
+        assert loop.answer(math.inf, level_gap=math.ldexp(1e-9, e))[0] == [0]
         found.append(loop.row(0)[:PAIR_WIDTH])
     lengths = [DISTANCE, ERROR_BOUND, *range(WITNESS_A, WITNESS_B + 3)]
     found[1][lengths] = np.ldexp(found[1][lengths], -exponent)
@@ -236,10 +236,10 @@ def test_a_slack_is_what_the_answer_certifies_and_a_cut_off_one_is_far_from_then
     slats.world.set_poses(np.array([1, 2]), turned, np.array([[0, 0, 0], [-0.5 * c, 0.5 * c, 0]]))
     slats.world.update()
     travelled = slats.world.travels.sum()
-    for gap in (1e-3, 1e-9):
-        assert slats.answer(1.0, gap)[0] == [0]
+    for level_gap in (1e-3, 1e-9):
+        assert slats.answer(1.0, level_gap)[0] == [0]
         row, slack = slats.row(0), slats.memory[0, SLACK] - travelled
-        assert abs(row[DISTANCE] - 0.3) <= row[ERROR_BOUND] <= gap
+        assert abs(row[DISTANCE] - 0.3) <= row[ERROR_BOUND] <= level_gap
         assert slack == pytest.approx(row[DISTANCE] - row[ERROR_BOUND], abs=1e-14)
     slats.memory[:, SLACK], slats.memory[:, SEEN] = -math.inf, -1
     assert slats.answer(0.1) == ([], {'bound': 1})
@@ -249,17 +249,17 @@ def test_a_slack_is_what_the_answer_certifies_and_a_cut_off_one_is_far_from_then
 
 
 @pytest.mark.parametrize('order', [(0, 1), (1, 0)])
-@pytest.mark.parametrize('gap', [1e-9, math.inf])
-def test_a_plane_that_turned_knows_nothing_of_before(order, gap):
+@pytest.mark.parametrize('level_gap', [1e-9, math.inf])
+def test_a_plane_that_turned_knows_nothing_of_before(order, level_gap):
     """However far a body is, a turn of the plane may bury it: no travel of its origin tells."""
     types, parameters, ps = [HALF_SPACE, SPHERE], [[], [0.1]], [[0, 0, 0], [-100, 0, 10]]
     loop = Loop(*([given[k] for k in order] for given in (types, parameters, ps)))
-    assert loop.answer(0.5, gap) == ([], {'far': 1})
-    assert loop.answer(20.0, gap)[0] == [0]
+    assert loop.answer(0.5, level_gap) == ([], {'far': 1})
+    assert loop.answer(20.0, level_gap)[0] == [0]
     upright = np.array([[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]])
     loop.world.set_poses(np.array([1 + order.index(0)]), upright, np.zeros((1, 3)))
     loop.world.update()
-    assert loop.answer(0.5, gap)[0] == [0]
+    assert loop.answer(0.5, level_gap)[0] == [0]
     assert loop.row(0)[DISTANCE] == pytest.approx(-100.1, rel=1e-12)
 
 
@@ -270,5 +270,5 @@ def test_near_pairs_are_those_whose_boxes_are_and_planes_have_their_own_gap():
     for distance, expected in ((0.4, []), (0.5, [2]), (0.75, [0, 2]), (1.8, [0, 1, 2])):
         for pairs in (loop.pairs, loop.pairs[:, ::-1].copy()):
             hits = np.empty(3, dtype=np.int64)
-            count = narrow_phase.near_pairs(pairs, world.handle, distance, hits)
+            count = distance_bounds.near_pairs(pairs, world.handle, distance, hits)
             assert hits[:count].tolist() == expected

@@ -81,7 +81,7 @@ def test_the_ball_in_a_hull_is_inside_each_of_its_facets(seed, count, flatness):
     rng = np.random.default_rng(seed)
     vertices = rng.normal(size=(count, 3)) * [1.0, 1.0, 10.0**flatness] + rng.normal(size=3)
     hull = ConvexHull(vertices)
-    pool = Convex.FromMeshData(MeshData(vertices))._kernel_parameters()
+    pool = Convex.FromMeshData(MeshData(vertices))._for_queries().in_pairs.parameters
     (centre,), (radius,) = balls_inside(np.array([CONVEX]), np.array([0, len(pool)]), pool)
     room = -(hull.equations[:, :3] @ centre + hull.equations[:, 3])
     assert radius <= room.min() + 1e-6 * PLAIN_DEPTH

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotations
+from bench.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
@@ -43,7 +43,7 @@ def _bound(i, j, world):
 def _collected(groups, most, pairs, world, order, bounds):
     places = world_of(world)
     put_boxes(groups, places)
-    whole = (0, groups.gaps.size, -1, most)
+    whole = (0, groups.separations.size, -1, most)
     return collect(groups, *whole, pairs, places, order, bounds)
 
 
@@ -51,7 +51,7 @@ def _collected(groups, most, pairs, world, order, bounds):
 def _plainly(groups, most, world, plain):
     groups = Groups(*groups)
     put_boxes(groups, world_of(world))
-    for m in range(groups.gaps.size):
+    for m in range(groups.separations.size):
         plain[m] = plainly_apart(groups, m, most)
 
 
@@ -112,8 +112,8 @@ def test_no_pair_within_reach_is_missed(crowd, most):
 def test_what_is_plainly_apart_has_a_gap_that_says_so(crowd, most):
     world, pairs, _ = crowd
     groups = groups_of(np.arange(world.geometry_count), pairs)
-    plain = np.zeros(len(groups.gaps), dtype=np.bool_)
+    plain = np.zeros(len(groups.separations), dtype=np.bool_)
     _plainly(tuple(groups), most, world.handle, plain)
-    assert (groups.gaps[plain] > max(most, 0.0)).all()
+    assert (groups.separations[plain] > max(most, 0.0)).all()
     assert plain.any()
-    assert not plain[groups.gaps == 0.0].any()
+    assert not plain[groups.separations == 0.0].any()

@@ -6,7 +6,10 @@ from oracles.poses import composed, length, mp
 from oracles.worlds import geometry_table, random_rotations
 
 from drake_geom_ros.geometry._proximity.kinds import BOX, HALF_SPACE, SPHERE
-from drake_geom_ros.geometry._proximity.pairs.distance_bounds import box_gap, plane_gap
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
+    separation_from_plane,
+    separation_of_aabbs,
+)
 from drake_geom_ros.geometry._proximity.world.pose_rounding import (
     RADIUS,
     TILT,
@@ -92,11 +95,11 @@ def test_boxes_and_gaps_hold_the_exact_bodies(depth, link, returns):
         # A box stands upright on an axis, so that its gap is exact but for rounding.
         p[3] = [float(x) for x in chain.p_WG]
         p[3, 0] += 1.0
-        gap = box_gap(p, half, 0, 3)
+        gap = separation_of_aabbs(p, half, 0, 3)
         assert gap <= abs(mp.matrix(p[3].tolist())[0] - chain.p_WG[0]) - 0.75
         p[3] += 10.0 * link * rng.normal(size=3)
         height = (chain.R_WG.T * (mp.matrix(p[3].tolist()) - chain.p_WG))[2]
-        assert plane_gap(world.R_WGs, p, world.roundings, half, 2, 3) <= height - 0.25
+        assert separation_from_plane(world.R_WGs, p, world.roundings, half, 2, 3) <= height - 0.25
 
 
 def test_no_body_is_farther_than_its_travels_and_roundings_tell():

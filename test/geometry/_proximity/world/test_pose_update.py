@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oracles.worlds import geometry_table, random_rotations
 
-from drake_geom_ros.evidence.bodies.random_bodies import box_corners
+from bench.evidence.bodies.random_bodies import box_corners
 from drake_geom_ros.geometry._proximity.kinds import BOX
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_DEFECT
 from drake_geom_ros.geometry._proximity.world import pose_update as posing

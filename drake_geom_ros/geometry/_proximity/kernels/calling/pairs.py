@@ -13,6 +13,7 @@ from typing import Any
 from numba import types
 
 from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import address_of, inlined
 
 # Columns of a result row.
@@ -24,10 +25,11 @@ ERROR_BOUND = 10  # |distance - phi| <= error_bound
 UNIQUE = 11  # 1 where nhat_BA_W is unique, else 0
 METHOD = 12  # a number of ``kinds.Method``
 PAIR_WIDTH = 13
-# Columns that follow in the slot of a pair (``records``): what is known of it, beside its answer.
+# Columns that follow in the slot of a pair (``pairs.slots``): what is known of it, beside its
+# answer.
 SLACK = 13
 SEEN = 14
-GAP = 15
+LEVEL_GAP = 15
 SLOT_WIDTH = 16  # two lines of the cache
 # Columns that a slot may have beyond, for what a kernel of two hulls remembers (``remembered``):
 # with them it takes eight lines of the cache.
@@ -50,7 +52,16 @@ PAIR_SIGNATURE = types.void(
 
 
 @inlined
-def write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, error_bound, unique, method):
+def write(
+    out: Floats,
+    distance: float,
+    nhat_BA_W: Vector,
+    p_ACa_W: Vector,
+    p_ACb_W: Vector,
+    error_bound: float,
+    unique: bool,
+    method: int,
+) -> None:
     """Fill one result row."""
     out[DISTANCE] = distance
     out[ERROR_BOUND] = error_bound

@@ -41,10 +41,11 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
-    CLEAR_GAP,
+    CLEAR_SEPARATION,
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,
     RIGHT_ANGLE,
@@ -55,7 +56,7 @@ AXES = 15
 
 
 @compiled
-def _axis(b, m):
+def _axis(b: tuple[Vector, Vector, Vector], m: int) -> Vector:
     """Return candidate m for the separating axis, in A: a unit vector, or 0 if there is none."""
     if m < 3:
         return along(m, 1.0)
@@ -73,8 +74,10 @@ def _axis(b, m):
 
 
 @compiled
-def _separation(h, g, b, c, n, slack):
-    """Return the gap between the boxes along n or -n, whichever is larger, and its sign."""
+def _separation(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, n: Vector, slack: float
+) -> tuple[float, float]:
+    """Return the separation of the boxes along n or -n, whichever is larger, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     size_A = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     size_B = g[0] * abs(dot(b[0], n)) + g[1] * abs(dot(b[1], n)) + g[2] * abs(dot(b[2], n))
@@ -82,7 +85,9 @@ def _separation(h, g, b, c, n, slack):
 
 
 @compiled
-def _separating_axis(h, g, b, c, slack):
+def _separating_axis(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, slack: float
+) -> tuple[float, Vector, int, bool]:
     """Return the largest separation, its unit normal out of A, the axis's number, uniqueness."""
     phi, n, best, tie = -math.inf, (1.0, 0.0, 0.0), 0, False
     for m in range(AXES):
@@ -98,7 +103,16 @@ def _separating_axis(h, g, b, c, slack):
 
 
 @compiled
-def _witness_on_first(h, g, b, c, phi, n, axis, slack):
+def _witness_on_first(
+    h: Vector,
+    g: Vector,
+    b: tuple[Vector, Vector, Vector],
+    c: Vector,
+    phi: float,
+    n: Vector,
+    axis: int,
+    slack: float,
+) -> tuple[Vector, float]:
     """Return the point of A, in A, that meets B moved by -phi n, and how far it misses it."""
     moved = add_scaled(c, -phi, n)
     if 3 <= axis < 6:
@@ -109,15 +123,17 @@ def _witness_on_first(h, g, b, c, phi, n, axis, slack):
 
 
 @compiled
-def _signed_distance(h, g, b, c, slack):
+def _signed_distance(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, slack: float
+) -> tuple[float, Vector, Vector, bool]:
     """Return (phi, n, p_ACa, unique) in A; n is unit and points out of A."""
     phi, n, axis, unique = _separating_axis(h, g, b, c, slack)
     if phi <= -slack:
         p, _ = _witness_on_first(h, g, b, c, phi, n, axis, slack)
         return phi, n, p, unique
-    gap, p_ACa = closest_points(h, g, b, c, max(phi, 0.0) + slack)
-    distance, direction = length_and_direction(gap)
-    apart, clear = distance > slack, distance > CLEAR_GAP * slack
+    p_CaCb, p_ACa = closest_points(h, g, b, c, max(phi, 0.0) + slack)
+    distance, direction = length_and_direction(p_CaCb)
+    apart, clear = distance > slack, distance > CLEAR_SEPARATION * slack
     if apart and distance > phi + slack:
         return distance, direction, p_ACa, clear
     # The axis separates as widely as the closest points; it is the normal, unless boxes that
@@ -125,15 +141,26 @@ def _signed_distance(h, g, b, c, slack):
     p, miss = _witness_on_first(h, g, b, c, phi, n, axis, slack)
     if apart and miss > 4.0 * slack:
         return distance, direction, p_ACa, clear
-    turned = norm(sub(gap, scale(phi, n))) > ALONG_AXIS * distance
+    turned = norm(sub(p_CaCb, scale(phi, n))) > ALONG_AXIS * distance
     return phi, n, p, clear or (unique and not (apart and turned))
 
 
 @compiled
-def box_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def box_box(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of two boxes."""
     h, g = vector_at(shape_A, 0), vector_at(shape_B, 0)
-    c = unrotate(R_WA, p_AB_W)
+    c = unrotate(R_WA, vector_at(p_AB_W, 0))
     b = (
         unrotate(R_WA, column(R_WB, 0)),
         unrotate(R_WA, column(R_WB, 1)),

@@ -35,20 +35,21 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
-    CLEAR_GAP,
+    CLEAR_SEPARATION,
     CLOSED_FORM_ROUNDING,
     DISTINCT_NORMALS,
     RIGHT_ANGLE,
-    SHORT_GAP,
+    SHORT_SEPARATION,
     TIE,
 )
 
 
 @compiled
-def _slope(h, c, d, t, on_face):
+def _slope(h: Vector, c: Vector, d: Vector, t: float, on_face: int) -> float:
     """Return half the slope of the squared distance at t; axis ``on_face`` has none there.
 
     Nor has one that is on a face but for rounding, which could drown the others' small slopes.
@@ -64,7 +65,7 @@ def _slope(h, c, d, t, on_face):
 
 
 @compiled
-def nearest_parameter(h, c, d, half_length):
+def nearest_parameter(h: Vector, c: Vector, d: Vector, half_length: float) -> float:
     """Return the t [m] at which the segment c + t d is nearest to the box with half sizes h.
 
     The middle of the stretch where it is equally near for long, also if it runs inside the box.
@@ -105,7 +106,7 @@ def nearest_parameter(h, c, d, half_length):
 
 
 @compiled
-def _axis(d, m):
+def _axis(d: Vector, m: int) -> Vector:
     """Return candidate m of 6 for the separating axis: a unit vector, or 0 if there is none."""
     if m < 3:
         return along(m, 1.0)
@@ -119,15 +120,19 @@ def _axis(d, m):
 
 
 @compiled
-def _separation(h, c, d, half_length, n, slack):
-    """Return the gap between box and segment along n or -n, whichever is larger, and its sign."""
+def _separation(
+    h: Vector, c: Vector, d: Vector, half_length: float, n: Vector, slack: float
+) -> tuple[float, float]:
+    """Return the separation of box and segment along n or -n, the larger one, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     box = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
     return side * dot(c, n) - box - half_length * abs(dot(d, n)), side
 
 
 @compiled
-def _separating_axis(h, c, d, half_length, slack):
+def _separating_axis(
+    h: Vector, c: Vector, d: Vector, half_length: float, slack: float
+) -> tuple[float, Vector, bool]:
     """Return the largest separation over 6 axes, its unit normal out of the box, uniqueness."""
     phi, n, tie = -math.inf, (1.0, 0.0, 0.0), False
     for m in range(6):
@@ -143,20 +148,20 @@ def _separating_axis(h, c, d, half_length, slack):
 
 
 @compiled
-def _turned(gap, d, slack):
-    """Return gap at right angles to d if that moves it by no more than rounding, else gap."""
+def _turned(p_CaCb: Vector, d: Vector, slack: float) -> Vector:
+    """Return p_CaCb at right angles to d if that moves it by rounding only, else as it is."""
     square = dot(d, d)
     if square <= RIGHT_ANGLE * RIGHT_ANGLE:
-        return gap
-    error = scale(dot(gap, d) / square, d)
-    if norm(error) > min(4.0 * slack, 0.5 * norm(gap)):
-        return gap
-    return sub(gap, error)
+        return p_CaCb
+    error = scale(dot(p_CaCb, d) / square, d)
+    if norm(error) > min(4.0 * slack, 0.5 * norm(p_CaCb)):
+        return p_CaCb
+    return sub(p_CaCb, error)
 
 
 @compiled
-def _across(gap, p, h, d, slack):
-    """Return the gap vector from a box to p on a segment along d, at right angles to d again.
+def _across(p_CaCb: Vector, p: Vector, h: Vector, d: Vector, slack: float) -> Vector:
+    """Return p_CaCb from a box to p on a segment along d, at right angles to d again.
 
     Rounding, of up to ``slack`` [m], has turned a short one. Coordinates in which p is between two
     faces are 0 and stay so; one in which p is on a face but for rounding may leave it outwards.
@@ -166,20 +171,22 @@ def _across(gap, p, h, d, slack):
         d[1] if abs(p[1]) >= h[1] - slack else 0.0,
         d[2] if abs(p[2]) >= h[2] - slack else 0.0,
     )
-    turned = _turned(gap, free, slack)
+    turned = _turned(p_CaCb, free, slack)
     for k in range(3):
         if h[k] > slack and turned[k] * p[k] < 0.0:
             outside = (
-                d[0] if gap[0] != 0.0 else 0.0,
-                d[1] if gap[1] != 0.0 else 0.0,
-                d[2] if gap[2] != 0.0 else 0.0,
+                d[0] if p_CaCb[0] != 0.0 else 0.0,
+                d[1] if p_CaCb[1] != 0.0 else 0.0,
+                d[2] if p_CaCb[2] != 0.0 else 0.0,
             )
-            return _turned(gap, outside, slack)
+            return _turned(p_CaCb, outside, slack)
     return turned
 
 
 @compiled
-def segment_to_box(h, c, d, half_length, slack):
+def segment_to_box(
+    h: Vector, c: Vector, d: Vector, half_length: float, slack: float
+) -> tuple[float, Vector, Vector, bool]:
     """Return (phi, n, p, unique) of a segment c + t d, |t| <= half_length, from a box.
 
     All in the box's frame; d is unit. phi [m]: signed distance; n: unit, out of the box; p: the
@@ -187,16 +194,16 @@ def segment_to_box(h, c, d, half_length, slack):
     """
     t = nearest_parameter(h, c, d, half_length)
     p = add_scaled(c, t, d)
-    gap = excess(h, p)
-    distance, n = length_and_direction(gap)
-    if distance > SHORT_GAP * (half_length + norm(h)):
+    p_CaCb = excess(h, p)
+    distance, n = length_and_direction(p_CaCb)
+    if distance > SHORT_SEPARATION * (half_length + norm(h)):
         return distance, n, p, True
     phi, axis, unique = _separating_axis(h, c, d, half_length, slack)
-    apart, clear = distance > slack, distance > CLEAR_GAP * slack
-    aside = norm(sub(gap, scale(phi, axis)))
+    apart, clear = distance > slack, distance > CLEAR_SEPARATION * slack
+    aside = norm(sub(p_CaCb, scale(phi, axis)))
     if apart and aside > 4.0 * slack:
-        if abs(t) < half_length or t * dot(gap, d) > 0.0:
-            _, n = length_and_direction(_across(gap, p, h, d, slack))
+        if abs(t) < half_length or t * dot(p_CaCb, d) > 0.0:
+            _, n = length_and_direction(_across(p_CaCb, p, h, d, slack))
         return distance, n, p, clear
     # The segment, moved until it touches the box, shares the point with it.
     moved = add_scaled(c, -phi, axis)
@@ -206,9 +213,18 @@ def segment_to_box(h, c, d, half_length, slack):
 
 
 @compiled
-def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
+def _write(
+    out: Floats,
+    R_WA: Floats,
+    radius_A: float,
+    h: Vector,
+    radius_B: float,
+    R_WB: Floats,
+    half_length_B: float,
+    p_AB_W: Floats,
+) -> None:
     """Fill the row for a box with half sizes h and a segment, each grown by its radius."""
-    c = unrotate(R_WA, p_AB_W)
+    c = unrotate(R_WA, vector_at(p_AB_W, 0))
     d = unrotate(R_WA, column(R_WB, 2))
     extent = norm(h) + half_length_B + norm(c)
     phi, n, p, unique = segment_to_box(h, c, d, half_length_B, TIE * extent)
@@ -227,7 +243,18 @@ def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
 
 
 @compiled
-def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def capsule_capsule(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of two capsules."""
     h = (0.0, 0.0, shape_A[HALF_LENGTH])
     radius_A, radius_B = shape_A[SHAPE_RADIUS], shape_B[SHAPE_RADIUS]
@@ -235,7 +262,18 @@ def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolera
 
 
 @compiled
-def box_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def box_capsule(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a box and a capsule."""
     h = vector_at(shape_A, 0)
     _write(out, R_WA, 0.0, h, shape_B[SHAPE_RADIUS], R_WB, shape_B[HALF_LENGTH], p_AB_W)

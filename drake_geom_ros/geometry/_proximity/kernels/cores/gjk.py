@@ -9,7 +9,7 @@ them.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Separation
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -37,7 +38,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 CLOSED = 0  # the bounds met, to tolerance or to rounding
 BEYOND_CUTOFF = 1
 OVERLAP = 2  # the origin is in the Minkowski difference, or on it to rounding
-CLOSED_ASIDE = 3  # the bounds met, perhaps along another direction than that of the gap
+CLOSED_ASIDE = 3  # the bounds met, perhaps along another direction than that of b - a
 
 # Ordinary pairs take 5 to 20 steps; needles and near touches are left to EPA beyond this.
 GJK_STEPS = 64
@@ -45,7 +46,7 @@ WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
 
 @inlined
-def support_points(pair, n, right_angle):
+def support_points(pair: CorePair, n: Vector, right_angle: float) -> tuple[Vector, Vector]:
     """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB = pair
     a = support(kind_A, shape_A, R_WA, n, right_angle)
@@ -54,7 +55,7 @@ def support_points(pair, n, right_angle):
 
 
 @inlined
-def put(points, k, a, b):
+def put(points: Floats, k: int, a: Vector, b: Vector) -> None:
     """Store w = a - b, a and b in row k, at the columns 0, 3 and 6."""
     for i in range(3):
         points[k, i] = a[i] - b[i]
@@ -63,7 +64,7 @@ def put(points, k, a, b):
 
 
 @compiled
-def closest_weights(points, count):
+def closest_weights(points: Floats, count: int) -> tuple[float, float, float, float]:
     """Return the weights of up to four simplex points, 0 for those beyond count."""
     if count == 1:
         return 1.0, 0.0, 0.0, 0.0
@@ -79,7 +80,7 @@ def closest_weights(points, count):
 
 
 @compiled
-def reduce_simplex(points, count):
+def reduce_simplex(points: Floats, count: int) -> int:
     """Keep the points that hold the one closest to the origin, with weights; return how many."""
     weights = closest_weights(points, count)
     kept = 0
@@ -93,7 +94,7 @@ def reduce_simplex(points, count):
 
 
 @compiled
-def combine(points, count, column):
+def combine(points: Floats, count: int, column: int) -> Vector:
     """Return the weighted sum of three columns of the simplex points."""
     x, y, z = 0.0, 0.0, 0.0
     for k in range(count):
@@ -104,7 +105,7 @@ def combine(points, count, column):
 
 
 @inlined
-def is_known(points, count, w):
+def is_known(points: Floats, count: int, w: Vector) -> bool:
     """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
     for k in range(count):
         if points[k, 0] == w[0] and points[k, 1] == w[1] and points[k, 2] == w[2]:
@@ -113,8 +114,10 @@ def is_known(points, count, w):
 
 
 @allocating
-def distance_of_cores(pair, n, size, tolerance, cutoff):
-    """Return the gap of two cores, walking from the unit n, with points a and b from Ao.
+def distance_of_cores(
+    pair: CorePair, n: Vector, size: float, tolerance: float, cutoff: float
+) -> Separation:
+    """Return the separation of two cores, walking from the unit n, with points a and b from Ao.
 
     With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
     direction tried. ``size`` [m] is the scale to which rounding is relative.
@@ -124,14 +127,14 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
     upper = norm(v)
     lower = slab = dot(scale(-1.0, v), n)
     if lower > cutoff:
-        return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
+        return Separation(BEYOND_CUTOFF, upper, lower, n, a, b)
     points, noise = np.empty((4, WEIGHT + 1)), ROUNDING * EPS * size
     put(points, 0, a, b)
     points[0, WEIGHT] = 1.0
     count = 1
     for _ in range(GJK_STEPS):
         if upper <= noise:
-            return Gap(OVERLAP, upper, lower, n, a, b)
+            return Separation(OVERLAP, upper, lower, n, a, b)
         n = scale(-1.0 / upper, v)
         s_A, s_B = support_points(pair, n, RIGHT_ANGLE)
         w = sub(s_A, s_B)
@@ -139,8 +142,9 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         gained = slab > lower
         lower = max(lower, slab)
         if lower > cutoff:
-            return Gap(BEYOND_CUTOFF, upper, lower, n, a, b)
-        # A gap g at distance d leaves the direction an angle sqrt(2 g / d): short ones need more.
+            return Separation(BEYOND_CUTOFF, upper, lower, n, a, b)
+        # Bounds g apart at distance d leave the direction an angle sqrt(2 g / d): short ones need
+        # more.
         enough = max(tolerance * min(1.0, upper / size), noise)
         if upper - lower <= enough or is_known(points, count, w):
             break
@@ -155,7 +159,7 @@ def distance_of_cores(pair, n, size, tolerance, cutoff):
         upper = closer
         a, b = combine(points, count, 3), combine(points, count, 6)
         if inside:  # as far as rounding lets a thin simplex tell
-            return Gap(OVERLAP, upper, lower, n, a, b)
-        slab = -np.inf  # that of the gap was not looked at yet
+            return Separation(OVERLAP, upper, lower, n, a, b)
+        slab = -np.inf  # that along b - a was not looked at yet
     end = CLOSED if upper - slab <= max(tolerance, noise) else CLOSED_ASIDE
-    return Gap(end, upper, lower, unit(sub(b, a)), a, b)
+    return Separation(end, upper, lower, unit(sub(b, a)), a, b)

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.vectors import Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 
 Floats = NDArray[np.float64]
 
 
-class Pair(NamedTuple):
+class CorePair(NamedTuple):
     """Two cores as they stand: A at the origin, B at ``p_AB`` from it, in World axes [m]."""
 
     kind_A: int
@@ -32,7 +32,7 @@ class Overlap(NamedTuple):
     n: Vector
 
 
-class Gap(NamedTuple):
+class Separation(NamedTuple):
     """How far two cores are apart: ``lower <= distance <= upper = |b - a|`` [m].
 
     ``end`` is how the search came to an end (see ``gjk``), n the unit vector from a to b.

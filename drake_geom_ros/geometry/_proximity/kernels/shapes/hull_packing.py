@@ -16,7 +16,7 @@ CLIMBED = 500
 
 
 def hull_parameters(vertices: Floats, triangles: Indices) -> Floats:
-    """Return the parameters of a hull as ``kernels.cores.hulls`` lays them out.
+    """Return the parameters of a hull as ``kernels.shapes.hulls`` lays them out.
 
     ``vertices`` (n, 3) [m] are the corners of the hull, ``triangles`` (m, 3) its surface,
     counter-clockwise from outside.

@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     distance_of_cores,
     support_points,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Separation
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
     weighted,
@@ -28,13 +28,14 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import width_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
+    Solid,
+    TreeBody,
     edge_of,
     first_of_leaf,
     normal_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     column,
     cross,
@@ -47,6 +48,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE, TRIANGLE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -75,7 +77,7 @@ class Nearest(NamedTuple):
 
 
 @compiled
-def leaf_pair(A, i, B, j, p):
+def leaf_pair(A: TreeBody, i: int, B: Solid, j: int, p: Vector) -> CorePair:
     """Return the pair, as GJK takes it, of A's core or triangle i and of B's triangle j."""
     kind, shape = A.kind, A.shape
     if kind == SOLID:
@@ -83,11 +85,11 @@ def leaf_pair(A, i, B, j, p):
         kind, shape = TRIANGLE, shape[at : at + CORNERS]
     at = B.tree.corners + CORNERS * j
     corners = B.shape[at : at + CORNERS]
-    return Pair(kind, shape, A.R, TRIANGLE, corners, B.identity, scale(-1.0, p))
+    return CorePair(kind, shape, A.R, TRIANGLE, corners, B.identity, scale(-1.0, p))
 
 
 @compiled
-def slab_axis(A, i, B, j, turn):
+def slab_axis(A: TreeBody, i: int, B: Solid, j: int, turn: int) -> Vector:
     """Return one of the 11 axes that may separate two leaves, or the zero vector.
 
     They are the normals of both triangles and the products of their edges; of a core, which has no
@@ -105,7 +107,9 @@ def slab_axis(A, i, B, j, turn):
 
 
 @compiled
-def widest_slab(A, i, B, j, pair, noise):
+def widest_slab(
+    A: TreeBody, i: int, B: Solid, j: int, pair: CorePair, noise: float
+) -> tuple[float, Vector]:
     """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
 
     Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
@@ -127,7 +131,7 @@ def widest_slab(A, i, B, j, pair, noise):
 
 
 @compiled
-def point_gap(q, B, j, noise):
+def separation_of_point(q: Vector, B: Solid, j: int, noise: float) -> tuple[float, Vector, Vector]:
     """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
     at = B.tree.corners + CORNERS * j
     x = sub(vector_at(B.shape, at), q)
@@ -143,12 +147,22 @@ def point_gap(q, B, j, noise):
 
 
 @compiled
-def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
-    """Return the gap of two leaves, as GJK does, but a and b are from Bo."""
+def separation_of_leaves(
+    A: TreeBody,
+    i: int,
+    B: Solid,
+    j: int,
+    p: Vector,
+    n: Vector,
+    size: float,
+    tolerance: float,
+    limit: float,
+) -> Separation:
+    """Return the separation of two leaves, as GJK does, but a and b are from Bo."""
     noise = ROUNDING * EPS * size
     if A.kind == SPHERE:
-        d, n, b = point_gap(p, B, j, noise)
-        return Gap(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
+        d, n, b = separation_of_point(p, B, j, noise)
+        return Separation(CLOSED if d <= limit else BEYOND_CUTOFF, d, d, n, p, b)
     pair = leaf_pair(A, i, B, j, p)
     end, upper, lower, n, a, b = distance_of_cores(pair, n, size, SHARPER * tolerance, limit)
     apart = end != OVERLAP and end != BEYOND_CUTOFF
@@ -166,11 +180,11 @@ def leaf_gap(A, i, B, j, p, n, size, tolerance, limit):
         apart = apart or lower >= -noise
     if apart:
         end = CLOSED
-    return Gap(end, upper, lower, n, add(p, a), add(p, b))
+    return Separation(end, upper, lower, n, add(p, a), add(p, b))
 
 
 @compiled
-def is_wider(A, B, p, n, other):
+def is_wider(A: TreeBody, B: Solid, p: Vector, n: Vector, other: Vector) -> bool:
     """Tell whether the hulls are less of an overlap along n than along another direction.
 
     Of walls that are in line and floors that lie on each other, the floors are in contact.
@@ -180,16 +194,18 @@ def is_wider(A, B, p, n, other):
 
 
 @allocating
-def nearest(A, B, p, n, size, tolerance, limit):
+def nearest(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, limit: float
+) -> Nearest:
     """Return where the surfaces of A's core and of B are nearest.
 
     Nothing nearer is missed: left out, by boxes or within a leaf by GJK, is what is beyond the
     limit, or farther than the best so far by more than ``noise``, which rounding keeps below. The
     least of what was left out is in ``lower``: with ``noise`` added to the error it is a
     certificate. Nothing that crosses is missed, if the limit is ``noise`` or more: its boxes have
-    a gap of 0, to rounding, and no best is below 0.
+    a separation of 0, to rounding, and no best is below 0.
     """
-    noise, reach = ROUNDING * EPS * size, limit
+    noise, cutoff = ROUNDING * EPS * size, limit
     path, top = walk(A, B, p), 1
     best, least, a, b, unique = math.inf, math.inf, p, p, True
     n_best = n
@@ -200,7 +216,7 @@ def nearest(A, B, p, n, size, tolerance, limit):
             break
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for m in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                end, upper, lower, n, x, y = leaf_gap(
+                end, upper, lower, n, x, y = separation_of_leaves(
                     A, k, B, m, p, n_best, size, tolerance, limit
                 )
                 if end == OVERLAP:
@@ -220,18 +236,19 @@ def nearest(A, B, p, n, size, tolerance, limit):
                 limit = min(limit, best + noise)
                 if nearer:
                     n_best, a, b = n, x, y
-    # What was left out is farther than the reach; so may be what was answered all the same.
-    end = CLOSED if best < math.inf and least <= reach else BEYOND_CUTOFF
+    # What was left out is farther than the cutoff; so may be what was answered all the same.
+    end = CLOSED if best < math.inf and least <= cutoff else BEYOND_CUTOFF
     return Nearest(end, best, min(least, best), n_best, a, b, unique)
 
 
 @compiled
-def push_out(A, i, B, j, p, radius, found):
+def push_out(
+    A: TreeBody, i: int, B: Solid, j: int, p: Vector, radius: float, found: Separation
+) -> tuple[Vector, float]:
     """Return (m, s): moving A by s along the unit m takes it, as far as these leaves go, out of B.
 
-    ``found`` is what ``leaf_gap`` returned. Where the leaves cross, m is the normal of B's
-    triangle and all of A's core, or A's triangle, is lifted over its plane; else m is along the
-    gap.
+    ``found`` is their ``separation_of_leaves``. Where the leaves cross, m is the normal of B's
+    triangle and all of A's core, or A's triangle, is lifted over its plane; else m is from b to a.
     """
     if found.end != OVERLAP:
         return scale(-1.0, found.n), radius - found.upper
@@ -242,8 +259,17 @@ def push_out(A, i, B, j, p, radius, found):
 
 
 @allocating
-def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
-    """Fill ``pairs`` (k, 2) with leaves of A and of B within ``reach``; return how many.
+def close_pairs(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    n: Vector,
+    size: float,
+    tolerance: float,
+    cutoff: float,
+    pairs: Indices,
+) -> int:
+    """Fill ``pairs`` (k, 2) with leaves of A and of B within ``cutoff``; return how many.
 
     Whoever asks has room for as many as matter; the rest is left out: they are where to begin, and
     no answer rests on there being no more.
@@ -252,13 +278,13 @@ def close_pairs(A, B, p, n, size, tolerance, reach, pairs):
     path, top = walk(A, B, p), 1
     count = 0
     while True:
-        top, i, j, _ = next_leaves(A, B, p, path, top, reach)
+        top, i, j, _ = next_leaves(A, B, p, path, top, cutoff)
         if i < 0:
             return count
         for k in range(first_of_leaf(A.tree, i), first_of_leaf(A.tree, i + 1)):
             for t in range(first_of_leaf(B.tree, j), first_of_leaf(B.tree, j + 1)):
-                found = leaf_gap(A, k, B, t, p, n, size, tolerance, reach + noise)
-                if found.end == OVERLAP or (found.end == CLOSED and found.upper <= reach):
+                found = separation_of_leaves(A, k, B, t, p, n, size, tolerance, cutoff + noise)
+                if found.end == OVERLAP or (found.end == CLOSED and found.upper <= cutoff):
                     pairs[count, 0], pairs[count, 1] = k, t
                     count += 1
                     if count == pairs.shape[0]:
@@ -272,7 +298,17 @@ PUSH_WIDTH = 4
 
 
 @allocating
-def contacts(A, B, p, n, size, tolerance, radius, slots, most):
+def contacts(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    n: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+    slots: Floats,
+    most: int,
+) -> int:
     """Fill ``slots`` (k, PUSH_WIDTH) with pushes of distinct directions; return how many.
 
     Of A's core grown by a ball of ``radius``. At most ``most`` pairs of leaves in contact are
@@ -283,7 +319,7 @@ def contacts(A, B, p, n, size, tolerance, radius, slots, most):
     count = 0
     for k in range(close_pairs(A, B, p, n, size, tolerance, radius, pairs)):
         i, j = pairs[k, 0], pairs[k, 1]
-        found = leaf_gap(A, i, B, j, p, n, size, tolerance, radius + noise)
+        found = separation_of_leaves(A, i, B, j, p, n, size, tolerance, radius + noise)
         m, s = push_out(A, i, B, j, p, radius, found)
         if s > 0.0 and dot(m, m) > 0.5:
             count = add_slot(slots, count, m, s)
@@ -291,7 +327,7 @@ def contacts(A, B, p, n, size, tolerance, radius, slots, most):
 
 
 @compiled
-def add_slot(slots, count, m, s):
+def add_slot(slots: Floats, count: int, m: Vector, s: float) -> int:
     """Put a push into the slot of its direction, or into a new one while there is room."""
     for k in range(count):
         if dot(vector_at(slots[k], PUSH_WAY), m) >= SAME_DIRECTION:

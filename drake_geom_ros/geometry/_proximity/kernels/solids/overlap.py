@@ -11,6 +11,9 @@ caught between two bounds, and the same steps serve every kind of A:
 - *Below*: a ball of A around a point that lies at depth d in B moves at least its radius plus d.
   The deepest points of A in the contacts found above are tried, and its middle.
 
+Of solids and boxes the boxes within them come first (``separations``): the least translation that
+parts these is a lower bound, and where it is seen to part the bodies it is the depth.
+
 Bodies are given as in ``distance``. A is its core grown by a ball of ``radius``.
 """
 
@@ -23,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radiu
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import (
     FLUSH,
+    bounds_if_box,
     depth_in_solid,
     is_contained,
 )
@@ -30,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
     PUSH_LENGTH,
     PUSH_WAY,
     PUSH_WIDTH,
+    Nearest,
     close_pairs,
     contacts,
     nearest,
@@ -39,7 +44,14 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
     way_out_of_hull,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import Solid, middle_of_triangle
+from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    INNER_BOX,
+    Solid,
+    Tree,
+    TreeBody,
+    middle_of_triangle,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -64,6 +76,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -83,7 +96,9 @@ BACK_OFF = 4.0  # roundings that A is moved on beyond touching
 
 
 @compiled
-def clearance(A, B, p, n, size, tolerance, radius):
+def clearance(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, radius: float
+) -> tuple[bool, Nearest]:
     """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found.
 
     It is apart if no surfaces cross or are nearer than touching, and neither body is in the other:
@@ -96,7 +111,9 @@ def clearance(A, B, p, n, size, tolerance, radius):
 
 
 @allocating
-def where_it_touches(A, B, p, m, size, tolerance, radius):
+def where_it_touches(
+    A: TreeBody, B: Solid, p: Vector, m: Vector, size: float, tolerance: float, radius: float
+) -> Vector:
     """Return the point of B where A at p touches the hull of B, out along the unit m.
 
     Rounding says that they cross. Somewhat farther out they do not, and are nearest at that point,
@@ -115,7 +132,16 @@ def where_it_touches(A, B, p, m, size, tolerance, radius):
 
 
 @allocating
-def push_of(A, B, p, found, size, tolerance, radius, pushes):
+def push_of(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+    pushes: Floats,
+) -> int:
     """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
     count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
     if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
@@ -130,7 +156,16 @@ def push_of(A, B, p, found, size, tolerance, radius, pushes):
 
 
 @allocating
-def escape(A, B, p, t, size, tolerance, radius, most):
+def escape(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+    most: float,
+) -> tuple[bool, Vector, Nearest]:
     """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * ROUNDING * EPS * size
@@ -149,38 +184,56 @@ def escape(A, B, p, t, size, tolerance, radius, most):
 
 
 @compiled
-def draw_back(A, B, p, t, found, size, tolerance, radius):
+def draw_back(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> tuple[Vector, Nearest]:
     """Return (t, found): t shortened along itself until A touches, and what is near then.
 
-    So it is drawn into a hole that it rests on from several sides. Newton's method on the gap; a
-    step that leads too far is cut to the gap, within which A goes anywhere.
+    So it is drawn into a hole that it rests on from several sides. Newton's method on the
+    separation; a step that leads too far is cut to the separation, within which A goes anywhere.
     """
     back_off = BACK_OFF * ROUNDING * EPS * size
     u = unit(t)
     for _ in range(MOST_SLIDES):
-        gap, slope = found.lower - radius - back_off, -dot(found.n, u)
-        if gap <= max(0.25 * tolerance, back_off):
+        separation, slope = found.lower - radius - back_off, -dot(found.n, u)
+        if separation <= max(0.25 * tolerance, back_off):
             break
-        step = min(gap / max(slope, STEEPEST), 0.5 * norm(t))
+        step = min(separation / max(slope, STEEPEST), 0.5 * norm(t))
         ahead = add_scaled(t, -step, u)
         clear, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         if not clear:
-            ahead = add_scaled(t, -min(gap, 0.5 * norm(t)), u)
+            ahead = add_scaled(t, -min(separation, 0.5 * norm(t)), u)
             _, there = clearance(A, B, add(p, ahead), found.n, size, tolerance, radius)
         t, found = ahead, there
     return t, found
 
 
 @compiled
-def slide(A, B, p, t, found, size, tolerance, radius):
+def slide(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> tuple[Vector, Vector, Vector, Vector]:
     """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
 
     There it touches with the point a of its core, at b, and m is the normal out of B.
     """
     back_off = BACK_OFF * ROUNDING * EPS * size
     for _ in range(MOST_SLIDES):
-        m, gap = scale(-1.0, found.n), found.lower - radius
-        s = dot(t, m) - gap + back_off
+        m, separation = scale(-1.0, found.n), found.lower - radius
+        s = dot(t, m) - separation + back_off
         if s > 0.0 and norm(t) - s > max(0.25 * tolerance, back_off):
             clear, ahead = clearance(A, B, add_scaled(p, s, m), found.n, size, tolerance, radius)
             if clear:
@@ -192,7 +245,9 @@ def slide(A, B, p, t, found, size, tolerance, radius):
 
 
 @compiled
-def depth_in_body(A, B, p, x, size, radius):
+def depth_in_body(
+    A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float
+) -> float:
     """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
     q = unrotate(A.R, sub(x, p))
     kind, shape = A.kind, A.shape
@@ -214,7 +269,7 @@ def depth_in_body(A, B, p, x, size, radius):
 
 
 @compiled
-def deepest_at(A, B, p, x, size, radius):
+def deepest_at(A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float) -> float:
     """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it.
 
     Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
@@ -224,7 +279,18 @@ def deepest_at(A, B, p, x, size, radius):
 
 
 @allocating
-def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
+def deepest_touching(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    a: Vector,
+    b: Vector,
+    m: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> float:
     """Return a lower bound of the depth [m] by points near where A touches after the move by t.
 
     They are the point a of A's core and b of B's surface that touch then, what is half-way between
@@ -248,7 +314,58 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
 
 
 @allocating
-def bounds_of_depth(A, B, p, found, size, tolerance, radius):
+def boxes_in(shape: Floats, tree: Tree) -> Floats:
+    """Return the boxes (k, 6) within a solid."""
+    boxes = np.empty((tree.boxes, INNER_BOX))
+    for k in range(tree.boxes):
+        for c in range(INNER_BOX):
+            boxes[k, c] = shape[tree.boxes_at + INNER_BOX * k + c]
+    return boxes
+
+
+@allocating
+def boxes_of(A: TreeBody) -> Floats:
+    """Return boxes (k, 6) within a body, along its axes: lower and upper corners."""
+    if A.kind == SOLID:
+        return boxes_in(A.shape, A.tree)
+    is_box, low, high = bounds_if_box(A)
+    boxes = np.empty((1 if is_box else 0, INNER_BOX))
+    for k in range(boxes.shape[0]):
+        for c in range(3):
+            boxes[k, c], boxes[k, c + 3] = low[c], high[c]
+    return boxes
+
+
+@allocating
+def by_boxes(
+    A: TreeBody, B: Solid, p: Vector, least: float, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector]:
+    """Return (least, depth, t, b) of the depth by boxes within the bodies, if they tell.
+
+    The least translation that parts the boxes is a lower bound, ``least`` or more. If it is seen
+    to part the bodies too it is the depth; else that is infinite.
+    """
+    noise = ROUNDING * EPS * size
+    if A.kind != SOLID and A.kind != BOX and A.kind != CONVEX:
+        return least, math.inf, p, p
+    _, longest = way_out_of_hull(A, B, p, radius)
+    upper = longest + 2.0 * BACK_OFF * noise
+    found = least_parting(boxes_of(A), boxes_in(B.shape, B.tree), A.R, p, upper, noise)
+    least = max(least, found.lower)
+    if not found.parts:
+        return least, math.inf, p, p
+    for turn in range(2):  # as it is, and a little farther
+        t = add_scaled(found.t, turn * BACK_OFF * noise, unit(found.t))
+        clear, ahead = clearance(A, B, add(p, t), scale(-1.0, unit(t)), size, tolerance, radius)
+        if clear:  # whoever reports it takes the step back off
+            return least, norm(found.t) + BACK_OFF * noise, t, ahead.b
+    return least, math.inf, p, p
+
+
+@allocating
+def bounds_of_depth(
+    A: TreeBody, B: Solid, p: Vector, found: Nearest, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector]:
     """Return (depth, least, t, b) of A at p, which overlaps with B.
 
     ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
@@ -265,6 +382,9 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
         ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_in_solid(B, middle_of(A, p), size))
     depth, t_best, b_best = math.inf, p, p
+    least, depth, t_best, b_best = by_boxes(A, B, p, least, size, tolerance, radius)
+    if depth - least <= enough:
+        return depth, min(least, depth), t_best, b_best
     count = push_of(A, B, p, found, size, tolerance, radius, pushes)
     for k in range(count + 1):
         if depth - least <= enough:

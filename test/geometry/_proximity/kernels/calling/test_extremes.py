@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from drake_geom_ros.geometry._proximity.kernels.calling import extremes
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
@@ -38,10 +38,13 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
     rows = []
     for e in (0, exponent):
         row = np.zeros(calling.PAIR_WIDTH)
-        lengths = [np.ldexp(each._kernel_parameters(), e) for each in (shape, other)]
+        kinds, lengths = zip(
+            *(each._for_queries().in_pairs for each in (shape, other)), strict=True
+        )
+        lengths = [np.ldexp(each, e) for each in lengths]
         extremes.at_one_metre(
-            address, np.ldexp(4.0, e), shape._type_number(), lengths[0], np.eye(3),
-            other._type_number(), lengths[1], R, np.ldexp(p, e), np.ldexp(1e-9, e), np.inf, row,
+            address, np.ldexp(4.0, e), kinds[0], lengths[0], np.eye(3),
+            kinds[1], lengths[1], R, np.ldexp(p, e), np.ldexp(1e-9, e), np.inf, row,
         )  # fmt: skip
         rows.append(row)
     lengths = [calling.DISTANCE, calling.ERROR_BOUND, *range(calling.WITNESS_A, 10)]
@@ -51,11 +54,11 @@ def test_an_answer_scales_with_its_pair(shape, exponent):
 
 def test_a_hull_keeps_the_number_of_its_vertices_and_its_lists():
     directions = random_directions(np.random.default_rng(0), 600)
-    shape = Convex.FromMeshData(MeshData(directions))._kernel_parameters()
+    shape = Convex.FromMeshData(MeshData(directions))._for_queries().in_pairs.parameters
     count = int(shape[0])
     copy = extremes.resized(CONVEX, shape, 10)
     lengths = slice(1, 3 * count + 7)  # defect, ball and radius too
     np.testing.assert_array_equal(copy[lengths], 1024.0 * shape[lengths])
     np.testing.assert_array_equal(copy[3 * count + 7 :], shape[3 * count + 7 :])
     assert copy[0] == count
-    assert Sphere(1.0)._kernel_parameters().tolist() == [1.0]
+    assert Sphere(1.0)._for_queries().in_pairs.parameters.tolist() == [1.0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oracles.forms import signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import box_contact
 from drake_geom_ros.geometry._proximity.kinds import BOX
 

@@ -18,8 +18,8 @@ from oracles.pairs import (
 )
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.truth.convex import signed_distance
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.boxes import box_box
 from drake_geom_ros.geometry._proximity.kinds import BOX
 

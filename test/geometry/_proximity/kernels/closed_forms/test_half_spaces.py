@@ -8,8 +8,8 @@ from numba import config
 from oracles.forms import ALIGNED, hull_of
 from oracles.pairs import check, check_kernel, pair_of, turned
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.tolerances import EPS
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.tolerances import EPS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,

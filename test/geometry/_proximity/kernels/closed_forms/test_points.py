@@ -6,8 +6,8 @@ from numba import config
 from oracles import closed_forms
 from oracles.forms import PARAMETERS
 
-from drake_geom_ros.evidence.judging.surfaces import height_of
-from drake_geom_ros.evidence.tolerances import EPS
+from bench.evidence.tolerances import EPS
+from drake_geom_ros.cross_check.surfaces import height_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,

@@ -6,7 +6,7 @@ from numba import config
 from oracles.forms import ALIGNED
 from oracles.pairs import check, check_kernel, evaluate, feature_pairs, pair_of, turned
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.closed_forms import segments
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.segments import (
     box_capsule,

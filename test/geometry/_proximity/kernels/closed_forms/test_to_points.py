@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import pair_table
 from drake_geom_ros.geometry._proximity.kernels.calling import (
     pairs as calling,
@@ -33,9 +33,9 @@ def answers(kind, R_WG, p_WG, p_WQs, threshold=math.inf, geometries=1, g=0, roun
     rows = np.full((m * geometries, calling_points.POINT_WIDTH), np.nan)
     found, counts = np.zeros(m * geometries, dtype=np.bool_), np.zeros(5, dtype=np.int64)
     outer = math.inf if kind == pair_table.HALF_SPACE else 0.4
-    body = calling_points.Body(shape, R_WG, p_WG, outer, *rounding)
+    body = calling_points.PointedBody(shape, R_WG, p_WG, outer, *rounding)
     span = calling_points.Span(0, m, g, geometries)
-    written = calling_points.Answers(rows, found, counts)
+    written = calling_points.PointAnswers(rows, found, counts)
     load_kernel(POINT_KERNELS[kind])(0, kind, body, p_WQs, threshold, span, written)
     return rows, found, counts
 
@@ -139,11 +139,11 @@ def test_a_hull_is_answered_by_its_pair_kernel_into_its_own_rows():
     load_kernel(POINT_KERNELS[pair_table.CONVEX])(
         address,
         pair_table.CONVEX,
-        calling_points.Body(shape, R_WG, p_WG, np.linalg.norm(h), 1e-9, 0.0),
+        calling_points.PointedBody(shape, R_WG, p_WG, np.linalg.norm(h), 1e-9, 0.0),
         p_WQs,
         0.3,
         calling_points.Span(0, 6, 2, 3),
-        calling_points.Answers(rows, found, counts),
+        calling_points.PointAnswers(rows, found, counts),
     )
     np.testing.assert_array_equal(found, near)
     assert 0 < near.sum() < 6

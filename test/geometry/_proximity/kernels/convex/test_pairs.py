@@ -7,10 +7,10 @@ from oracles.body_truth import apart
 from oracles.forms import ALIGNED, row_of
 from oracles.pairs import check_row, off_surfaces, pair_of, random_pairs, turned
 
-from drake_geom_ros.evidence.bodies.bodies import Pair
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging.laws import lacking
-from drake_geom_ros.evidence.truth.convex import signed_distance
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.judging.laws import lacking
+from bench.evidence.truth.convex import signed_distance
+from drake_geom_ros.cross_check.bodies import Pair
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kinds import (

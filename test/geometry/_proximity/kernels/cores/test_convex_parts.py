@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -20,7 +20,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     CLOSED_ASIDE,
     OVERLAP,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Gap, Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Depth, Separation
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 CUBE = np.array([1.0, 1.0, 1.0])
@@ -61,7 +61,7 @@ def test_points_are_off_their_surfaces_by_the_worse_but_no_more_than_they_were_m
 ):
     """Seen from a face of a cube, and from the side of a turned rod; a core's point is given."""
     R, p, n = random_rotation(np.random.default_rng(1)), np.array([1.0, 2.0, 3.0]), np.eye(3)[0]
-    pair = Pair(BOX, CUBE, np.eye(3), kind, np.array([0.5, 2.0]), R, tuple(p))
+    pair = CorePair(BOX, CUBE, np.eye(3), kind, np.array([0.5, 2.0]), R, tuple(p))
     on_B = p + R @ [0.3 / 0.5 * (0.5 - in_B), 0.4 / 0.5 * (0.5 - in_B), 0.25]
     a, b = (1.0 - in_A, 0.25, 0.25), on_B + radius * n
     found = convex.off_surfaces(pair, tuple(n), a, tuple(b), miss)
@@ -74,13 +74,13 @@ def test_polytopes_have_vertices():
 
 
 def test_the_gap_along_a_direction_is_that_of_the_planes():
-    pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (3.0, 4.0, 0.0))
-    assert convex.gap_along(pair, (1.0, 0.0, 0.0)) == 1.0
-    assert convex.gap_along(pair, (0.6, 0.8, 0.0)) == pytest.approx(5.0 - 2.0 * 1.4)
+    pair = CorePair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (3.0, 4.0, 0.0))
+    assert convex.separation_along(pair, (1.0, 0.0, 0.0)) == 1.0
+    assert convex.separation_along(pair, (0.6, 0.8, 0.0)) == pytest.approx(5.0 - 2.0 * 1.4)
 
 
 Y = (0.0, 1.0, 0.0)
-NOT_CLOSED = Gap(OVERLAP, 0.0, 0.0, Y, Y, Y)
+NOT_CLOSED = Separation(OVERLAP, 0.0, 0.0, Y, Y, Y)
 
 
 def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED, miss=0.0):
@@ -90,7 +90,7 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED, miss=0.0):
     def told(found):
         return lambda *_: asked.append(found) or found
 
-    pair = Pair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
+    pair = CorePair(CONVEX, HULL, np.eye(3), BOX, CUBE, np.eye(3), p)
     asked_for = pair, (1.0, 0.0, 0.0), False, 6.0, 1e-9, math.inf, np.zeros(0)
     # What calls something replaced cannot be compiled, whatever was compiled before.
     for name in ('beside_an_axis', 'bounds_of_both'):
@@ -118,10 +118,10 @@ def _bounds_python(monkeypatch, p, walked, depth, sharper=NOT_CLOSED, miss=0.0):
 def test_what_a_walk_ends_with_is_the_answer_if_the_slab_along_its_own_normal_is(
     monkeypatch, end, n, attained
 ):
-    walked = Gap(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    walked = Separation(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     # Not closed, though told the distance: that is not what is asked of it.
-    sharper = Gap(OVERLAP, 2.0, 2.0, Y, Y, Y)
+    sharper = Separation(OVERLAP, 2.0, 2.0, Y, Y, Y)
     found, asked = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, sharper)
     assert asked == ([walked] if attained else [walked, depth])
     assert found.n == (1.0, 0.0, 0.0)
@@ -142,7 +142,7 @@ def test_points_that_need_no_move_are_taken_if_their_normal_lacks_less(
 ):
     """A normal that leans by an angle [rad] lacks twice as much [m]: cubes are 2 m wide."""
     n = (1.0, lean, 0.0)
-    walked = Gap(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
+    walked = Separation(end, 2.0, 2.0 - 1e-12, n, (1.0, 0.0, 0.0), (3.0, 0.0, 0.0))
     depth = Depth(-2.0, -2.0, (1.0, 0.0, 0.0), (1.0, 0.5, 0.0), (3.0, 0.5, 0.0), 0.0, True)
     found, _ = _bounds_python(monkeypatch, (4.0, 0.0, 0.0), walked, depth, miss=miss)
     if of_walk:
@@ -173,7 +173,7 @@ def test_a_normal_is_alone_if_the_depth_says_so_or_the_bodies_are_apart(
 ):
     n = (1.0, 0.0, 0.0)
     a, b = (1.0, 0.0, 0.0), (1.0 + apart, 0.0, 0.0)
-    walked = Gap(OVERLAP, 0.5, apart - 0.125, n, a, b)
+    walked = Separation(OVERLAP, 0.5, apart - 0.125, n, a, b)
     depth = Depth(-apart, -apart, n, a, b, 0.0, unique)
     found, _ = _bounds_python(monkeypatch, (2.0 + apart, 0.0, 0.0), walked, depth)
     assert (found.distance, found.lower) == (apart, apart)
@@ -187,7 +187,7 @@ def test_the_last_digits_come_from_the_edge_next_to_the_normal(is_hull):
     R = np.array([[0.0, c, c], [0.0, c, -c], [-1.0, 0.0, 0.0]])
     cube = (CONVEX, HULL) if is_hull else (BOX, CUBE)
     rod = CYLINDER, np.array([0.5, 2.0]), R, (3.0, 3.0, 0.0)
-    pair = Pair(*cube, np.eye(3), *rod)
+    pair = CorePair(*cube, np.eye(3), *rod)
     n = np.array([c, c, 1e-3]) / np.hypot(1.0, 1e-3)
     end, distance, lower, m, a, b = convex.sharpened(
         pair, convex.difference_of(pair), tuple(n), 1e-6, 1e-14, 1e-12
@@ -227,7 +227,7 @@ def test_bounds_that_stay_loose_are_sought_from_elsewhere(
         return convex.Bounds(CLOSED, 1.0, 1.0, 1.0 - widths[k], m, zero, zero, 0.0, True)
 
     monkeypatch.setattr(convex, 'bounds_of_cores', bounds_of_cores)
-    pair = Pair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (0.0, 4.0, 0.0))
+    pair = CorePair(BOX, CUBE, np.eye(3), BOX, CUBE, np.eye(3), (0.0, 4.0, 0.0))
     search = getattr(convex.bounds_of_best_start, 'py_func', convex.bounds_of_best_start)
     found = search(pair, (1.0, 0.0, 0.0), 1.0, hinted, 6.0, 1e-9, math.inf, np.zeros(0))
     assert seen == starts
@@ -241,7 +241,7 @@ def test_a_hint_of_poses_long_past_costs_hulls_that_are_apart_no_search_for_a_de
     def search_for_depth(*_):
         raise AssertionError
 
-    pair = Pair(CONVEX, HULL, np.eye(3), CONVEX, HULL, np.eye(3), (2.5, 0.5, 0.0))
+    pair = CorePair(CONVEX, HULL, np.eye(3), CONVEX, HULL, np.eye(3), (2.5, 0.5, 0.0))
     convex.bounds_of_cores(pair, hint, True, 6.0, 1e-9, math.inf, np.zeros(0))  # compiles the rest
     for name in ('depth_and_bounds', 'bounds_of_both'):
         monkeypatch.setattr(convex, name, search_for_depth)

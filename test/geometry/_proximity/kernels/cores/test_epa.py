@@ -5,7 +5,7 @@ from oracles.core_pairs import core_pair
 from oracles.forms import ALIGNED, hull_of, signed_distance
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import epa
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import difference_of
 from drake_geom_ros.geometry._proximity.kernels.vectors import perpendicular

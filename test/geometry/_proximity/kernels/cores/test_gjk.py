@@ -3,10 +3,10 @@ import pytest
 from oracles.core_pairs import core_pair
 from oracles.forms import ALIGNED, hull_of, signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels import vectors
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER
 
 
@@ -53,7 +53,7 @@ def test_bounds_hold_for_every_gap(gap):
         n /= np.linalg.norm(n)
         shape_A, shape_B = np.array([0.3, 0.7]), np.array([0.2, 0.4, 0.1])
         none = (0.0, 0.0, 0.0)
-        pair = Pair(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none)
+        pair = CorePair(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, none)
         a, b = gjk.support_points(pair, tuple(n), 0.0)
         p = np.subtract(a, b) + gap * n
         _, upper, lower, _, _, _ = _walk(CYLINDER, shape_A, R, BOX, shape_B, ALIGNED, p)
@@ -67,7 +67,7 @@ def test_closed_tells_that_the_slab_along_the_gap_is_as_wide():
     for _ in range(60):
         R, p = random_rotation(rng), 4.0 * rng.normal(size=3)
         shapes = np.array([0.6, 0.9]), rng.uniform(0.2, 1.0, 3)
-        pair = Pair(CYLINDER, shapes[0], R, BOX, shapes[1], ALIGNED, tuple(p))
+        pair = CorePair(CYLINDER, shapes[0], R, BOX, shapes[1], ALIGNED, tuple(p))
         n = tuple(p / np.linalg.norm(p))
         end, upper, _, n, _, _ = gjk.distance_of_cores(pair, n, 10.0, 1e-9, np.inf)
         a, b = gjk.support_points(pair, n, 0.0)
@@ -82,7 +82,7 @@ def test_a_walk_that_is_cut_off_has_not_looked_along_its_gap(monkeypatch):
     monkeypatch.setattr(gjk, 'GJK_STEPS', 1)
     walk = getattr(gjk.distance_of_cores, 'py_func', gjk.distance_of_cores)
     shape, p = np.array([0.5, 0.5, 0.5]), (0.3, 4.0, 0.2)
-    pair = Pair(BOX, shape, ALIGNED, BOX, shape, ALIGNED, p)
+    pair = CorePair(BOX, shape, ALIGNED, BOX, shape, ALIGNED, p)
     assert walk(pair, (0.8, 0.6, 0.0), 6.0, 0.0, np.inf).end == gjk.CLOSED_ASIDE
 
 

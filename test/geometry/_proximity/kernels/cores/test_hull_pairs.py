@@ -8,7 +8,7 @@ from oracles.forms import hull_of
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,

@@ -8,7 +8,7 @@ from oracles.core_pairs import core_pair, core_widths
 from oracles.forms import hull_of
 from oracles.shape_scenes import ShapeScene
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import (
     Box,
     Capsule,
@@ -31,8 +31,8 @@ GRID = np.linspace(-0.8, 0.8, 41)
 
 def pair_of(A, B, R_WA, R_WB, p):
     return core_pair(
-        *(A._type_number(), A._kernel_parameters(), R_WA),
-        *(B._type_number(), B._kernel_parameters(), R_WB, p),
+        *(*A._for_queries().in_pairs, R_WA),
+        *(*B._for_queries().in_pairs, R_WB, p),
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from oracles.core_pairs import core_pair
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.cores import memory, small_polytope

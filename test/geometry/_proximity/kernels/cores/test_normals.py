@@ -5,9 +5,9 @@ import pytest
 from numba import config
 from oracles.core_pairs import core_pair, core_widths, random_core_pair, turned
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import caps, normals, sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
@@ -75,7 +75,7 @@ def test_kinds_of_minima():
         ((0.55, 0.1, 0.2), normals.FLAT, 0.4),
         ((0.55, 0.55, 0.2), normals.CREASE, None),
     ):
-        pair = Pair(BOX, cube, np.eye(3), CYLINDER, rod, np.eye(3), p)
+        pair = CorePair(BOX, cube, np.eye(3), CYLINDER, rod, np.eye(3), p)
         difference = sums.difference_of(pair)
         near = sums.likely_normal(difference, start)
         found = normals.nearby_minimum(difference, near, NOISE)
@@ -83,15 +83,15 @@ def test_kinds_of_minima():
         if margin is not None:
             assert found[3] == pytest.approx(margin, abs=1e-14)
     ball = np.array([0.2, 0.3, 0.4])
-    pair = Pair(ELLIPSOID, ball, np.eye(3), CAPSULE, rod, np.eye(3), (1.0, 1.0, 0.5))
+    pair = CorePair(ELLIPSOID, ball, np.eye(3), CAPSULE, rod, np.eye(3), (1.0, 1.0, 0.5))
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.CREASE
-    pair = Pair(*pair[:6], (1.0, 1.0, 2.0))
+    pair = CorePair(*pair[:6], (1.0, 1.0, 2.0))
     assert normals.nearby_minimum(sums.difference_of(pair), start, NOISE)[0] == normals.SMOOTH
 
 
 def test_what_an_earlier_search_leaned_on_is_forgotten():
     ball = np.array([0.2, 0.3, 0.4])
-    pair = Pair(ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125))
+    pair = CorePair(ELLIPSOID, ball, np.eye(3), ELLIPSOID, ball, np.eye(3), (0.5, 0.25, 0.125))
     difference = sums.difference_of(pair)
     difference[0][[sums.LEAN_A, sums.LEAN_B], :3] = [[0.1, 0.2, 0.3], [0.3, 0.1, 0.2]]
     kind, n, h, _ = normals.nearby_minimum(difference, (0.8, 0.6, 0.0), NOISE)
@@ -120,7 +120,7 @@ def test_a_slope_of_zero_is_no_minimum_yet(size, axis, kind):
 def test_two_needles_that_cross_have_no_cap():
     """Every normal around the common perpendicular but two is worse, but only just."""
     needle = np.array([0.2, 0.2, 0.2 + 2.0**-40])
-    pair = Pair(ELLIPSOID, needle, np.eye(3), ELLIPSOID, needle, np.eye(3), (0.0, 0.0, 0.0))
+    pair = CorePair(ELLIPSOID, needle, np.eye(3), ELLIPSOID, needle, np.eye(3), (0.0, 0.0, 0.0))
     difference = sums.difference_of(pair)
     found = normals.nearby_minimum(difference, (1.0, 0.0, 0.0), NOISE)
     assert caps.widest_cap(difference, found, 1e-9) == 0.0
@@ -140,7 +140,7 @@ def test_from_beside_the_face_that_is_the_way_out_the_face_is_found(start):
 
 def test_hulls_have_no_minimum_of_this_kind():
     hull = np.array([4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1])
-    pair = Pair(BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0))
+    pair = CorePair(BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0, 0.0, 0.0))
     found = normals.nearby_minimum(sums.difference_of(pair), (1.0, 0.0, 0.0), NOISE)
     assert found[0] == normals.NOTHING
 

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.cores import polytope
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
 

@@ -10,7 +10,7 @@ from numba import config
 from oracles.core_pairs import core_pair, turned
 from oracles.forms import signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry import Convex, MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -30,7 +30,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores import (
     small_polytope,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
-from drake_geom_ros.geometry._proximity.kernels.cores.starts import gap_along
+from drake_geom_ros.geometry._proximity.kernels.cores.starts import separation_along
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
@@ -107,7 +107,7 @@ def test_hulls_that_do_not_move_need_no_more_than_what_is_remembered():
     kept = row[SLOT_WIDTH:].copy()
     assert kept[0] >= 4.0
     for n in (tuple(-first[NORMAL : NORMAL + 3]), X):  # that of last time, and any
-        narrow = Overlap(-gap_along(pair, n), n)
+        narrow = Overlap(-separation_along(pair, n), n)
         sure, depth = remembered.remembered_depth(pair, narrow, kept, _size(pair), 1e-15)
         assert sure
         assert -first[DISTANCE] == pytest.approx(depth.upper, abs=1e-15)
@@ -119,7 +119,7 @@ def test_along_a_normal_that_parts_the_hulls_nothing_is_looked_at():
     pair, kept = _overlapping(rng), np.zeros(MEMORY_WIDTH)
     apart = core_pair(*pair[:6], (0.5, 0.0, 0.0))
     kept[:2] = 4.0
-    narrow = Overlap(-gap_along(apart, X), X)
+    narrow = Overlap(-separation_along(apart, X), X)
     sure, depth = remembered.remembered_depth(apart, narrow, kept, _size(apart), 1e-15)
     assert not sure
     assert depth.upper == narrow.width < 0.0
@@ -133,13 +133,13 @@ def test_hulls_that_turn_out_to_be_apart_tell_a_direction_that_parts_them():
         pair = _overlapping(rng)
         pair = core_pair(*pair[:6], tuple(1.6 * np.array(pair.p_AB)))
         n = tuple(random_directions(rng, 1)[0])
-        narrow = Overlap(-gap_along(pair, n), n)
+        narrow = Overlap(-separation_along(pair, n), n)
         sure, depth = remembered.depth_of_hulls(pair, narrow, np.zeros(0), _size(pair), 1e-15)
         assert depth.upper <= narrow.width
         if narrow.width > 0.0 and depth.upper < 0.0:
             told += 1
             assert not sure
-            assert gap_along(pair, depth.n) == pytest.approx(-depth.upper, abs=1e-15)
+            assert separation_along(pair, depth.n) == pytest.approx(-depth.upper, abs=1e-15)
     assert told > 0
 
 

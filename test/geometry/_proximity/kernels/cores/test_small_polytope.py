@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.cores import small_polytope
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from oracles.core_pairs import random_core_pair
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions, random_rotation
+from bench.evidence.bodies.random_bodies import random_directions, random_rotation
 from drake_geom_ros.geometry._proximity.kernels.cores import gjk, sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes import supports
 
 KINDS = [supports.BOX, supports.CAPSULE, supports.CYLINDER, supports.ELLIPSOID]
@@ -58,7 +58,7 @@ def test_bend_is_the_derivative(kind):
 
 def test_a_disk_has_no_derivative_at_its_axis():
     pair = supports.CYLINDER, np.array([0.5, 1.0]), np.eye(3), supports.CAPSULE
-    pair = Pair(*pair, np.array([0.1, 0.2]), np.eye(3), (1.0, 0.0, 0.0))
+    pair = CorePair(*pair, np.array([0.1, 0.2]), np.eye(3), (1.0, 0.0, 0.0))
     terms = sums.difference_of(pair)[0]
     assert set(sums.curvature(terms, sums.AXES_A, (0.0, 0, 1), (1.0, 0, 0), (0.0, 1, 0))) == {0.0}
     assert tuple(sums.ellipsoid_support(terms, sums.AXES_A, (0.0, 0.0, 1.0))) == (0.0, 0.0, 0.0)
@@ -66,26 +66,32 @@ def test_a_disk_has_no_derivative_at_its_axis():
 
 def test_likely_normals_are_those_of_faces_and_crossed_edges():
     cube, rod = np.array([0.5, 0.5, 0.5]), np.array([0.1, 1.0])
-    pair = Pair(supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.58, 0.1, 0.0))
+    pair = CorePair(
+        supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.58, 0.1, 0.0)
+    )
     n = sums.likely_normal(sums.difference_of(pair), (0.0, 0.0, 1.0))
     assert tuple(n) == pytest.approx((1, 0, 0), abs=1e-15)
-    pair = Pair(*pair[:6], (0.1, 0.0, -1.45))
+    pair = CorePair(*pair[:6], (0.1, 0.0, -1.45))
     n = sums.likely_normal(sums.difference_of(pair), (1.0, 0.0, 0.0))
     assert tuple(n) == pytest.approx((0, 0, -1), abs=1e-15)
 
 
 def test_a_hull_has_no_such_sum():
     hull = np.array([4.0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1])
-    pair = Pair(supports.BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0,) * 3)
+    pair = CorePair(
+        supports.BOX, np.ones(3), np.eye(3), supports.CONVEX, hull, np.eye(3), (0.0,) * 3
+    )
     assert sums.difference_of(pair)[2] == 0
 
 
 def test_common_points_are_seen():
     cube, rod = np.array([0.5, 0.5, 0.5]), np.array([0.1, 1.0])
-    pair = Pair(supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.55, 0.0, 0.0))
+    pair = CorePair(
+        supports.BOX, cube, np.eye(3), supports.CYLINDER, rod, np.eye(3), (0.55, 0.0, 0.0)
+    )
     assert sums.share_a_point(pair, (0.5, 0.0, 0.0), (0.45, 0.0, 0.0))
     assert sums.share_a_point(pair, (0.4, 0.0, 0.0), (0.65, 0.0, 0.0))
-    apart = Pair(*pair[:6], (0.625, 0.0, 0.0))
+    apart = CorePair(*pair[:6], (0.625, 0.0, 0.0))
     assert not sums.share_a_point(apart, (0.5, 0.0, 0.0), (0.525, 0.0, 0.0))
 
 

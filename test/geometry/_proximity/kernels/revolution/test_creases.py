@@ -8,8 +8,8 @@ from oracles.core_pairs import core_pair
 from oracles.pairs import random_pairs
 from scipy.spatial.transform import Rotation
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.truth.convex import signed_distance
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.truth.convex import signed_distance
 from drake_geom_ros.geometry._proximity.kernels.convex import depths
 from drake_geom_ros.geometry._proximity.kernels.cores import normals, sums
 from drake_geom_ros.geometry._proximity.kernels.revolution import creases

@@ -3,7 +3,7 @@ import pytest
 from oracles.core_pairs import core_pair, radius_of
 from oracles.forms import ALIGNED, signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.revolution import revolution
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID
 

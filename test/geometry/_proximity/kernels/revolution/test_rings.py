@@ -28,7 +28,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.convex import depths
 from drake_geom_ros.geometry._proximity.kernels.convex import pairs as convex
 from drake_geom_ros.geometry._proximity.kernels.cores import sums
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Pair
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.revolution import barrels, rings, slices
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CONVEX, CYLINDER, ELLIPSOID
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
@@ -123,7 +123,7 @@ def test_a_small_body_in_a_barrel_against_all_directions(half):
 
 def test_the_normal_of_segments_that_touch_along_a_body_is_not_0():
     """The capsule's axis ends on the cylinder's side; its own axis is no direction across it."""
-    pair = Pair(
+    pair = CorePair(
         CAPSULE, np.array([1.0, 0.5]), turned([1, 0, 0], math.pi / 2),
         CYLINDER, np.array([1.0, 0.5]), turned([0, 1, 0], math.pi / 2),
         np.array([0.4999999999999992, 0.9999999999999983, 0.5000000000000003]),

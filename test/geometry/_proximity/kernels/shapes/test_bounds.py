@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from oracles.forms import hull_of, signed_distance
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging.surfaces import support_value_of
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,

@@ -5,7 +5,7 @@ import pytest
 from oracles.worlds import random_rotations
 from scipy.spatial import ConvexHull
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_directions
+from bench.evidence.bodies.random_bodies import random_directions
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import CLIMBED, hull_parameters
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     farthest_edge,

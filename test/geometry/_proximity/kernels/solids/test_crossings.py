@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids import crossings
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import APART, CROSSED, TOUCHING
 

@@ -7,11 +7,11 @@ import trimesh
 from oracles.forms import row_of
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.bodies import grids
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.peers.fcl_peer import fcl_shape
-from drake_geom_ros.evidence.truth.meshes import signed_distance
+from bench.evidence.bodies import grids
+from bench.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.truth.meshes import signed_distance
+from drake_geom_ros.cross_check.bodies import Body
+from drake_geom_ros.cross_check.fcl_peer import fcl_shape
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 
 NAMES = ('L', 'U', 'ring')

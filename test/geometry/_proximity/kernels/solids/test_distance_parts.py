@@ -7,8 +7,8 @@ import pytest
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging.surfaces import support_value_of
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import distance
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, SOLID
@@ -84,7 +84,7 @@ def test_pairs_of_leaves_that_are_close_are_told_once_each():
     assert (found[count:] == -1).all()
     expected, some = set(), range(0, A.tree.triangles, 6)
     for i, j in itertools.product(some, range(B.tree.triangles)):
-        gap = distance.leaf_gap(A, i, B, j, p, (0.0, 0.0, -1.0), 8.0, 1e-9, 1e-12)
+        gap = distance.separation_of_leaves(A, i, B, j, p, (0.0, 0.0, -1.0), 8.0, 1e-9, 1e-12)
         if gap.upper <= 1e-12:
             expected.add((i, j))
     assert {pair for pair in told if pair[0] in some} == expected != set()

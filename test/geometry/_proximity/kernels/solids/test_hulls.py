@@ -5,7 +5,7 @@ import pytest
 from oracles.forms import kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.solids import hulls
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, normal_of, solid_of
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, SOLID

@@ -9,9 +9,9 @@ from oracles.forms import HERE, PARAMETERS, body, row_of
 from oracles.pairs import check_row
 from oracles.solids import parts_gap, solid
 
-from drake_geom_ros.evidence.bodies.bodies import Body
-from drake_geom_ros.evidence.bodies.random_bodies import box_corners, random_rotation
-from drake_geom_ros.evidence.truth.meshes import parts_of
+from bench.evidence.bodies.random_bodies import box_corners, random_rotation
+from bench.evidence.truth.meshes import parts_of
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import MeshData
 from drake_geom_ros.geometry._proximity.kernels.calling import pairs as calling
 from drake_geom_ros.geometry._proximity.kinds import (

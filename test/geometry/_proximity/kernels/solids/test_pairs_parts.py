@@ -5,7 +5,7 @@ import pytest
 from oracles.forms import HERE, body, row_of
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
+from bench.evidence.bodies.random_bodies import random_rotation
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,

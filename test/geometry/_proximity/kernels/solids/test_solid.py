@@ -7,8 +7,8 @@ import pytest
 from oracles.forms import hull_of, kernel_form
 from oracles.solids import solid
 
-from drake_geom_ros.evidence.bodies.random_bodies import random_rotation
-from drake_geom_ros.evidence.judging.surfaces import support_value_of
+from bench.evidence.bodies.random_bodies import random_rotation
+from drake_geom_ros.cross_check.surfaces import support_value_of
 from drake_geom_ros.geometry._proximity.kernels.solids import solid as tree
 from drake_geom_ros.geometry._proximity.kernels.trees import boxes, walks
 from drake_geom_ros.geometry._proximity.kinds import BOX, CONVEX, CYLINDER, SOLID
@@ -45,20 +45,20 @@ def test_the_middle_of_a_triangle_is_the_mean_of_its_corners():
 def test_the_gap_of_boxes_is_that_along_an_axis_of_either(axis, turned):
     rng = np.random.default_rng(axis)
     R = random_rotation(rng)
-    one = boxes.Box((0.1, 0.2, 0.3), (0.5, 0.4, 0.3))
-    other = boxes.Box((-0.3, 0.1, 0.2), (0.2, 0.6, 0.7))
+    one = boxes.NodeBox((0.1, 0.2, 0.3), (0.5, 0.4, 0.3))
+    other = boxes.NodeBox((-0.3, 0.1, 0.2), (0.2, 0.6, 0.7))
     n = R[:, axis] if turned else np.eye(3)[axis]
     reach = support_value_of((BOX, one.half), R.T @ n)
     reach += support_value_of((BOX, other.half), n)
     for gap in (0.5, 1e-3):
         p = np.array(other.middle) + (reach + gap) * n - R @ one.middle
-        found = boxes.gap_of_boxes(one, R, tuple(p), other)
+        found = boxes.separation_of_turned_boxes(one, R, tuple(p), other)
         assert gap - 1e-14 <= found
         # It is a lower bound of the distance of any two points of theirs.
         u, v = rng.uniform(-1, 1, (2, 4000, 3))
         a = p + (one.middle + one.half * u) @ R.T
         assert found <= np.linalg.norm(a - (other.middle + other.half * v), axis=1).min()
-    assert boxes.gap_of_boxes(one, R, tuple(-R @ one.middle), other) == 0.0
+    assert boxes.separation_of_turned_boxes(one, R, tuple(-R @ one.middle), other) == 0.0
 
 
 @pytest.mark.parametrize('limit', [0.0, 0.3, 100.0])
@@ -80,4 +80,6 @@ def test_a_walk_hands_out_all_leaves_within_its_limit_once(limit):
 
     leaves = range(A.tree.leaves)
     for i, j in set(itertools.product(leaves, leaves)) - set(told):
-        assert boxes.gap_of_boxes(box(A, i), R, p, box(B, j)) > limit - 1e-14  # rounding
+        assert (
+            boxes.separation_of_turned_boxes(box(A, i), R, p, box(B, j)) > limit - 1e-14
+        )  # rounding

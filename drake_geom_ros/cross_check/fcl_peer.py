@@ -1,0 +1,131 @@
+"""python-fcl: ``fcl.distance`` and ``fcl.collide`` of two collision objects.
+
+The signed distance may abort the process with a C++ exception that Python cannot catch, end it by
+a wrong address (half spaces) or never return (concentric spheres): it is asked for in a process
+that may be lost.
+
+A mesh as a solid is a BVHModel, a surface without an inside: its distance is asked for unsigned,
+and what lies in it is as far away as the nearest triangle.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from drake_geom_ros.cross_check.answers import (
+    SIGNED_DISTANCE,
+    Ask,
+    PairAnswer,
+    SolidMesh,
+    checked,
+    kind_of,
+    measures,
+    no_tolerance,
+)
+from drake_geom_ros.geometry import Shape
+from drake_geom_ros.math import RigidTransform
+
+
+def fcl_shape(shape: Shape) -> Any:
+    """Return a shape of ours as FCL's."""
+    import fcl  # noqa: TID251  (the ban is for answers of ours; these are FCL's own)
+
+    if isinstance(shape, SolidMesh):
+        return _surface(shape)
+    kind = kind_of(shape)
+    if kind == 'HalfSpace':
+        return fcl.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0)
+    if kind == 'Convex':
+        vertices, faces = shape.hull_surface()  # type: ignore[attr-defined]
+        counted = np.concatenate((np.full((len(faces), 1), 3), faces), axis=1)
+        return fcl.Convex(vertices, len(faces), counted.astype(np.int32).ravel())
+    return getattr(fcl, kind)(*measures(shape))
+
+
+@functools.lru_cache(maxsize=8)
+def _surface(shape: SolidMesh) -> Any:
+    import fcl  # noqa: TID251
+
+    vertices, triangles = shape.surface()
+    model = fcl.BVHModel()
+    model.beginModel(len(triangles), len(vertices))
+    model.addSubModel(vertices, triangles)
+    model.endModel()
+    return model
+
+
+class FclPeer:
+    """FCL as python-fcl offers it: libccd, its tolerance of 1e-6 cannot be set."""
+
+    name = 'python-fcl'
+
+    def __init__(self, tolerance: float | None) -> None:
+        no_tolerance(self.name, tolerance)
+
+    def pair(self, query: str, shape_a: Shape, shape_b: Shape) -> Ask:
+        """Return what asks the query; see Peer."""
+        if isinstance(shape_a, SolidMesh) or isinstance(shape_b, SolidMesh):
+            asks = _unsigned_distance, _contact_of_surface
+        else:
+            asks = _distance, _penetration
+        return _prepared(asks[checked(query) != SIGNED_DISTANCE], shape_a, shape_b)
+
+
+def _prepared(ask: Callable[[Any, Any], PairAnswer | None], a: Shape, b: Shape) -> Ask:
+    import fcl  # noqa: TID251
+
+    objects = [fcl.CollisionObject(fcl_shape(shape), fcl.Transform()) for shape in (a, b)]
+
+    def pose_and_ask(X_WA: RigidTransform, X_WB: RigidTransform) -> PairAnswer | None:
+        for each, X in zip(objects, (X_WA, X_WB), strict=True):
+            each.setTransform(fcl.Transform(X.rotation().matrix(), X.translation()))
+        return ask(*objects)
+
+    return pose_and_ask
+
+
+def _distance(a: Any, b: Any) -> PairAnswer:
+    """Return the signed distance; FCL gives no normal with it."""
+    import fcl  # noqa: TID251
+
+    request = fcl.DistanceRequest(enable_nearest_points=True, enable_signed_distance=True)
+    result = fcl.DistanceResult()
+    distance = fcl.distance(a, b, request, result)
+    points = [None if p is None else np.array(p) for p in result.nearest_points]
+    return PairAnswer(distance, None, *points)
+
+
+def _unsigned_distance(a: Any, b: Any) -> PairAnswer:
+    """Return the distance of surfaces; where they cross FCL says -1, or leaves it at its start.
+
+    Its witness points are left out: that of a sphere is in the sphere's own frame.
+    """
+    import fcl  # noqa: TID251
+
+    distance = fcl.distance(a, b, fcl.DistanceRequest(), fcl.DistanceResult())
+    return PairAnswer(distance, None, None, None)
+
+
+def _contact_of_surface(a: Any, b: Any) -> PairAnswer | None:
+    """Return what ``_penetration`` does; depths of spheres in a BVHModel come as negative ones."""
+    found = _penetration(a, b)
+    return found and found._replace(distance=-abs(found.distance))
+
+
+def _penetration(a: Any, b: Any) -> PairAnswer | None:
+    """Return the one contact that FCL reports, as Drake asks for it.
+
+    FCL tells a contact point, which is not always midway between the surfaces: no witnesses.
+    """
+    import fcl  # noqa: TID251
+
+    result = fcl.CollisionResult()
+    fcl.collide(a, b, fcl.CollisionRequest(num_max_contacts=1, enable_contact=True), result)
+    for contact in result.contacts:
+        # Its normal points out of the first object into the second.
+        return PairAnswer(-contact.penetration_depth, -np.array(contact.normal), None, None)
+    return None

@@ -1,1 +1,0 @@
-"""The hunt: a search that evolves pairs of shapes towards a broken promise of their answers."""

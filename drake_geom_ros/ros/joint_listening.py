@@ -1,0 +1,58 @@
+"""Listens to joint states: to the topic of all robots, and to those that robots name."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from rclpy.callback_groups import CallbackGroup
+from rclpy.subscription import MessageInfo, Subscription
+from sensor_msgs.msg import JointState
+
+from drake_geom_ros.ros.guard import Guard
+from drake_geom_ros.ros.inputs.joint_input import JointInput
+from drake_geom_ros.ros.parameters import NodeParameters
+from drake_geom_ros.ros.pose_stream import PoseStream
+from drake_geom_ros.ros.scene.clocks import Clocks
+from drake_geom_ros.ros.scene.held_scene import HeldScene
+from drake_geom_ros.ros.surface import Surface, sensor_data
+from drake_geom_ros.ros.together import waited
+
+DEFAULT_TOPIC = 'joint_states'
+
+
+class JointListening:
+    """The subscriptions that joint values come by; those of robots come and go with these."""
+
+    def __init__(
+        self,
+        surface: Surface,
+        stream: PoseStream,
+        guard: Guard,
+        group: CallbackGroup,
+        clocks: Clocks,
+        values: NodeParameters,
+    ) -> None:
+        """Listen to ``joint_states`` if parameters say so, for robots that name no topic."""
+        self._surface, self._stream, self._guard, self._group = surface, stream, guard, group
+        by_default = values.use_joint_states
+        self._input = JointInput(clocks, values.stale_after, by_default=by_default)
+        stream.joints = self._input
+        self._open: dict[str, Subscription[Any]] = {}
+        if by_default:
+            self._listen('', DEFAULT_TOPIC)
+
+    def follow(self, scene: HeldScene) -> None:
+        """Listen to the topics that the robots of a scene name, and to no others."""
+        wanted = self._input.topics(scene)
+        for topic in self._open.keys() - wanted:
+            self._surface.close_subscription(self._open.pop(topic))
+        for topic in wanted - self._open.keys():
+            self._open[topic] = self._listen(topic, topic)
+
+    def _listen(self, robots: str, topic: str) -> Subscription[Any]:
+        def take(message: Any, info: MessageInfo) -> None:
+            hear = partial(self._stream.take_joint_states, self._input, robots)
+            self._guard.take(topic, hear, message, waited(info))
+
+        return self._surface.subscription(JointState, topic, take, sensor_data(), self._group)

@@ -1,0 +1,193 @@
+"""A robot of the scene that joint values pose: its links, and what is known of its joints.
+
+No ROS import here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import FrameId
+from drake_geom_ros.geometry.queries.joint_trees import JointTree
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
+from drake_geom_ros.scene_files import WORLD, RobotDescription
+from drake_geom_ros.trajectories.kinematics import Kinematics
+
+Floats = NDArray[np.float64]
+UNKNOWN = Since(-math.inf, -math.inf, -math.inf)  # of a pose of which nobody knows the age
+
+
+class JointValue(NamedTuple):
+    """What was heard of a joint last."""
+
+    position: float  # [rad] or [m]
+    speed: float  # [1/s]; nan where nobody knows it
+    stamp: int  # [ns]; 0: none
+    since: Since
+
+
+class Base(NamedTuple):
+    """Where the root link stands, and since when."""
+
+    X_WB: Floats  # (7,)
+    since: Since
+
+
+class JointEntry(NamedTuple):
+    """What is to be told of a joint."""
+
+    robot: str
+    name: str
+    type: str  # as in the URDF
+    lower: float  # [rad] or [m]
+    upper: float
+    frame: FrameId | None  # of the link that it moves; None: that link is no frame
+
+
+class LinkPoses(NamedTuple):
+    """Links where joint values put them."""
+
+    ids: NDArray[np.int64]  # (n,) of their frames
+    rows: Floats  # (n, 7) X_WL
+    X_WLs: Floats  # (m + 1, 7) of all links; those with a joint without a value are meaningless
+
+
+class DrivenRobot:
+    """The joints and links of one robot in one version of a scene, and the values of its joints.
+
+    Raises ValueError for a URDF that is no tree of simple joints.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDescription,
+        frames: Mapping[tuple[str, str], FrameId],
+        values: Mapping[str, JointValue],
+    ) -> None:
+        """``frames`` by source and name; ``values`` by joint are those known already."""
+        assert robot.tree is not None
+        kinematics = Kinematics(robot.tree)
+        self.name = robot.name
+        self.topic = robot.joint_states
+        self.tree: JointTree = kinematics.tree
+        self.joint_names = kinematics.joint_names
+        self.lower, self.upper = kinematics.lower, kinematics.upper
+        self.columns = {name: k for k, name in enumerate(self.joint_names)}
+        # Joints that move nothing by themselves: they are fixed, or mimic another one.
+        self.others = {joint.name for joint in robot.tree.joints} - set(self.joint_names)
+        self.values = [values.get(name) for name in self.joint_names]
+        names = kinematics.link_names
+        self._joints = {joint.name: joint for joint in robot.tree.joints}
+        self._frames = {name: frames.get((robot.name, name)) for name in names}
+        self.base_is_world = names[0] == WORLD
+        self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
+        self._needs = np.zeros((len(names), len(self.joint_names)), dtype=np.bool_)
+        found = self.tree.needs()
+        self._needs[:, : found.shape[1]] = found
+        ids = [frames.get((robot.name, name)) for name in names]
+        # The root is posed by others, and a link called as the world is no frame.
+        self.links = {
+            k: frame.get_value() for k, frame in enumerate(ids) if frame is not None and k > 0
+        }
+        self.described_X_WB = robot.X_WB.ToArray()
+        self.base: Base | None = None  # that of the poses that were given last
+        self._place, self._X_WB = b'', self.described_X_WB
+
+    @property
+    def full_names(self) -> list[str]:
+        """The joints as ``robot::joint``."""
+        return [f'{self.name}::{name}' for name in self.joint_names]
+
+    @cached_property
+    def entries(self) -> list[JointEntry]:
+        """What is to be told of the joints."""
+        found = []
+        for name, low, high in zip(self.joint_names, self.lower, self.upper, strict=True):
+            # Of a joint of several values each is called as `joint/value`.
+            joint = self._joints.get(name) or self._joints[name.rpartition('/')[0]]
+            frame = self._frames[joint.child]
+            found.append(JointEntry(self.name, name, joint.type, float(low), float(high), frame))
+        return found
+
+    @cached_property
+    def patterns(self) -> dict[tuple[int, ...], frozenset[int]]:
+        """The rows of links that have frames, by the columns that each depends on."""
+        rows = defaultdict(set)
+        for row in self.links:
+            rows[tuple(np.flatnonzero(self._needs[row]).tolist())].add(row)
+        return {columns: frozenset(found) for columns, found in rows.items()}
+
+    def pose_of_base(self, X_WB: RigidTransform) -> Floats:
+        """Return the pose of the root link as an array (7,), the same one while it rests."""
+        place = X_WB.GetAsMatrix34().tobytes()
+        if place != self._place:
+            self._place, self._X_WB = place, X_WB.ToArray()
+        return self._X_WB
+
+    def positions(self) -> Floats:
+        """Return the values (c,) of all joints; nan where nothing was heard."""
+        return np.array([math.nan if v is None else v.position for v in self.values])
+
+    def since(self, base: Base, rows: Mapping[tuple[int, ...], frozenset[int]]) -> Moments:
+        """Return since when links hold: some rows, by the columns that these depend on.
+
+        Left out are links with a joint of which nothing was heard.
+        """
+        posed: dict[Since, set[int]] = defaultdict(set)
+        for columns, some in rows.items():
+            values = [self.values[column] for column in columns]
+            known = [value.since for value in values if value is not None]
+            if some and len(known) == len(columns):
+                posed[_oldest(base.since, *known)] |= some
+        return posed
+
+    def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
+        """Return where links stand at joint values (c,)."""
+        chosen = sorted(rows)
+        X_WLs = self.tree.link_poses(np.nan_to_num(positions)[np.newaxis], base.X_WB)[0]
+        ids = np.array([self.links[row] for row in chosen], dtype=np.int64)
+        return LinkPoses(ids, X_WLs[chosen], X_WLs)
+
+    def twists(self, X_WLs: Floats, V_WB: Floats) -> dict[int, Floats]:
+        """Return V_WL (6,) by frame of the links whose joints' speeds are all known."""
+        speeds = np.array([math.nan if v is None else v.speed for v in self.values])
+        V_WLs = self.tree.link_twists(np.nan_to_num(speeds), X_WLs, V_WB)
+        unknown = (self._needs & np.isnan(speeds)).any(axis=1)
+        return {frame: V_WLs[row] for row, frame in self.links.items() if not unknown[row]}
+
+    def without_value(self) -> list[str]:
+        """Return the joints of which nothing was heard."""
+        return [n for n, v in zip(self.joint_names, self.values, strict=True) if v is None]
+
+    def outside_limits(self) -> list[str]:
+        """Return in words which joints stand outside their limits."""
+        rows = zip(self.full_names, self.values, self.lower, self.upper, strict=True)
+        return [
+            f'{name} [{low:.6g}, {high:.6g}]'
+            for name, value, low, high in rows
+            if value is not None and not low <= value.position <= high
+        ]
+
+    def joints_of(self, rows: Collection[int]) -> list[int]:
+        """Return the columns that links depend on."""
+        return np.flatnonzero(self._needs[sorted(rows)].any(axis=0)).tolist()
+
+
+Moments = Mapping[Since, Collection[int]]
+
+
+def _oldest(*moments: Since) -> Since:
+    """Return since when all hold that hold since some moments."""
+    distinct = set(moments)
+    distinct.discard(ALWAYS)
+    if len(distinct) < 2:
+        return distinct.pop() if distinct else ALWAYS
+    return Since(*map(min, zip(*distinct, strict=True)))

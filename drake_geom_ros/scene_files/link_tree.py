@@ -1,0 +1,53 @@
+"""The links and joints of a robot as records: what scenes keep of a URDF besides its shapes."""
+
+import math
+from dataclasses import dataclass, field
+
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.scene_files.errors import Location
+
+_NOWHERE = Location('<urdf>')
+
+
+@dataclass(frozen=True)
+class Joint:
+    """What holds two links together."""
+
+    type: str
+    parent: str
+    child: str
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that stands at ``multiplier`` times the value of ``joint``, plus ``offset``."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class UrdfJoint(Joint):
+    """A joint J: X_PJ in its parent link, its axis, and its limits [m], [rad], [1/s].
+
+    Lower and upper limit and speed are infinite where the file gives none.
+    """
+
+    name: str
+    X_PJ: RigidTransform
+    axis: tuple[float, float, float]
+    lower: float = -math.inf
+    upper: float = math.inf
+    max_speed: float = math.inf
+    mimic: Mimic | None = None
+    where: Location = field(default=_NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class LinkTree:
+    """The name of a robot, and its links and joints in the order of its file."""
+
+    name: str
+    links: tuple[str, ...]
+    joints: tuple[UrdfJoint, ...]
