@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
 import enum
 import importlib
 import inspect
 import re
 import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -14,15 +16,18 @@ from typing import Any
 TARGET = Path(__file__).resolve().parent / 'python_api.md'
 MODULES = (
     *('geometry', 'geometry.render', 'sensors', 'math', 'autodiffutils'),
-    *('common', 'common.value', 'common.eigen_geometry', 'batch', 'client'),
+    *('scene_files', 'trajectories', 'batch', 'client', 'common'),
+    *('common.value', 'common.eigen_geometry'),
 )
 _INTRODUCTION = """# The Python API
 
 Generated from the docstrings by `python docs/generate_python_api.py`; a test keeps it up to date.
-`geometry` answers queries, `math` has poses and rotations, `client` talks to a running node and is
-the only module here that needs ROS. Names are those of pydrake, whose documentation describes them
-in detail; [differences_from_pydrake.md](differences_from_pydrake.md) lists what differs. Lengths
-are in metres, angles in radians. A call that is refused raises a RuntimeError and changes nothing.
+`geometry` answers queries, `math` has poses and rotations, `scene_files` loads robots and scenes,
+`trajectories` has forward kinematics, `batch` asks about many states, `client` talks to a running
+node and is the only module here that needs ROS. Names are those of pydrake, whose documentation
+describes them in detail; [differences_from_pydrake.md](differences_from_pydrake.md) lists what
+differs. Lengths are in metres, angles in radians. A call that is refused raises a RuntimeError and
+changes nothing.
 
 """
 
@@ -56,6 +61,47 @@ def members(kind: type) -> dict[str, Any]:
     return found
 
 
+def attributes(kind: type) -> dict[str, str]:
+    """Return the public fields and attributes of a class, and what the comments at them say."""
+    found: dict[str, str] = {}
+    for each in reversed([c for c in kind.__mro__ if c.__module__.startswith('drake_geom_ros')]):
+        lines = inspect.getsource(each).splitlines()
+        (tree,) = ast.parse(textwrap.dedent('\n'.join(lines))).body
+        assert isinstance(tree, ast.ClassDef)
+        for node in _assigned(tree):
+            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                for one in target.elts if isinstance(target, ast.Tuple) else [target]:
+                    name = one.attr if isinstance(one, ast.Attribute) else getattr(one, 'id', '_')
+                    if not name.startswith('_'):
+                        found.setdefault(name, _comment(lines, node.lineno, node.end_lineno))
+    return {name: text for name, text in found.items() if name not in members(kind)}
+
+
+def _assigned(tree: ast.ClassDef) -> Iterator[Any]:
+    """Yield what declares a field of a class, or sets an attribute of a new object."""
+    for node in tree.body:
+        if isinstance(node, ast.AnnAssign):
+            yield node
+        if isinstance(node, ast.FunctionDef) and node.name == '__init__':
+            for inner in ast.walk(node):
+                targets = inner.targets if isinstance(inner, ast.Assign) else []
+                targets = [inner.target] if isinstance(inner, ast.AnnAssign) else targets
+                flat = [o for t in targets for o in (t.elts if isinstance(t, ast.Tuple) else [t])]
+                if any(isinstance(o, ast.Attribute) and _is_self(o.value) for o in flat):
+                    yield inner
+
+
+def _is_self(node: ast.AST) -> bool:
+    return isinstance(node, ast.Name) and node.id == 'self'
+
+
+def _comment(lines: list[str], first: int, last: int | None) -> str:
+    """Return the comment at the end of some lines, or that of its own above them."""
+    beside = re.search(r'  # (.*)$', lines[(last or first) - 1])
+    above = re.match(r' *# (.*)$', lines[first - 2]) if first > 1 else None
+    return beside[1] if beside else above[1] if above else ''
+
+
 def _module(module: ModuleType) -> str:
     parts = [f'## {module.__name__}\n\n{_text(module)}\n']
     for name, thing in public(module).items():
@@ -69,6 +115,10 @@ def _class(name: str, kind: type) -> str:
     if issubclass(kind, enum.Enum):
         lines.append('\n' + ', '.join(f'`{member.name}`' for member in kind))
     listed = [f'- `{m}{_signature(v)}`: {_text(v, 1)}' for m, v in members(kind).items()]
+    if not issubclass(kind, enum.Enum):
+        listed[:0] = [
+            f'- `{a}`{": " if text else ""}{text}' for a, text in attributes(kind).items()
+        ]
     return '\n'.join([*lines, *([''] if listed else []), *listed, ''])
 
 

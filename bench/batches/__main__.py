@@ -7,7 +7,8 @@ limits; adjacent links and what the SRDF names are filtered, as are the arms' fe
 still. All libraries get the same pairs of geometries. Times are means by state; ratios of one run
 can be compared, figures of two cannot. ``--million`` asks about a million states and tells the
 peak memory of the process; ``--cluster`` starts a Dask scheduler and one and two workers, as
-docs/batches.md advises or, with ``plain``, with Dask's own defaults.
+docs/batches.md advises or, with ``plain``, with Dask's own defaults. ``--planners`` ends after the
+states that are asked about one at a time.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench.batches.one_by_one import one_by_one
 from bench.batches.ours import ROOT, Ours
 from bench.batches.timing import ask, beside, by_threads, seconds, sides
 
@@ -83,6 +85,7 @@ def main() -> None:
         prog='bench.batches', description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument('--states', type=int, default=2000)
+    parser.add_argument('--planners', action='store_true', help='states one at a time, no more')
     parser.add_argument('--million', action='store_true')
     parser.add_argument('--cluster', nargs='?', const='advised', choices=('advised', 'plain'))
     given = parser.parse_args()
@@ -93,6 +96,9 @@ def main() -> None:
     others = sides(ours)
     yes = ask(ours, states, 'collision', 1)
     print(f'pairs of geometries {len(ours.pairs())}, states that collide {yes.mean():.2f}')
+    one_by_one(ours, next((each for each in others if each.name == 'pydrake'), None), states)
+    if given.planners:
+        return
     for other in others:
         beside(ours, other, states)
     for count in (given.states, THREAD_STATES):

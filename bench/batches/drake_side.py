@@ -124,3 +124,8 @@ class DrakeSide:
         configurations = list(states[:, self._columns])
         free = self._checker.CheckConfigsCollisionFree(configurations, Parallelism(False))
         return ~np.array(free, dtype=bool)
+
+    def each(self, states: np.ndarray) -> np.ndarray:
+        """Return which states are free, each asked about alone."""
+        free = self._checker.CheckConfigCollisionFree
+        return np.array([free(q) for q in states[:, self._columns]], dtype=bool)

@@ -17,6 +17,7 @@ May import: ``math``, ``common``, ``geometry``, ``scene_files``, ``trajectories`
     distributed, matplotlib, pyarrow.
 """
 
+from drake_geom_ros.batch.checker import Checker, Clearance
 from drake_geom_ros.batch.cluster import cluster_executor
 from drake_geom_ros.batch.evaluation import evaluate
 from drake_geom_ros.batch.joints import Joints
@@ -25,6 +26,8 @@ from drake_geom_ros.batch.results import LeastDistances, PairsOfStates, PointsOf
 from drake_geom_ros.batch.running import BatchError
 
 __all__ = [
+    'Checker',
+    'Clearance',
     'evaluate',
     'Joints',
     'LeastDistances',

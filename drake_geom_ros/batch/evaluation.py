@@ -25,7 +25,13 @@ from drake_geom_ros.batch.running import (
     by_threads,
     size_for_all,
 )
-from drake_geom_ros.geometry import ArgumentError, FrameId, SceneGraph, SceneGraphContext
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    FrameId,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+)
 from drake_geom_ros.geometry.queries.state_queries import default_accuracy
 
 Progress = Callable[[int, int], None]  # states done, and all
@@ -46,6 +52,7 @@ def evaluate(
     joints: Joints | None = None,
     count: int = 1,
     points: ArrayLike | None = None,
+    by_joints: bool = False,
     threads: int = 0,
     block_size: int = 0,
 ) -> Results:
@@ -69,9 +76,11 @@ def evaluate(
       closed forms at every level: ``PointsOfStates``.
 
     ``max_distance`` [m] leaves out what is farther away: of ``least`` and ``nearest`` only what is
-    certified to be. ``accuracy`` is a level, empty for the default of the scene. Computed by
-    ``threads`` of this process (0: one for each core), or by an ``executor`` of the
-    ``concurrent.futures`` interface, and by threads what that loses, in blocks of ``block_size``
+    certified to be. ``by_joints`` adds ``joint_gradient`` (k, q), the derivatives of the distances
+    of pairs by the joint values of their state. ``accuracy`` is a level, empty for the default of
+    the scene. Computed by ``threads`` of this process (0: one for each core), or by an
+    ``executor`` of the ``concurrent.futures`` interface, and by threads what that loses, in blocks
+    of ``block_size``
     states (0: a good one). ``progress`` writes a line to standard error, or is called with the
     states done and all. An interrupt ends it at once.
 
@@ -87,10 +96,12 @@ def evaluate(
         accuracy or default_accuracy(context),
         count,
         None if points is None else np.atleast_2d(np.asarray(points, dtype=np.float64)),
+        by_joints,
     )
     rows, ids, arms = _states(frame_ids, poses, states, joints)
     job, geometry_ids = Job.of(context, question, ids, arms)
-    found = Gathered(want, len(rows), geometry_ids)
+    names = QueryObject(context).inspector().full_names(geometry_ids)
+    found = Gathered(want, len(rows), geometry_ids, names)
     # Of many points a few states take as long as many of pairs.
     least = LEAST_BLOCK if question.points is None else LEAST_BLOCK // (1 + len(question.points))
     local = size_for_all(len(rows), threads, LOCAL_BLOCK, max(1, least))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry import ArgumentError, FrameId
-from drake_geom_ros.geometry.queries.joint_trees import JointTree
+from drake_geom_ros.geometry.queries.joint_trees import JointChain, JointTree, side_by_side
 from drake_geom_ros.scene_files import LoadedScene
 from drake_geom_ros.trajectories.kinematics import Kinematics
 
@@ -57,8 +57,17 @@ class Joints:
         return [FrameId(value) for value in self.id_values.tolist()]
 
     def poses(self, states: NDArray[np.float64]) -> Floats:
-        """Return the poses (N, n, 7), x y z [m] qx qy qz qw, of ``frame_ids`` in states (N, q)."""
-        return poses_of_arms(self.arms, np.asarray(states, dtype=np.float64))
+        """Return the poses (N, n, 7), x y z [m] qx qy qz qw, of ``frame_ids`` in states (N, q).
+
+        Raises ArgumentError for states of another shape.
+        """
+        rows = np.asarray(states, dtype=np.float64)
+        if rows.ndim != 2 or rows.shape[1] != self.count:
+            raise ArgumentError(
+                f'states has the shape {rows.shape}; it must be (N, {self.count}), one value each '
+                f'for {", ".join(self.names)}'
+            )
+        return poses_of_arms(self.arms, rows)
 
     @classmethod
     def of(cls, loaded: LoadedScene, names: Sequence[str] | None = None) -> Joints:
@@ -111,6 +120,15 @@ class Joints:
             arms.append(Arm(tree, X_WB, np.array(links, dtype=np.int64)))
         lower, upper = np.array([limits[name] for name in chosen]).T
         return cls(chosen, lower, upper, np.array(ids, dtype=np.int64), tuple(arms))
+
+
+def chain_of_arms(arms: tuple[Arm, ...]) -> JointChain:
+    """Return all arms as one chain, whose links come in the order of ``poses_of_arms``."""
+    return side_by_side(
+        [arm.tree for arm in arms],
+        np.array([arm.X_WB for arm in arms]),
+        [arm.links for arm in arms],
+    )
 
 
 def still_poses(arms: tuple[Arm, ...], ids: Indices) -> dict[int, Floats]:

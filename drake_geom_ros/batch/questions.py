@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.batch.joint_gradients import joint_gradients
 from drake_geom_ros.batch.joints import Arm, poses_of_arms, still_poses
 from drake_geom_ros.geometry import (
     ACCURACY_LEVELS,
@@ -54,6 +55,7 @@ class Question:
     accuracy: str = 'exact'
     count: int = 1
     points: Floats | None = None
+    by_joints: bool = False  # the gradients of pairs by joint values, too
 
     def __post_init__(self) -> None:
         if self.want not in WANTS:
@@ -71,6 +73,11 @@ class Question:
             )
         if self.count < 1 or (self.count != 1 and self.want != 'nearest'):
             raise ArgumentError(f'count={self.count} must be >= 1, and goes with nearest')
+        if self.by_joints and self.want not in ('least', 'nearest', 'within'):
+            raise ArgumentError(
+                f'by_joints gives gradients of pairs, which want={self.want!r} has not; '
+                'least, nearest and within do'
+            )
         if (self.want == 'points') != (self.points is not None):
             raise ArgumentError("want='points' and points go together")
         if self.points is not None:
@@ -85,7 +92,7 @@ class Question:
         named = hashlib.sha256(points).hexdigest()[:16] if points else 'none'
         return (
             f'{self.want} max_distance={self.max_distance!r} accuracy={self.accuracy} '
-            f'count={self.count} points={named}'
+            f'count={self.count} points={named}{" by_joints" * self.by_joints}'
         )
 
 
@@ -113,6 +120,8 @@ class Job:
         ``ids`` (n,) are values of the frames that states pose, those of the arms if there are any.
         Raises PoseError as ``PackedScene.of`` does.
         """
+        if question.by_joints and not arms:
+            raise ArgumentError('by_joints goes with joint values: states and joints, not poses')
         scene, geometry_ids = PackedScene.of(
             context, ids, still_poses(arms, ids), about_points=question.want == 'points'
         )
@@ -146,10 +155,22 @@ class Job:
         poses = poses_of_arms(self.arms, states) if self.arms else states
         try:
             rows = np.ascontiguousarray(poses, dtype=np.float64)
-            return self._answer(queries, rows, stop, shared)
+            columns = self._answer(queries, rows, stop, shared)
         except StateError as error:
             number = first + error.number
             raise PoseError(f'State {number} was refused: {error}') from None
+        if self.question.by_joints:
+            columns['joint_gradient'] = self._by_joints(columns, states)
+        return columns
+
+    def _by_joints(self, columns: Columns, states: Floats) -> Floats:
+        """Return the derivatives (k, q) of distances in columns by joint values (N, q)."""
+        of_state = np.arange(len(states))
+        if 'counts' in columns:
+            of_state = np.repeat(of_state, columns['counts'])
+        places = columns['id_A'], columns['id_B']
+        rows = np.asarray(states, dtype=np.float64)
+        return joint_gradients(self.scene, self.arms, rows, of_state, places, columns['gradient'])
 
     def _answer(
         self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64], shared: bool

@@ -2,7 +2,9 @@
 
 Geometries are written as their place in ``geometries``, the names of all of them, or -1 where a
 state has no pair; in Parquet as the names themselves. ``scene``, ``question`` and ``versions`` say
-where the answers come from.
+where the answers come from, ``columns`` what each column means. The states go with their answers,
+under the names of their joints or frames, as a file of states has them: results can be asked about
+again. What is text in .npz is metadata in Parquet, lists of names as JSON.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.lib import format as npy
@@ -27,6 +29,31 @@ from drake_geom_ros.common.whole_files import whole_file
 
 SUFFIXES = ('.npz', '.parquet')
 _ABOUT = ('scene', 'question', 'versions')
+_STATES = ('states', 'poses')
+_MEANINGS = {
+    'states': 'joint values [rad] or [m], by `joints`',
+    'poses': 'X_PF, x y z [m] qx qy qz qw, by `frames`; in Parquet one frame after the other',
+    'state': 'the number of the state that a row is of',
+    'offsets': 'answers of state s are rows offsets[s] to offsets[s + 1]',
+    'collision': 'whether a pair overlaps or, with max_distance, is not certified to be beyond it',
+    'distance': 'signed distance [m]; infinity: every pair is certified to be out of reach',
+    'error_bound': 'the true distance is within distance +- error_bound [m]',
+    'geometry_a': 'the first geometry: its place in `geometries`, -1: none; in Parquet its name',
+    'geometry_b': 'the second geometry, likewise',
+    'geometry': 'the geometry, likewise',
+    'method': 'what computed it: 1 closed form, 2 iterative, 3 mesh, 4 bounds only',
+    'nhat_BA_W': 'unit normal out of B into A, in World',
+    'is_nhat_BA_W_unique': 'whether it is the only one',
+    'p_WCa': 'witness point on A [m], in World',
+    'p_WCb': 'witness point on B [m], in World',
+    'gradient': 'derivative of the distance by the spatial velocities, angular before linear, of '
+    'the frames of A (6) and B (6) in World; `geometry_frames` has their names',
+    'joint_gradient': 'derivative of the distance by the joint values, by `joints`',
+    'point_index': 'which point',
+    'grad_W': 'gradient of the distance by the point, in World',
+    'is_grad_W_unique': 'whether it is the only one',
+    'p_GN': 'nearest point of the surface [m], in the frame of the geometry',
+}
 _PLACES = {'id_A': 'geometry_a', 'id_B': 'geometry_b', 'id_G': 'geometry'}
 
 
@@ -60,9 +87,27 @@ def _holds_results(path: Path) -> bool:
         return False
 
 
-def write(
-    path: Path, blocks: Iterable[Columns], names: Sequence[str], about: Mapping[str, str]
-) -> None:
+class About(NamedTuple):
+    """What a file says of its answers."""
+
+    texts: Mapping[str, str]
+    geometries: Sequence[str]  # the names of all
+    lists: Mapping[str, Sequence[str]]  # further names
+
+    @classmethod
+    def of(
+        cls,
+        texts: tuple[str, str, Mapping[str, str]],
+        geometries: Sequence[str],
+        lists: Mapping[str, Sequence[str]],
+    ) -> About:
+        """Return what is said of a scene, a question, and versions."""
+        scene, question, versions = texts
+        said = {'scene': scene, 'question': question, 'versions': json.dumps(dict(versions))}
+        return cls(said, geometries, lists)
+
+
+def write(path: Path, blocks: Iterable[Columns], about: About) -> None:
     """Write blocks of columns, in order and each taken once, to a file.
 
     It is there only when it is whole.
@@ -70,9 +115,15 @@ def write(
     with whole_file(path, 'wb') as file:
         if path.suffix == '.npz':
             # Where there is room for the results there is for what is kept of them.
-            _write_npz(file, blocks, names, about, path.parent)
+            _write_npz(file, blocks, about, path.parent)
         else:
-            _write_parquet(file, blocks, names, about)
+            _write_parquet(file, blocks, about)
+
+
+def _meanings(columns: Iterable[str]) -> str:
+    """Return what columns mean, as JSON."""
+    named = [_PLACES.get(name, 'offsets' if name == 'counts' else name) for name in columns]
+    return json.dumps({name: _MEANINGS[name] for name in named})
 
 
 class _Column:
@@ -98,13 +149,7 @@ class _Column:
             shutil.copyfileobj(self._file, stream)
 
 
-def _write_npz(
-    target: IO[bytes],
-    blocks: Iterable[Columns],
-    names: Sequence[str],
-    about: Mapping[str, str],
-    folder: Path,
-) -> None:
+def _write_npz(target: IO[bytes], blocks: Iterable[Columns], about: About, folder: Path) -> None:
     columns: dict[str, _Column] = {}
     end = np.zeros(1, dtype=np.int64)  # of the rows until now: where the next state's begin
     with ExitStack() as opened, zipfile.ZipFile(target, 'w') as file:
@@ -114,10 +159,13 @@ def _write_npz(
                 columns[name] = _Column(values, opened.enter_context(TemporaryFile(dir=folder)))
             columns[name].add(values)
 
-        add('geometries', np.array(names))
-        for key, text in about.items():
+        for key, names in {'geometries': about.geometries, **about.lists}.items():
+            add(key, np.array(names, dtype=np.str_))
+        for key, text in about.texts.items():
             add(key, np.array([text]))
+        found: dict[str, None] = {}
         for block in blocks:
+            found |= dict.fromkeys(block)
             for name, values in block.items():
                 if name != 'counts':
                     add(_PLACES.get(name, name), values)
@@ -127,6 +175,7 @@ def _write_npz(
                 ends = end + np.cumsum(values, dtype=np.int64)
                 add('offsets', ends)
                 end = ends[-1:] if len(ends) else end
+        add('columns', np.array([_meanings(found)]))
         for name, column in columns.items():
             column.move_to(file, name)
 
@@ -142,24 +191,24 @@ def _parquet() -> Any:
     return pyarrow
 
 
-def _write_parquet(
-    target: IO[bytes],
-    blocks: Iterable[Columns],
-    names: Sequence[str],
-    about: Mapping[str, str],
-) -> None:
+def _write_parquet(target: IO[bytes], blocks: Iterable[Columns], about: About) -> None:
     pyarrow, writer, first = _parquet(), None, 0
+    lists = {key: json.dumps(list(names)) for key, names in about.lists.items()}
     try:
         for block in blocks:
             states = len(next(iter(block.values())))
             rows = np.arange(first, first + states)
             if 'counts' in block:
                 rows = np.repeat(rows, block.pop('counts'))
+            for name in _STATES:
+                if name in block:
+                    block[name] = block[name].reshape(states, -1)[rows - first]
             first += states
             columns = {'state': pyarrow.array(rows)}
             for name, values in block.items():
-                columns[_PLACES.get(name, name)] = _column(pyarrow, name, values, names)
-            table = pyarrow.table(columns).replace_schema_metadata(dict(about))
+                columns[_PLACES.get(name, name)] = _column(pyarrow, name, values, about.geometries)
+            said = {**about.texts, **lists, 'columns': _meanings(['state', *block])}
+            table = pyarrow.table(columns).replace_schema_metadata(said)
             writer = writer or pyarrow.parquet.ParquetWriter(target, table.schema)
             writer.write_table(table)
     finally:
@@ -175,8 +224,3 @@ def _column(pyarrow: Any, name: str, values: NDArray[Any], names: Sequence[str])
         flat = pyarrow.array(np.ascontiguousarray(values).reshape(-1))
         return pyarrow.FixedSizeListArray.from_arrays(flat, values.shape[1])
     return pyarrow.array(values)
-
-
-def about(scene: str, question: str, versions: Mapping[str, str]) -> dict[str, str]:
-    """Return what a file says of its answers."""
-    return {'scene': scene, 'question': question, 'versions': json.dumps(dict(versions))}

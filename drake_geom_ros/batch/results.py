@@ -2,23 +2,55 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drake_geom_ros.geometry import GeometryError
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
-class LeastDistances(NamedTuple):
-    """The pair of the least lower bound in each of N states, as QueryObject tells of it.
+class Names:
+    """The names of geometries, ``source::frame/geometry``, by the values of their ids."""
 
-    ``distance`` is within ``error_bound`` of the least distance of all pairs. Where every pair of
-    a state is certified to be out of reach it is infinity, ids and all else are 0.
-    """
+    _known: Mapping[int, str] = {}
 
+    def names_of(self, ids: Indices) -> NDArray[np.str_]:
+        """Return the names of id values (k,), empty where there is no geometry.
+
+        Raises GeometryError for what is no geometry of the scene that was asked.
+        """
+        values, places = np.unique(ids, return_inverse=True)
+        unknown = [value for value in values.tolist() if value and value not in self._known]
+        if unknown:
+            raise GeometryError(f'{unknown[0]} is the id of no geometry that these results know')
+        told = [self._known[value] if value else '' for value in values.tolist()]
+        return np.array(told, dtype=np.str_)[places.reshape(np.shape(ids))]
+
+
+class PairNames(Names):
+    """The names of the pairs of results."""
+
+    id_A: Indices
+    id_B: Indices
+
+    @property
+    def name_A(self) -> NDArray[np.str_]:
+        """The names (k,) of the first geometries, empty where there is no pair."""
+        return self.names_of(self.id_A)
+
+    @property
+    def name_B(self) -> NDArray[np.str_]:
+        """The names (k,) of the second geometries, empty where there is no pair."""
+        return self.names_of(self.id_B)
+
+
+class _LeastDistances(NamedTuple):
     distance: Floats  # (N,) [m]
     error_bound: Floats  # (N,) [m]
     id_A: Indices  # (N,) values of GeometryId
@@ -29,14 +61,18 @@ class LeastDistances(NamedTuple):
     p_WCa: Floats  # (N, 3) [m]
     p_WCb: Floats  # (N, 3) [m]
     method: NDArray[np.uint8]  # (N,) the METHOD_* constants
+    joint_gradient: Floats  # (N, q) by joint values [m/rad] or [-]; (N, 0) unless asked for
 
 
-class PairsOfStates(NamedTuple):
-    """Pairs of N states: those of state s are rows ``offsets[s]`` to ``offsets[s + 1]``.
+class LeastDistances(PairNames, _LeastDistances):
+    """The pair of the least lower bound in each of N states, as QueryObject tells of it.
 
-    Of ``within`` by (id_A, id_B), of ``nearest`` by their lower bounds, the least first.
+    ``distance`` is within ``error_bound`` of the least distance of all pairs. Where every pair of
+    a state is certified to be out of reach it is infinity, ids and all else are 0.
     """
 
+
+class _PairsOfStates(NamedTuple):
     offsets: Indices  # (N + 1,)
     distance: Floats  # (k,) [m]
     error_bound: Floats  # (k,) [m]
@@ -48,14 +84,17 @@ class PairsOfStates(NamedTuple):
     p_WCa: Floats  # (k, 3) [m]
     p_WCb: Floats  # (k, 3) [m]
     method: NDArray[np.uint8]  # (k,)
+    joint_gradient: Floats  # (k, q) by joint values [m/rad] or [-]; (k, 0) unless asked for
 
 
-class PointsOfStates(NamedTuple):
-    """Distances of geometries to points: of state s rows ``offsets[s]`` to ``offsets[s + 1]``.
+class PairsOfStates(PairNames, _PairsOfStates):
+    """Pairs of N states: those of state s are rows ``offsets[s]`` to ``offsets[s + 1]``.
 
-    Sorted by (point_index, id_G).
+    Of ``within`` by (id_A, id_B), of ``nearest`` by their lower bounds, the least first.
     """
 
+
+class _PointsOfStates(NamedTuple):
     offsets: Indices  # (N + 1,)
     point_index: NDArray[np.uint32]  # (k,)
     id_G: Indices  # (k,) values of GeometryId
@@ -66,6 +105,19 @@ class PointsOfStates(NamedTuple):
     p_GN: Floats  # (k, 3) [m] in the geometry's frame
 
 
+class PointsOfStates(Names, _PointsOfStates):
+    """Distances of geometries to points: of state s rows ``offsets[s]`` to ``offsets[s + 1]``.
+
+    Sorted by (point_index, id_G).
+    """
+
+    @property
+    def name_G(self) -> NDArray[np.str_]:
+        """The names (k,) of the geometries."""
+        return self.names_of(self.id_G)
+
+
+_Found = TypeVar('_Found', LeastDistances, PairsOfStates, PointsOfStates)
 _IDS = ('id_A', 'id_B', 'id_G')
 
 Results = Flags | LeastDistances | PairsOfStates | PointsOfStates
@@ -77,7 +129,8 @@ class Gathered:
     Where each state has one row, a block is put where it belongs at once: it is held once.
     """
 
-    def __init__(self, want: str, count: int, ids: Indices) -> None:
+    def __init__(self, want: str, count: int, ids: Indices, names: Sequence[str]) -> None:
+        self._known = dict(zip(ids.tolist(), names, strict=True))
         self._want, self._count = want, count
         self._ids = np.append(ids, 0)  # of geometries by their place; 0 for place -1, none
         self._rows: dict[str, NDArray[Any]] = {}
@@ -100,10 +153,21 @@ class Gathered:
         if self._want == 'collision':
             return self._rows['collision']
         if self._want == 'least':
-            return LeastDistances(**self._rows)
+            return self._named(LeastDistances(**_with_joints(self._rows)))
         blocks = [self._ragged[block] for block in sorted(self._ragged)]
         columns = {
             name: np.concatenate([block.pop(name) for block in blocks]) for name in list(blocks[0])
         }
         columns['offsets'] = np.concatenate(([0], np.cumsum(columns.pop('counts'))))
-        return (PointsOfStates if self._want == 'points' else PairsOfStates)(**columns)
+        if self._want == 'points':
+            return self._named(PointsOfStates(**columns))
+        return self._named(PairsOfStates(**_with_joints(columns)))
+
+    def _named(self, found: _Found) -> _Found:
+        found._known = self._known
+        return found
+
+
+def _with_joints(columns: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return columns of pairs with the gradients by joints, of none where nobody asked."""
+    return {'joint_gradient': np.zeros((len(columns['distance']), 0)), **columns}

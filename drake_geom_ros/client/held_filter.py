@@ -36,7 +36,11 @@ class HeldFilter:
         self._timer: Timer | None = None
 
     async def hold(self) -> None:
-        """Apply the filter and keep renewing it; raise RefusedError if the node refuses."""
+        """Apply the filter and keep renewing it; raise RefusedError if the node refuses.
+
+        A coroutine: await it, or nothing is sent and no pair is filtered. Where nobody can, give
+        it to the node's executor: ``node.executor.create_task(held.hold())``.
+        """
         answer = await self._services.ask(
             'apply_transient_filter',
             declaration=self.declaration,
@@ -47,7 +51,7 @@ class HeldFilter:
         self._timer = self._node.create_timer(self._lease / 2, self._renew)
 
     async def let_go(self) -> None:
-        """Remove the filter; raise RefusedError if the node refuses."""
+        """Remove the filter; raise RefusedError if the node refuses. Await it, as ``hold``."""
         self._stop()
         filter_id, self.filter_id = self.filter_id, 0
         await self._services.ask('remove_filter', filter_id=filter_id, owner=self._owner)

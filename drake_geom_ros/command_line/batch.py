@@ -4,7 +4,7 @@ import argparse
 import math
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch import WANTS, Joints, Question, cluster_executor
 from drake_geom_ros.batch.evaluation import computed
 from drake_geom_ros.batch.parts import Parts
-from drake_geom_ros.batch.questions import Job
-from drake_geom_ros.batch.result_files import about, check_place, check_suffix, write
+from drake_geom_ros.batch.questions import Columns, Job
+from drake_geom_ros.batch.result_files import About, check_place, check_suffix, write
 from drake_geom_ros.batch.running import REMOTE_BLOCK, blocks_of, size_for_all
 from drake_geom_ros.batch.state_files import States, read_states
 from drake_geom_ros.batch.summary import Summary
@@ -26,7 +26,7 @@ from drake_geom_ros.command_line.query import points_of_file
 from drake_geom_ros.command_line.scene_input import load_and_tell
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, SceneGraph
+from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
@@ -65,6 +65,16 @@ def add_to(commands: Any) -> None:
         default='exact',
         help='(default: exact); distances to points are exact at each level',
     )
+    parser.add_argument(
+        '--joint-gradients',
+        action='store_true',
+        help='derivatives of the distances by the joint values, too',
+    )
+    parser.add_argument(
+        '--without-states',
+        action='store_true',
+        help='leave the states out of the results, which have them beside their answers',
+    )
     parser.add_argument('--output', required=True, metavar='FILE', help='.npz or .parquet')
     parser.add_argument('--picture', metavar='FILE', help='a histogram of the distances')
     parser.add_argument(
@@ -90,9 +100,10 @@ def run(options: argparse.Namespace) -> int:
     states = read_states(options.states, options.names)
     points = points_of_file(options.points) if options.points else None
     question = Question(
-        options.what, options.max_distance, options.accuracy, options.count, points
+        *(options.what, options.max_distance, options.accuracy, options.count, points),
+        by_joints=options.joint_gradients,
     )
-    job, names = _job(scene_graph, loaded, states, question)
+    job, lists = _job(scene_graph, loaded, states, question)
     start = time.perf_counter()
     size = size_for_all(len(states.rows), 0, REMOTE_BLOCK)
     task = {
@@ -113,10 +124,14 @@ def run(options: argparse.Namespace) -> int:
         except KeyboardInterrupt:
             print(f'interrupted; --resume goes on with {parts.folder}', file=sys.stderr)
             return INTERRUPTED
-    said = about(job.scene.digest, question.words, {'drake_geom_ros': version()})
+    said = About.of(
+        (job.scene.digest, question.words, {'drake_geom_ros': version()}),
+        lists.pop('geometries'),
+        lists,
+    )
     check_place(output)  # once more: hours may have passed
     summary = Summary()
-    write(output, summary.of(map(parts.get, parts.blocks)), names, said)
+    write(output, summary.of(_columns(parts, states, options.without_states)), said)
     if options.picture:
         summary.draw(Path(options.picture), f'{Path(options.scene).stem}: {question.want}')
     if not parts.remove():
@@ -146,11 +161,20 @@ def _say(text: str, options: argparse.Namespace) -> None:
         print(text, file=sys.stderr)
 
 
+def _columns(parts: Parts, states: States, without_states: bool) -> Iterator[Columns]:
+    """Yield the answers of each block and, unless they are left out, the states behind them."""
+    name = 'poses' if states.are_poses else 'states'
+    for block in parts.blocks:
+        columns = parts.get(block)
+        yield columns if without_states else {**columns, name: states.rows[slice(*block)]}
+
+
 def _job(
     scene_graph: SceneGraph, loaded: LoadedScene, states: States, question: Question
-) -> tuple[Job, list[str]]:
-    """Return the job, and the names of the scene's geometries by their place in it."""
+) -> tuple[Job, dict[str, list[str]]]:
+    """Return the job, and names: of geometries by their place in it, and of what states are of."""
     arms: tuple[Any, ...] = ()
+    named_by: dict[str, list[str]] = {'frames': list(states.names or ())}
     if states.are_poses:
         ids = _frames(loaded, states.names or ())
     else:
@@ -162,9 +186,12 @@ def _job(
                 '<states>',
             )
         ids, arms = joints.id_values, joints.arms
+        named_by = {'joints': list(joints.names)}
     job, geometry_ids = Job.of(scene_graph.CreateDefaultContext(), question, ids, arms)
-    named = {
-        id.get_value(): f'{source}::{frame}/{name}'
-        for (source, frame, name), id in loaded.geometries.items()
+    inspector = scene_graph.model_inspector()
+    on = [inspector.GetFrameId(GeometryId(value)) for value in geometry_ids.tolist()]
+    return job, {
+        'geometries': inspector.full_names(geometry_ids),
+        'geometry_frames': [inspector.full_name(frame) for frame in on],
+        **named_by,
     }
-    return job, [named[id] for id in geometry_ids.tolist()]

@@ -33,7 +33,7 @@ class PosedScene:
         self._path = path
         self.description: SceneDescription = read_and_tell(path, srdf)
         self.scene_graph = SceneGraph()
-        loaded = register(self.scene_graph, self.description)
+        self.loaded = loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames
         self.cameras = {camera.name: (frame, camera) for frame, camera in loaded.cameras}
         self.context = self.scene_graph.CreateSharedContext(partial=True)

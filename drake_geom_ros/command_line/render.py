@@ -6,14 +6,18 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from drake_geom_ros.command_line import pictures
+from drake_geom_ros.command_line.configurations import (
+    add_joints_to,
+    add_states_to,
+    pose_joints,
+    poses_of_states,
+)
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
-from drake_geom_ros.geometry import FrameId, Role
-from drake_geom_ros.math import RigidTransform, RotationMatrix
-from drake_geom_ros.math.tolerances import DIRECTION_NORM
+from drake_geom_ros.command_line.query import limit
+from drake_geom_ros.common.whole_files import check_outputs
+from drake_geom_ros.geometry import FrameId, FramePoseVector, Role
 from drake_geom_ros.scene_files import (
     CameraDescription,
     SceneFileError,
@@ -21,11 +25,15 @@ from drake_geom_ros.scene_files import (
     camera_of,
     check_camera,
 )
+from drake_geom_ros.scene_files.cameras import RENDERERS
 from drake_geom_ros.sensors import CameraInfo
+from drake_geom_ros.viewing.notebook import Shown
+from drake_geom_ros.viewing.pairs import Pairs
+from drake_geom_ros.viewing.snapshot import Camera, looking, picture
 
-_STEEP = 0.999  # cosine to the vertical beyond which +y, not +z, is up
 _BAR = 30  # characters
 
+Moments = Sequence[PoseSet | FramePoseVector]
 Cameras = list[tuple[FrameId, CameraDescription]]
 
 
@@ -61,8 +69,27 @@ def add_to(commands: Any) -> None:
         choices=('perception', 'proximity'),
         help='the role of what --from sees (default: perception where any geometry has it)',
     )
-    parser.add_argument('--poses', metavar='FILE', help='an image for each moment: CSV or JSON')
+    moving = parser.add_mutually_exclusive_group()
+    moving.add_argument('--poses', metavar='FILE', help='an image for each moment: CSV or JSON')
+    add_states_to(moving)
+    add_joints_to(parser)
     parser.add_argument('--time', type=float, metavar='T', help='only the moment T of --poses [s]')
+    parser.add_argument(
+        '--nearest',
+        type=limit,
+        metavar='D',
+        help='a picture CAMERA_view.png, too, with lines between the nearest points of pairs up '
+        'to D [m], red where they overlap',
+    )
+    parser.add_argument(
+        '--see-through',
+        type=float,
+        nargs='?',
+        const=0.4,
+        metavar='C',
+        help='a picture CAMERA_view.png, too, whose bodies cover only this share of what is '
+        'behind them (default: 0.4)',
+    )
     parser.add_argument('--output', required=True, metavar='DIR', help='folder to write to')
     parser.set_defaults(run=run)
 
@@ -74,41 +101,54 @@ def run(options: argparse.Namespace) -> int:
     if options.time is not None and not options.poses:
         raise SceneFileError('--time goes with --poses', options.scene)
     pictures.check_libraries()
-    moments = read_poses(options.poses) if options.poses else [PoseSet()]
     scene = PosedScene(options.scene, options.srdf)
+    pose_joints(scene, options.joints)
+    moments: Moments = [PoseSet()]
+    if options.poses:
+        moments = read_poses(options.poses)
+    elif options.states:
+        moments = poses_of_states(scene, options.states).poses
     cameras = _cameras(scene, options)
     add_renderers(scene.scene_graph)
     folder = Path(options.output)
     folder.mkdir(parents=True, exist_ok=True)
-    inputs = [Path(each) for each in (options.scene, options.srdf, options.poses) if each]
+    given = (options.scene, options.srdf, options.poses, options.states)
+    inputs = [Path(each) for each in given if each]
     inputs += scene.files()
     total = len(cameras) * (1 if options.time is not None else len(moments))
     done = 0
     for number in _posed(scene, moments, options.time):
         suffix = '' if number is None else f'_{number:04d}'
         for frame, camera in cameras:
-            _write(scene, frame, camera, folder / f'{camera.name}{suffix}', inputs)
+            path = folder / f'{camera.name}{suffix}'
+            _write(scene, frame, camera, path, inputs)
+            if options.nearest is not None or options.see_through is not None:
+                _write_view(scene, frame, camera, path, inputs, options)
             done += 1
             _show_progress(done, total)
     print(f'{done} x {len(cameras[0][1].images)} images in {folder}')
     return 0
 
 
-def _posed(scene: PosedScene, moments: list[PoseSet], time: float | None) -> Iterator[int | None]:
+def _posed(scene: PosedScene, moments: Moments, time: float | None) -> Iterator[int | None]:
     """Pose the scene for each moment, or for that of a time, and yield its number."""
     if time is not None:
-        past = [m for m in moments if m.time is not None and m.time <= time]
+        timed = [m for m in moments if isinstance(m, PoseSet) and m.time is not None]
+        past = [m for m in timed if m.time is not None and m.time <= time]
         if not past:
             raise SceneFileError(
                 f'--time {time}: the pose file begins later, or tells no times', ''
             )
-        for moment in past:
-            scene.pose(moment.poses)
+        for one in past:
+            scene.pose(one.poses)
         scene.check_whole()
         yield None
         return
     for number, moment in enumerate(moments):
-        scene.pose(moment.poses)
+        if isinstance(moment, PoseSet):
+            scene.pose(moment.poses)
+        else:
+            scene.context.UpdateFramePoses(moment)
         scene.check_whole()
         yield number if len(moments) > 1 else None
 
@@ -127,6 +167,28 @@ def _write(
     for geometry, label in query.render_legend(camera.core().renderer_name()).items():
         legend.setdefault(label, []).append(scene.names[geometry])
     pictures.write_all(images, legend, path, inputs)
+
+
+def _write_view(
+    scene: PosedScene,
+    frame: FrameId,
+    description: CameraDescription,
+    path: Path,
+    inputs: Sequence[Path],
+    options: argparse.Namespace,
+) -> None:
+    """Write what a person looks at: nearest points drawn, bodies that one can see through."""
+    query = scene.query
+    pairs = None
+    if options.nearest is not None:
+        pairs = Pairs.of(query.ComputeSignedDistancePairwiseClosestPoints(options.nearest))
+    camera = Camera(query.X_WF(frame) @ description.X_FC, description.intrinsics)
+    cover = 1.0 if options.see_through is None else options.see_through
+    _, role = RENDERERS[description.shows]
+    shown = Shown(picture(query, camera, role, cover, pairs))
+    file = path.with_name(f'{path.name}_view.png')
+    check_outputs({'the image': file}, inputs)
+    shown.save(file)
 
 
 def _cameras(scene: PosedScene, options: argparse.Namespace) -> Cameras:
@@ -164,23 +226,6 @@ def _placed(scene: PosedScene, options: argparse.Namespace) -> CameraDescription
     except RuntimeError as error:
         raise SceneFileError(str(error), options.scene) from error
     return camera
-
-
-def looking(from_W: list[float], at_W: list[float]) -> RigidTransform:
-    """Return X_WC of a camera at one point that looks at another, its x level.
-
-    Raises RuntimeError where they are no two points.
-    """
-    ahead = np.subtract(at_W, from_W)
-    length = float(np.linalg.norm(ahead))
-    if not length > DIRECTION_NORM:
-        raise RuntimeError(f'--from {from_W} and --at {at_W} must be two points')
-    ahead /= length
-    up = [0.0, 1.0, 0.0] if abs(ahead[2]) > _STEEP else [0.0, 0.0, 1.0]
-    aside = np.cross(ahead, up)
-    aside /= np.linalg.norm(aside)
-    R_WC = RotationMatrix(np.column_stack((aside, np.cross(ahead, aside), ahead)))
-    return RigidTransform(R_WC, from_W)
 
 
 def _show_progress(done: int, total: int) -> None:

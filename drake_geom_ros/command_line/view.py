@@ -5,6 +5,12 @@ import sys
 import threading
 from typing import Any
 
+from drake_geom_ros.command_line.configurations import (
+    add_joints_to,
+    add_states_to,
+    pose_joints,
+    poses_of_states,
+)
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.query import limit
@@ -31,6 +37,8 @@ def add_to(commands: Any) -> None:
     moving = parser.add_mutually_exclusive_group()
     moving.add_argument('--poses', metavar='FILE', help='poses of frames over time, CSV or JSON')
     moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
+    add_states_to(moving)
+    add_joints_to(parser)
     parser.add_argument(
         '--max-distance',
         type=limit,
@@ -60,19 +68,26 @@ def run(options: argparse.Namespace) -> int:
 def open_page(options: argparse.Namespace) -> Page:
     """Return the page of a scene file."""
     posed = PosedScene(options.scene, options.srdf)
+    values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)
+    joints = JointSliders(motion.robots, scene.frames)
+    joints.take(values)
     timeline = None
     if options.motion:
         timeline = Timeline.of_motion(motion, scene.frames)
     elif options.poses:
         timeline = _timeline(posed, read_poses(options.poses), options.poses)
+    elif options.states:
+        states = poses_of_states(posed, options.states)
+        timeline = Timeline.of_moments(range(len(states.poses)), states.poses)
+        joints.follow_states(states.values)
     if timeline is not None:
         scene.pose(timeline.poses(timeline.start))
     return Page(
         open_server(options.host, options.port),
         scene,
-        joints=JointSliders(motion.robots, scene.frames),
+        joints=joints,
         timeline=timeline,
         max_distance=options.max_distance,
         accuracy=options.accuracy,

@@ -119,3 +119,12 @@ class FilterId(Identifier):
     """Names a transient collision filter declaration."""
 
     __slots__ = ()
+
+
+def geometry_id_of(value: object) -> GeometryId:
+    """Return an id itself, or that of a number as arrays of results hold; no bool, no text."""
+    if isinstance(value, GeometryId):
+        return value
+    if isinstance(value, bool) or not hasattr(value, '__index__'):
+        raise ArgumentTypeError(f'geometry_id = {value!r} must be of type GeometryId')
+    return GeometryId(value)  # type: ignore[arg-type]

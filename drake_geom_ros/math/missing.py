@@ -11,6 +11,9 @@ from typing import NoReturn
 _IMPORTLIB = ('importlib._bootstrap', '_frozen_importlib')
 
 
+_PAGE = 'docs/differences_from_pydrake.md lists what is missing and shows how to port a script'
+
+
 def refuse_missing(module: str) -> Callable[[str], NoReturn]:
     """Return the ``__getattr__`` of a package that stands for one of pydrake.
 
@@ -23,7 +26,7 @@ def refuse_missing(module: str) -> Callable[[str], NoReturn]:
     def get(name: str) -> NoReturn:
         text = (
             f'cannot import name {name!r} from {module!r}. Not every name of {pydrake} is here: '
-            'docs/differences_from_pydrake.md lists what is missing and shows how to port a script'
+            f'{_PAGE}'
         )
         asker = sys._getframe(1).f_globals.get('__name__')
         if asker in _IMPORTLIB and name[:1] != '_' and find_spec(f'{module}.{name}') is None:
@@ -31,3 +34,15 @@ def refuse_missing(module: str) -> Callable[[str], NoReturn]:
         raise AttributeError(text)
 
     return get
+
+
+def refuse_missing_member(self: object, name: str) -> NoReturn:
+    """Be the ``__getattr__`` of a class that stands for one of pydrake.
+
+    Raises AttributeError, which says where to look for what a script calls.
+    """
+    kind = type(self).__name__
+    text = f'{kind!r} object has no attribute {name!r}'
+    if name[:1].isupper():  # as pydrake's methods begin
+        text += f'. Not every method of pydrake is here: {_PAGE}'
+    raise AttributeError(text, name=name, obj=self)

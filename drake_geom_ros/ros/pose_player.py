@@ -150,8 +150,29 @@ def _statement(grasp: Grasp) -> CollisionFilterStatement:
     )
 
 
+def usage() -> str:
+    """Return what the player takes."""
+    width = max(map(len, _TEXTS)) + 2
+    return '\n'.join(
+        [
+            'usage: pose_player --ros-args -p scene_file:=FILE [-p trajectory_file:=FILE] ...',
+            '',
+            'Plays a motion of the frames of a scene as FramePoses messages, or on /tf.',
+            '',
+            'parameters, each as -p NAME:=VALUE behind --ros-args:',
+            *(f'  {name:{width}}{text}' for name, text in _TEXTS.items()),
+            '',
+            'docs/motions.md describes motion files; ~/restart (std_srvs/Trigger) begins anew.',
+        ]
+    )
+
+
 def main(args: list[str] | None = None) -> int:
     """Run the player until it is interrupted; return 2 where it is given what it cannot play."""
+    given = sys.argv[1:] if args is None else args
+    if {'-h', '--help'} & set(given):
+        print(usage())
+        return 0
     return run_node(PosePlayer, _REFUSALS, args)
 
 

@@ -1,8 +1,9 @@
 """Scene description -> registrations, through the public interface of SceneGraph only."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from drake_geom_ros.geometry import (
     CollisionFilterDeclaration,
@@ -16,6 +17,7 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     SceneGraphContext,
     SourceId,
+    UnknownIdError,
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
@@ -57,6 +59,32 @@ class LoadedScene:
     static: Mapping[FrameId, bool] = field(default_factory=dict)
     cameras: tuple[tuple[FrameId, CameraDescription], ...] = ()
     warnings: tuple[str, ...] = ()
+
+    def name_of(self, id: GeometryId | FrameId | int) -> str:
+        """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
+
+        A number is the value of a GeometryId, as arrays of results hold them, and 0 none: an empty
+        text. Raises UnknownIdError for what this scene did not register.
+        """
+        known: Mapping[GeometryId | FrameId | int, str] = self._names
+        if not isinstance(id, FrameId):
+            id = id.get_value() if isinstance(id, GeometryId) else int(id)
+        if id not in known:
+            raise UnknownIdError(f'{id!r} is nothing that this scene has registered by name')
+        return known[id]
+
+    def names_of(self, ids: Iterable[GeometryId | FrameId | int]) -> list[str]:
+        """Return ``name_of`` each of some ids, such as ``id_A`` of results."""
+        return [self.name_of(id) for id in ids]
+
+    @cached_property
+    def _names(self) -> dict[GeometryId | FrameId | int, str]:
+        names: dict[GeometryId | FrameId | int, str] = {
+            id.get_value(): f'{source}::{frame}/{name}'
+            for (source, frame, name), id in self.geometries.items()
+        }
+        names[0] = ''
+        return names | {id: '::'.join(key) for key, id in self.frames.items()}
 
 
 def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:

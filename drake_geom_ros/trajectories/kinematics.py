@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,7 @@ from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
 from drake_geom_ros.scene_files.urdf_tree import read_link_tree, root_links
+from drake_geom_ros.trajectories import autodiff_kinematics
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 
 _KINDS = {
@@ -123,7 +125,12 @@ class Kinematics:
 
         Positions in [m] and angles in [rad], in the order of ``joint_names``; links in the order
         of ``link_names``, the base link B first. ``X_WB`` (4, 4) places it (default: identity).
+
+        Of joint values (joints,) of AutoDiffXd so are the transforms, as
+        ``RigidTransform_[AutoDiffXd]`` takes them. ``X_WB`` is of numbers.
         """
+        if autodiff_kinematics.is_of_autodiff(q, X_WB):
+            return self._of_autodiff(q, X_WB)
         X_WLs = self._all_transforms(q, X_WB)
         return X_WLs[..., : len(self.link_names), :, :]
 
@@ -140,14 +147,31 @@ class Kinematics:
         X_WLs = self.tree.link_poses(rows, base)
         return matrices_of_poses(X_WLs.reshape(*q.shape[:-1], *X_WLs.shape[1:]))
 
+    def _of_autodiff(self, q: Any, X_WB: Any) -> NDArray[Any]:
+        """Return X_WL (links, 4, 4) of AutoDiffXd; raises ValueError where it cannot."""
+        if autodiff_kinematics.is_of_autodiff(X_WB):
+            raise ValueError(
+                f'{self.name}: X_WB must be of numbers. Of a base that moves take X_BL from here, '
+                'with X_WB left out, and multiply RigidTransform_[AutoDiffXd](X_WB) by each'
+            )
+        values, rates = autodiff_kinematics.values_and_rates(q, len(self.joint_names))
+        X_WLs, Js = self.link_transforms(values, X_WB), self.link_jacobians(values, X_WB)
+        return autodiff_kinematics.transforms(X_WLs, Js, rates)
+
     def link_jacobians(self, q: ArrayLike, X_WB: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return J_WL of every link (..., links, 6, joints): its spatial velocity is J_WL @ qdot.
 
         Spatial velocities are [w_WL, v_WLo], angular before linear, in World axes, the linear part
         that of the link's origin: what ``SignedDistanceResults.jacobian_by_frames`` takes. Joints
         in the order of ``joint_names``, links in that of ``link_names``, arguments as of
-        ``link_transforms``.
+        ``link_transforms``. Raises ValueError for AutoDiffXd, whose second derivatives are not
+        kept: take the values, by ExtractValue.
         """
+        if autodiff_kinematics.is_of_autodiff(q, X_WB):
+            raise ValueError(
+                f'{self.name}: link_jacobians takes numbers: ExtractValue(q)[:, 0] are those of '
+                'AutoDiffXd. Derivatives of the transforms come with link_transforms(q)'
+            )
         X_WLs, tree = self._all_transforms(q, X_WB), self.tree
         p_WLs = X_WLs[..., :3, 3]
         Js = np.zeros((*X_WLs.shape[:-2], 6, len(self.joint_names)))

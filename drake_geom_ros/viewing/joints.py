@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +40,7 @@ class JointSliders:
         self._robots = robots
         self.values = {name: robot.joint_values.value(time) for name, robot in robots.items()}
         self._frames = frames
+        self._states: Sequence[Mapping[str, float]] = ()
         self._links = {
             name: [k for k, link in enumerate(robot.kinematics.link_names) if link != WORLD]
             for name, robot in robots.items()
@@ -73,8 +74,32 @@ class JointSliders:
         self.values[joint.robot] = q
         return self.poses(joint.robot)
 
+    def take(self, values: Mapping[str, float]) -> None:
+        """Begin with values [rad] or [m] of joints by ``robot::joint``, also beyond their limits.
+
+        Links are not posed by it. Raises KeyError for a joint that is not here.
+        """
+        known = {
+            f'{name}::{joint}': (name, column)
+            for name, robot in self._robots.items()
+            for column, joint in enumerate(robot.kinematics.joint_names)
+        }
+        for name, value in values.items():
+            robot, column = known[name]
+            q = np.array(self.values[robot])
+            q[column] = value
+            self.values[robot] = q
+
+    def follow_states(self, states: Sequence[Mapping[str, float]]) -> None:
+        """Take the values of states one after another, as ``take``, one each second."""
+        self._states = states
+        self.follow(0.0)
+
     def follow(self, time: float) -> None:
-        """Take the values that the robots' motions have at a time [s]."""
+        """Take the values that the robots' motions, or the states, have at a time [s]."""
+        if self._states:
+            self.take(self._states[min(int(time), len(self._states) - 1)])
+            return
         for name, robot in self._robots.items():
             self.values[name] = robot.joint_values.value(time)
 

@@ -213,6 +213,12 @@ def test_joints_without_a_column_rest_at_zero_or_their_nearest_limit(cell):
             Joints.of(cell.loaded, names)
 
 
+def test_poses_of_states_of_another_size_are_refused(cell):
+    for bad in (np.zeros((2, 3)), np.zeros(4), np.zeros((1, 2, 4)), np.zeros((2, 5))):
+        with pytest.raises(ArgumentError, match=r'\(N, 4\), one value each for arm::turn'):
+            cell.joints.poses(bad)
+
+
 def test_poses_of_joints_are_those_of_forward_kinematics(cell):
     arm = cell.loaded.robots['arm']
     kinematics, states = Kinematics(str(arm.urdf)), cell.states(20)

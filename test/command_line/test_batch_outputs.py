@@ -177,3 +177,63 @@ def test_the_task_of_parts_says_whose_they_are(tmp_path):
     assert told['format'] == 'drake_geom_ros parts of a batch 1'
     assert parts.remove()
     assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize('suffix', ['npz', 'parquet'])
+def test_a_result_explains_itself_and_is_a_file_of_states_again(tmp_path, suffix):
+    from drake_geom_ros.batch import Joints, evaluate
+    from drake_geom_ros.batch.state_files import read_states
+    from drake_geom_ros.geometry import SceneGraph
+    from drake_geom_ros.scene_files import load_scene
+
+    scene_graph = SceneGraph()
+    joints = Joints.of(load_scene(CELL, scene_graph))
+    rows = np.random.default_rng(2).uniform(-0.5, 0.5, (30, joints.count))
+    np.save(tmp_path / 'rows.npy', rows)
+    out = tmp_path / f'out.{suffix}'
+    given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--output', str(out)]
+    assert main([*given, '--joint-gradients', '--what', 'within', '--max-distance', '0.2']) == 0
+    expected = evaluate(
+        *(scene_graph, None, None, 'within', 0.2), states=rows, joints=joints, by_joints=True
+    )
+    if suffix == 'parquet':
+        parquet = pytest.importorskip('pyarrow.parquet').read_table(out)
+        said = {key.decode(): text.decode() for key, text in parquet.schema.metadata.items()}
+        assert json.loads(said['joints']) == list(joints.names)
+        assert set(json.loads(said['columns'])) == set(parquet.column_names)
+        found = np.array(parquet['joint_gradient'].to_pylist())
+        states = np.array(parquet['states'].to_pylist())
+        np.testing.assert_array_equal(states, rows[parquet['state'].to_numpy()])
+        assert parquet['geometry_a'].to_pylist() == expected.name_A.tolist()
+    else:
+        with np.load(out) as file:
+            found = file['joint_gradient']
+            assert file['joints'].tolist() == list(joints.names)
+            assert file['geometries'][file['geometry_a']].tolist() == expected.name_A.tolist()
+            assert file['geometry_frames'].tolist() == [
+                name.rpartition('/')[0].replace('things::world', 'world')
+                for name in file['geometries'].tolist()
+            ]
+            told = json.loads(file['columns'][0])
+            arrays = set(file.files) - {'geometries', 'geometry_frames', 'joints', 'columns'}
+            assert set(told) == arrays - {'scene', 'question', 'versions'}
+        again = read_states(out)
+        np.testing.assert_array_equal(again.rows, rows)
+        assert again.names == joints.names
+    np.testing.assert_array_equal(found, expected.joint_gradient)
+
+
+def test_states_may_be_left_out(tmp_path):
+    np.save(tmp_path / 'rows.npy', np.zeros((3, 4)))
+    given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--what', 'collision']
+    assert main([*given, '--without-states', '--output', str(tmp_path / 'out.npz')]) == 0
+    with np.load(tmp_path / 'out.npz') as file:
+        assert 'states' not in file.files
+        assert len(file['joints']) == 4
+
+
+def test_gradients_by_joints_of_what_has_none_are_refused(tmp_path, capsys):
+    np.save(tmp_path / 'rows.npy', np.zeros((3, 4)))
+    given = ['batch', str(CELL), str(tmp_path / 'rows.npy'), '--what', 'collision']
+    assert main([*given, '--joint-gradients', '--output', str(tmp_path / 'out.npz')]) == 2
+    assert 'by_joints' in capsys.readouterr().err

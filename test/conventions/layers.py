@@ -120,7 +120,10 @@ LAYERS = {
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (
-        ('math', 'common', 'geometry', 'geometry/queries', 'scene_files', 'trajectories'),
+        (
+            *('math', 'autodiffutils', 'common', 'geometry', 'geometry/queries', 'scene_files'),
+            'trajectories',
+        ),
         ('numpy', 'yaml'),
     ),
     'batch': (
@@ -137,13 +140,14 @@ LAYERS = {
         (
             'math',
             'common',
+            'sensors',
             'geometry',
             'geometry/queries',
             'scene_files',
             'trajectories',
             'viewing',
         ),
-        ('numpy', 'yaml'),
+        ('numpy', 'yaml', 'PIL'),
     ),
     'viewing/page': (
         ('math', 'common', 'geometry', 'trajectories', 'viewing', 'viewing/page'),

@@ -1,6 +1,8 @@
 """The player in a process of its own: what it publishes, and how it ends."""
 
 import signal
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -228,3 +230,22 @@ def test_a_robot_that_is_not_installed_is_found_in_package_roots(tmp_path, start
     messages = client.listen(FramePoses, OWN_TOPIC)
     client.wait_for(lambda: messages, 'poses of the robot')
     assert list(messages[0].frame_names) == ['stick::rod']
+
+
+def test_help_says_what_it_takes_and_starts_nothing():
+    for asked in (['--help'], ['-h'], ['--ros-args', '--help']):
+        done = subprocess.run(
+            [sys.executable, '-m', 'drake_geom_ros.ros.pose_player', *asked],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+        assert done.returncode == 0
+        assert done.stderr == ''
+        for name in ('scene_file', 'trajectory_file', 'topic', 'rate', 'tf', 'loop'):
+            assert f'\n  {name} ' in done.stdout
+    page = (ROOT / 'docs/motions.md').read_text()
+    for line in done.stdout.split('\n'):
+        if line.startswith('  '):
+            assert f'| `{line.split()[0]}` |' in page

@@ -56,3 +56,26 @@ def test_limits_are_kept_whatever_a_browser_sends(arm, asked, taken):
     with pytest.raises(ValueError, match='shoulder'):
         joints.move(shoulder, np.nan)
     assert joints.value(shoulder) == taken
+
+
+def test_values_may_be_given_by_full_names_and_by_states_over_time():
+    from batch.conftest import Cell
+
+    from drake_geom_ros.scene_files import read_scene
+    from drake_geom_ros.trajectories import load_motion
+
+    cell = Cell()
+    motion = load_motion(None, read_scene(cell.path))
+    joints = JointSliders(
+        motion.robots, {'::'.join(key): id for key, id in cell.loaded.frames.items()}
+    )
+    joints.take({'arm::bend': 0.5, 'arm::slide': 9.0})
+    told = {joint.name: joints.value(joint) for joint in joints.all()}
+    assert told['bend'] == 0.5
+    assert told['slide'] == 9.0
+    with pytest.raises(KeyError):
+        joints.take({'arm::elbow': 0.0})
+    joints.follow_states([{'arm::bend': 0.1}, {'arm::bend': 0.2}])
+    for time, value in ((0.0, 0.1), (0.9, 0.1), (1.5, 0.2), (99.0, 0.2)):
+        joints.follow(time)
+        assert {joint.name: joints.value(joint) for joint in joints.all()}['bend'] == value

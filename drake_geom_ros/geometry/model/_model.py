@@ -18,7 +18,7 @@ from drake_geom_ros.geometry.errors import (
     RoleError,
     UnknownIdError,
 )
-from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
+from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId, geometry_id_of
 from drake_geom_ros.geometry.model._records import (
     INTERNAL_SOURCE_NAME,
     ROLE_FIELDS,
@@ -33,6 +33,7 @@ from drake_geom_ros.geometry.model._records import (
     check_for_queries,
     named,
 )
+from drake_geom_ros.geometry.model._removed import Removed
 from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
@@ -59,6 +60,7 @@ class Model:
         self._source_names = {INTERNAL_SOURCE_NAME}
         self._frame_names = {(internal, WORLD_NAME)}
         self._geometry_names: dict[tuple[FrameId, Role, str], GeometryId] = {}
+        self._removed = Removed()
         self._children: dict[GeometryId, list[GeometryId]] = {}  # registered on a geometry
 
     def copy(self) -> Model:
@@ -77,6 +79,7 @@ class Model:
         other._source_names = set(self._source_names)
         other._frame_names = set(self._frame_names)
         other._geometry_names = dict(self._geometry_names)
+        other._removed = self._removed.copy()
         other._children = {parent: list(children) for parent, children in self._children.items()}
         return other
 
@@ -98,12 +101,13 @@ class Model:
         return self.frames[frame_id]
 
     def geometry(self, geometry_id: GeometryId) -> GeometryRecord:
-        """Return a geometry."""
-        if checked_type(geometry_id, GeometryId, 'geometry_id') not in self.geometries:
+        """Return a geometry, by its id or, as arrays of results have it, the value of that."""
+        geometry_id = geometry_id_of(geometry_id)
+        if geometry_id not in self.geometries:
             raise UnknownIdError(
                 f'Referenced geometry {geometry_id!r} is not a geometry of this scene, which has '
-                f'{len(self.geometries)}; see SceneGraphInspector.GetAllGeometryIds. It has not '
-                'been registered.'
+                f'{len(self.geometries)}; see SceneGraphInspector.GetAllGeometryIds. '
+                f'{self._removed.told_of(geometry_id)}'
             )
         return self.geometries[geometry_id]
 
@@ -234,6 +238,7 @@ class Model:
                 del self._geometry_names[record.frame_id, role, record.name]
             del self.frames[record.frame_id].geometry_ids[record.id]
             del self.geometries[record.id]
+        self._removed.add(removed)
         self._changed(roles={role for record in removed for role in record.roles()})
         return removed
 

@@ -298,3 +298,19 @@ class CollisionFilterManager:
 
 def _ids(keys: Iterable[int]) -> list[GeometryId]:
     return [GeometryId(key) for key in keys]
+
+
+# Why a pair is filtered for good; see ``FilterState.explain``.
+_FOR_GOOD = {
+    'self': 'a geometry has no distance from itself',
+    'anchored': 'both stand on the world, and never move against each other',
+    'same frame': 'both are on one frame, and never move against each other',
+}
+
+
+def how_to_allow(reasons: list[str]) -> str:
+    """Return whether a pair that is filtered for these reasons may be allowed, and how."""
+    for reason, why in _FOR_GOOD.items():
+        if reason in reasons:
+            return f'No filter can allow it: {why}.'
+    return 'See CollisionFilterManager for how to allow it.'

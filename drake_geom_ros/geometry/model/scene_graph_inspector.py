@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry.checks import canonical_name, checked_type
@@ -28,6 +30,7 @@ from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
 from drake_geom_ros.geometry.shapes.measures import CalcObb
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.missing import refuse_missing_member
 
 
 class SceneGraphInspector:
@@ -41,6 +44,9 @@ class SceneGraphInspector:
     def __init__(self, model: Model, filters: FilterState) -> None:
         self._model = model
         self._filters = filters
+
+    if not TYPE_CHECKING:  # mypy would take any method for one that is there
+        __getattr__ = refuse_missing_member
 
     # Sources.
 
@@ -272,6 +278,30 @@ class SceneGraphInspector:
         """Return the name of a geometry, by the older name of ``GetName``."""
         return self._model.geometry(geometry_id).name
 
+    def full_name(self, id: SourceId | FrameId | GeometryId) -> str:
+        """Return ``source``, ``source::frame`` or ``source::frame/geometry``; ``world`` alone.
+
+        What stands on the world is ``source::world/geometry``.
+        """
+        if isinstance(id, SourceId):
+            return self._model.source_name(id)
+        record = self._record(id)
+        if record.id == self._model.world_frame_id:
+            return record.name
+        source = self._model.source_name(record.source_id)
+        if isinstance(record, FrameRecord):
+            return f'{source}::{record.name}'
+        return f'{source}::{self._model.frame(record.frame_id).name}/{record.name}'
+
+    def full_names(self, geometry_ids: Iterable[GeometryId | int] | NDArray[Any]) -> list[str]:
+        """Return ``full_name`` of geometries by ids, or by their values as arrays of results hold.
+
+        Nothing for 0, which names no geometry.
+        """
+        ids = [id if isinstance(id, GeometryId) else GeometryId(id) for id in geometry_ids]
+        known = {id: self.full_name(id) for id in set(ids) if id.is_valid()}
+        return [known.get(id, '') for id in ids]
+
     # Collision filters.
 
     def CollisionFiltered(self, geometry_id1: GeometryId, geometry_id2: GeometryId) -> bool:
@@ -300,7 +330,10 @@ class SceneGraphInspector:
 
     def _record(self, id: FrameId | GeometryId) -> FrameRecord | GeometryRecord:
         """Return the record of a frame or a geometry."""
-        return self._model.frame(id) if isinstance(id, FrameId) else self._model.geometry(id)
+        if isinstance(id, FrameId):
+            return self._model.frame(id)
+        # A number may be of a frame, too, where either kind would do.
+        return self._model.geometry(checked_type(id, GeometryId, 'id'))
 
 
 def _has_role(record: GeometryRecord, role: Role) -> bool:

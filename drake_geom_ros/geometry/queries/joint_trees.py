@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
@@ -12,9 +13,12 @@ from drake_geom_ros.geometry._proximity.world.joint_poses import (
     FIXED,
     PRISMATIC,
     REVOLUTE,
+    JointChain,
     pose_links,
 )
 from drake_geom_ros.math.batched import rotations_from_quaternions
+
+__all__ = ['JointChain', 'JointKind', 'JointTree', 'side_by_side']
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -133,3 +137,32 @@ class JointTree:
             leaders=leaders,
             offsets=np.where(fixed, self.offsets + self.multipliers * still, self.offsets),
         )
+
+
+def side_by_side(
+    trees: Sequence[JointTree], X_WBs: Floats, links: Sequence[Indices]
+) -> JointChain:
+    """Return trees, of the same columns, as one: their roots at X_WBs (k, 7), and their links.
+
+    ``links`` are those of each tree that count, in the order of its poses.
+    """
+    sizes = [len(tree.parents) + 1 for tree in trees]
+    firsts = np.concatenate(([0], np.cumsum(sizes)))[: len(trees)]
+    X_WLs = np.zeros((sum(sizes), 7))
+    X_WLs[firsts] = X_WBs
+
+    def shifted(each: Sequence[Indices]) -> Indices:
+        return np.concatenate([rows + first for rows, first in zip(each, firsts, strict=True)])
+
+    return JointChain(
+        leaders=np.concatenate([tree.leaders for tree in trees]),
+        multipliers=np.concatenate([tree.multipliers for tree in trees]),
+        offsets=np.concatenate([tree.offsets for tree in trees]),
+        kinds=np.concatenate([tree.kinds for tree in trees]),
+        axes=np.concatenate([tree.axes for tree in trees]),
+        X_PJs=np.concatenate([tree.X_PJs for tree in trees]),
+        parents=shifted([tree.parents for tree in trees]),
+        children=shifted([tree.children for tree in trees]),
+        X_WLs=X_WLs,
+        links=shifted(links),
+    )

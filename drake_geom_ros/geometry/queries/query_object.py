@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
+from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
@@ -27,6 +28,7 @@ from drake_geom_ros.geometry.queries.query_results import (
 )
 from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
 from drake_geom_ros.math import RigidTransform, RotationMatrix
+from drake_geom_ros.math.missing import refuse_missing_member
 from drake_geom_ros.math.tolerances import FARTHEST
 
 
@@ -64,6 +66,9 @@ class QueryObject(ImageQueries):
 
     def __deepcopy__(self, memo: dict[int, object]) -> QueryObject:
         return self.__copy__()
+
+    if not TYPE_CHECKING:  # mypy would take any method for one that is there
+        __getattr__ = refuse_missing_member
 
     def inspector(self) -> SceneGraphInspector:
         """Return the inspector of this context's model."""
@@ -277,7 +282,7 @@ class QueryObject(ImageQueries):
         if reasons := context._filters.explain(keys[0], keys[1]):
             raise FilterError(
                 f'{asked} was asked for, but the pair is filtered: {", ".join(reasons)}. '
-                'See CollisionFilterManager for how to allow it.'
+                + how_to_allow(reasons)
             )
         for record in records:
             context._placed_frame(record.frame_id)

@@ -133,7 +133,14 @@ class PackedScene:
             found.update(np.ascontiguousarray(array).tobytes())
         return found.hexdigest()
 
-    def _world(self) -> World:
+    def has_moving_pairs(self) -> bool:
+        """Return whether any pair has a geometry that hangs on a frame which states pose."""
+        moving = np.isin(np.arange(len(self.parents)), self.moved)
+        for frame, parent in enumerate(self.parents.tolist()):
+            moving[frame] |= moving[parent]
+        return bool(moving[self.frames[self.pairs]].any())
+
+    def world(self) -> World:
         """Return a world of its own, all frames with a pose."""
         count = len(self.parents)
         world = World(
@@ -176,7 +183,7 @@ class StateQueries:
     """
 
     def __init__(self, scene: PackedScene) -> None:
-        self._loops = StateLoops(scene._world(), scene.pairs.copy(), scene.moved.copy())
+        self._loops = StateLoops(scene.world(), scene.pairs.copy(), scene.moved.copy())
 
     def has_collisions(
         self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
@@ -186,9 +193,9 @@ class StateQueries:
         That is so unless every pair is certified to be farther apart than the margin.
         """
         if margin is None:
-            done, found = self._loops.overlaps(poses, _level_gap(accuracy), stop)
+            done, found = self._loops.overlaps(poses, level_gap_of(accuracy), stop)
         else:
-            done, found = self._loops.near(poses, _level_gap(accuracy), margin, stop)
+            done, found = self._loops.near(poses, level_gap_of(accuracy), margin, stop)
         _check_done(done, poses, stop)
         return found
 
@@ -201,14 +208,14 @@ class StateQueries:
         higher one than the last of so many, or one above ``max_distance`` [m].
         """
         done, counts, batch = self._loops.nearest(
-            poses, _level_gap(accuracy), max_distance, most, stop
+            poses, level_gap_of(accuracy), max_distance, most, stop
         )
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
     def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
-        done, counts, batch = self._loops.within(poses, _level_gap(accuracy), max_distance, stop)
+        done, counts, batch = self._loops.within(poses, level_gap_of(accuracy), max_distance, stop)
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
@@ -235,7 +242,8 @@ def pose_gradients(results: SignedDistanceResults) -> Floats:
     return gradients_of_rows(results._rows)
 
 
-def _level_gap(accuracy: str) -> float:
+def level_gap_of(accuracy: str) -> float:
+    """Return the gap [m] that a level allows kernels; infinite: bounds alone will do."""
     return math.inf if accuracy == 'bound' else LEVEL_GAPS[accuracy]
 
 

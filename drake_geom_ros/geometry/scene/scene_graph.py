@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
@@ -30,6 +30,7 @@ from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform, ScalarTemplate
+from drake_geom_ros.math.missing import refuse_missing_member
 
 
 class SceneGraph:
@@ -65,6 +66,9 @@ class SceneGraph:
         self._model = Model()
         self._filters = FilterState()
         self.set_default_accuracy(accuracy)
+
+    if not TYPE_CHECKING:  # mypy would take any method for one that is there
+        __getattr__ = refuse_missing_member
 
     # Registration.
 
@@ -297,7 +301,8 @@ class SceneGraph:
         first = {self._model.frame(frame).id: poses.value(frame) for frame in poses.ids()}
         if WORLD_FRAME_ID in first:
             raise PoseError('SetFirstPoses: the world frame has no pose')
-        self._model.first_X_PFs |= first
+        # A new one: whoever noted the old one sees that it is another, see ``SceneMark``.
+        self._model.first_X_PFs = self._model.first_X_PFs | first
 
     def CreateDefaultContext(self) -> SceneGraphContext:
         """Return a context: a copy of the model and its filters.

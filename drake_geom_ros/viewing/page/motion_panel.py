@@ -118,7 +118,7 @@ class MotionPanel:
         self._following = threading.get_ident()
         try:
             for joint, slider in self.sliders.items():
-                slider.value = self._joints.value(joint)
+                slider.value = min(max(self._joints.value(joint), joint.lower), joint.upper)
         finally:
             self._following = None
 
@@ -133,7 +133,7 @@ class MotionPanel:
                 )
             with folders[joint.robot]:
                 step = (joint.upper - joint.lower) / _STEPS
-                value = joints.value(joint)
+                value = min(max(joints.value(joint), joint.lower), joint.upper)
                 slider = gui.add_slider(joint.name, joint.lower, joint.upper, step, value)
             slider.on_update(partial(self._joint_moved, joint))
             self.sliders[joint] = slider

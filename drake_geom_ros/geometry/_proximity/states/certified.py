@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 
 
 @inlined
-def _most_below(level_gap: float, world: WorldArrays) -> float:
+def most_below(level_gap: float, world: WorldArrays) -> float:
     """Return how far [m] the lower end of an answer may be below any certified bound.
 
     That is twice what ``error_bounds.promised_error_bound`` is of any pair. Of bounds alone it is
@@ -63,7 +63,7 @@ def _most_below(level_gap: float, world: WorldArrays) -> float:
 
 
 @inlined
-def _lower_end(out: Floats) -> float:
+def lower_end(out: Floats) -> float:
     """Return the lower end of an answer [m]; infinity for a pair kept apart from what was asked.
 
     Boxes or balls did that, or a kernel that stopped at the cutoff.
@@ -165,7 +165,7 @@ def nearest_pairs(
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        below = _most_below(level_gap, posed)
+        below = most_below(level_gap, posed)
         limit, count = cutoff, 0
         for turn in range(min(2, groups.separations.size)):
             # The two groups that are nearest come first: what they hold leaves out most others.
@@ -185,7 +185,7 @@ def nearest_pairs(
                 forget(memory, 0, 1)
                 asked = (level_gap, limit + below, False)
                 answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
-                end = _lower_end(memory[0])
+                end = lower_end(memory[0])
                 if end <= limit and end < math.inf:
                     count = _insert(count, k, end, memory[0], best, ends, kept)
                     if count == most:
@@ -230,7 +230,7 @@ def any_near(
         if stop[0] or not pose_state(poses[s], rows, Xs, world):
             return s
         put_boxes(groups, posed)
-        below = _most_below(level_gap, posed)
+        below = most_below(level_gap, posed)
         asked = (level_gap, cutoff + below, False)
         everything = (0, groups.separations.size, -1, cutoff + below)
         count = collect(groups, *everything, pairs, posed, order, bounds)
@@ -243,7 +243,7 @@ def any_near(
             one[0, 0], one[0, 1] = pairs[k, 0], pairs[k, 1]
             forget(memory, 0, 1)
             answer_pairs(kernels, one, slot, memory, world, 1, asked, -1, queue, hits, counts)
-            if _lower_end(memory[0]) <= cutoff:
+            if lower_end(memory[0]) <= cutoff:
                 out[s], last = True, k
                 break
     return poses.shape[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,10 @@ from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     least_possible,
     separation_of_aabbs,
 )
-from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS
-from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -61,29 +62,56 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
 
 
 @inlined
-def put_boxes(groups: Groups, world: WorldArrays) -> None:
-    """Put a box around each group, and find how far they are apart; a half space has none."""
+def put_box(groups: Groups, world: WorldArrays, g: int) -> None:
+    """Put a box around a group; a half space has none."""
     types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
+    for c in range(3):
+        lower, upper = math.inf, -math.inf
+        for m in range(groups.firsts[g], groups.firsts[g + 1]):
+            k = groups.members[m]
+            p, half = p_WGs[k, c], half_extents[k, c]
+            if types[k] == HALF_SPACE:
+                half = math.inf
+            lower, upper = min(lower, p - half), max(upper, p + half)
+        if upper == math.inf:
+            groups.centres[g, c], groups.halves[g, c] = 0.0, math.inf
+            continue
+        centre = 0.5 * lower + 0.5 * upper
+        # Three sums, each rounded by EPS of the farther corner at most.
+        rounding = 4.0 * EPS * max(abs(lower), abs(upper))
+        groups.centres[g, c] = centre
+        groups.halves[g, c] = max(upper - centre, centre - lower) + rounding
+
+
+@inlined
+def put_boxes(groups: Groups, world: WorldArrays) -> None:
+    """Put a box around each group, and find how far they are apart."""
     for g in range(groups.firsts.size - 1):
-        for c in range(3):
-            lower, upper = math.inf, -math.inf
-            for m in range(groups.firsts[g], groups.firsts[g + 1]):
-                k = groups.members[m]
-                p, half = p_WGs[k, c], half_extents[k, c]
-                if types[k] == HALF_SPACE:
-                    half = math.inf
-                lower, upper = min(lower, p - half), max(upper, p + half)
-            if upper == math.inf:
-                groups.centres[g, c], groups.halves[g, c] = 0.0, math.inf
-                continue
-            centre = 0.5 * lower + 0.5 * upper
-            # Three sums, each rounded by EPS of the farther corner at most.
-            rounding = 4.0 * EPS * max(abs(lower), abs(upper))
-            groups.centres[g, c] = centre
-            groups.halves[g, c] = max(upper - centre, centre - lower) + rounding
+        put_box(groups, world, g)
     for m in range(groups.separations.size):
         a, b = groups.pairs[m, 0], groups.pairs[m, 1]
         groups.separations[m] = separation_of_aabbs(groups.centres, groups.halves, a, b)
+
+
+@compiled
+def put_boxes_of(groups: tuple[Any, ...], world: Handle) -> None:
+    """Do what ``put_boxes`` does for groups as a plain tuple, in a world given by its handle."""
+    put_boxes(Groups(*groups), world_of(world))
+
+
+@inlined
+def plainly_apart(groups: Groups, m: int, cutoff: float) -> bool:
+    """Tell whether the boxes of a pair of groups are farther apart than a cutoff [m], on an axis.
+
+    Plainly: by more than ``separation_of_aabbs`` takes off for rounding: it then tells the same.
+    """
+    centres, halves, reach = groups.centres, groups.halves, max(cutoff, 0.0)
+    a, b = groups.pairs[m, 0], groups.pairs[m, 1]
+    for c in range(3):
+        p, q, sizes = centres[a, c], centres[b, c], halves[a, c] + halves[b, c]
+        if abs(p - q) - sizes > reach + 8.0 * EPS * (abs(p) + abs(q) + sizes):
+            return True
+    return False
 
 
 @inlined

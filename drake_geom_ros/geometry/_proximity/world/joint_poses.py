@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
@@ -11,6 +11,21 @@ from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inline
 Quaternion: TypeAlias = tuple[float, float, float, float]  # x, y, z, w
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2  # what a joint does along or about its axis
+
+
+class JointChain(NamedTuple):
+    """Trees of joints side by side, and what poses of all their links depend on."""
+
+    leaders: Indices  # (m,) columns of a state; -1: none
+    multipliers: Floats  # (m,)
+    offsets: Floats  # (m,) [rad] or [m]
+    kinds: Indices  # (m,)
+    axes: Floats  # (m, 3) unit
+    X_PJs: Floats  # (m, 7) x y z [m] qx qy qz qw
+    parents: Indices  # (m,) rows of links
+    children: Indices  # (m,) rows of links
+    X_WLs: Floats  # (links, 7): those of the roots, and room
+    links: Indices  # (n,) that are frames of the scene
 
 
 @inlined

@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.states.groups import (
     collect,
     groups_of,
     least_possible,
+    plainly_apart,
     put_boxes,
 )
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
@@ -42,8 +43,16 @@ def _bound(i, j, world):
 def _collected(groups, most, pairs, world, order, bounds):
     places = world_of(world)
     put_boxes(groups, places)
-    whole = (0, groups.gaps.size, -1, most)
+    whole = (0, groups.separations.size, -1, most)
     return collect(groups, *whole, pairs, places, order, bounds)
+
+
+@njit
+def _plainly(groups, most, world, plain):
+    groups = Groups(*groups)
+    put_boxes(groups, world_of(world))
+    for m in range(groups.separations.size):
+        plain[m] = plainly_apart(groups, m, most)
 
 
 @pytest.fixture(scope='module')
@@ -97,3 +106,14 @@ def test_no_pair_within_reach_is_missed(crowd, most):
     by_bound = [k for k in range(len(pairs)) if _bound(*pairs[k], world.handle) <= most]
     # Groups leave out pairs by their boxes only: none that its own bound leaves in.
     assert sorted(order[:count].tolist()) == by_bound
+
+
+@pytest.mark.parametrize('most', [-0.2, 0.0, 0.5])
+def test_what_is_plainly_apart_has_a_gap_that_says_so(crowd, most):
+    world, pairs, _ = crowd
+    groups = groups_of(np.arange(world.geometry_count), pairs)
+    plain = np.zeros(len(groups.separations), dtype=np.bool_)
+    _plainly(tuple(groups), most, world.handle, plain)
+    assert (groups.separations[plain] > max(most, 0.0)).all()
+    assert plain.any()
+    assert not plain[groups.separations == 0.0].any()

@@ -1,0 +1,247 @@
+"""``Checker``: whether one state after another is free, as planners ask."""
+
+from __future__ import annotations
+
+import math
+import threading
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drake_geom_ros.batch.evaluation import context_of
+from drake_geom_ros.batch.joints import Joints, chain_of_arms, still_poses
+from drake_geom_ros.batch.questions import Question
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    GeometryError,
+    GeometryId,
+    PoseError,
+    QueryObject,
+    SceneGraph,
+    SceneGraphContext,
+)
+from drake_geom_ros.geometry.queries.joint_queries import (
+    FREE,
+    NEAR,
+    NO_POSE,
+    NO_STATE,
+    OUTSIDE,
+    JointQueries,
+)
+from drake_geom_ros.geometry.queries.scene_mark import SceneMark
+from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
+
+Floats = NDArray[np.float64]
+_DOUBLES = np.dtype(np.float64)
+_BLOCK = 1024  # states between two moments in which Ctrl-C is heard
+
+
+class Clearance(NamedTuple):
+    """The pair of the least lower bound in a state; ids and names are None where there is none.
+
+    The least distance of all pairs is within ``error_bound`` of ``distance``, and so no pair is
+    nearer than ``lower_bound``.
+    """
+
+    lower_bound: float  # [m] distance - error_bound
+    distance: float  # [m]
+    error_bound: float  # [m]
+    id_A: GeometryId | None
+    id_B: GeometryId | None
+    name_a: str | None  # source::frame/geometry
+    name_b: str | None
+
+
+class Checker:
+    """Whether states of a scene's joints are free: prepared once, then one compiled call a state.
+
+    A state q (c,) has one value for each of ``joints``, in [rad] or [m]. It is free when each is
+    within its limits, and each pair of geometries that no filter leaves out is certified to be
+    farther apart than ``margin`` [m]: its distance minus its error bound is larger. (So what may
+    touch is not free, however small the margin.) To the bit it is what ``evaluate`` says of
+    ``'collision'`` with the margin as ``max_distance``; what was asked before changes nothing.
+
+    The scene is that of now. Once it changes, its filters or the poses of frames that the joints
+    do not move, a checker refuses to answer: make a new one, which takes some milliseconds.
+    Any number of threads may use one checker at once, each gets memory of its own; a context must
+    not change meanwhile. Other processes make their own.
+    """
+
+    def __init__(
+        self,
+        scene_graph: SceneGraph | SceneGraphContext,
+        joints: Joints,
+        margin: float = 0.0,
+        *,
+        accuracy: str = '',
+        ignore_limits: bool = False,
+    ) -> None:
+        """Prepare, and compile what is not yet.
+
+        ``accuracy`` is a level, empty for the default of the scene. Raises ArgumentError for a
+        margin that is no number >= 0, for an unknown level, and where the joints move nothing that
+        could collide; PoseError for frames that have no pose or are not in this scene.
+        """
+        if not (isinstance(margin, (int, float, np.number)) and 0.0 <= margin < math.inf):
+            raise ArgumentError(f'margin={margin!r} must be a number >= 0, in metres')
+        if not isinstance(joints, Joints):
+            raise ArgumentError(
+                f'joints={joints!r} must be batch.Joints, as Joints.of(loaded, names) returns it'
+            )
+        self.joints, self.margin = joints, float(margin)
+        self._mark = SceneMark(scene_graph, joints.id_values)
+        context = context_of(scene_graph)
+        self.accuracy = Question('least', accuracy=accuracy or default_accuracy(context)).accuracy
+        self._scene, ids = PackedScene.of(
+            context, joints.id_values, still_poses(joints.arms, joints.id_values)
+        )
+        if not self._scene.has_moving_pairs():
+            raise ArgumentError(
+                'these joints move no geometry that could collide with any other: each state '
+                'would be free of what nobody looks at. The robot has no collision geometry in '
+                'this scene, or filters leave all of it out'
+            )
+        inspector = QueryObject(context).inspector()
+        self._ids = [GeometryId(value) for value in ids.tolist()]
+        self._names = [inspector.full_name(id) for id in self._ids]
+        self._chain = chain_of_arms(joints.arms)
+        self._limits = np.array([joints.lower, joints.upper])
+        if ignore_limits:
+            self._limits = np.array([[-math.inf], [math.inf]]).repeat(joints.count, axis=1)
+        self._shape = (joints.count,)
+        self._own = threading.local()
+        self.reason(np.clip(0.0, joints.lower, joints.upper))  # compiles
+
+    def __reduce__(self) -> Any:
+        raise TypeError(
+            'a Checker is of this process, where it sees that its scene changes: make one in each'
+        )
+
+    def free(self, q: ArrayLike) -> bool:
+        """Return whether a state (c,) is free.
+
+        Raises ArgumentError for what is no state: another number of values, or one that is not
+        finite; GeometryError once the scene has changed.
+        """
+        verdict = self._queries().verdict(self._state(q))
+        return self._checked(verdict, q) == FREE
+
+    def clearance(self, q: ArrayLike) -> float:
+        """Return what no pair is certified to be nearer than in a state (c,) [m].
+
+        That is the least lower bound, distance minus error bound, negative where bodies overlap,
+        and infinite where there is no pair. Limits of joints do not enter. Raises as ``free``.
+        """
+        least = self._queries().least(self._state(q))
+        self._checked(least.verdict, q)
+        return least.distance - least.error_bound
+
+    def nearest(self, q: ArrayLike) -> Clearance:
+        """Return the pair of the least lower bound in a state (c,); raises as ``free``."""
+        least = self._queries().least(self._state(q))
+        if self._checked(least.verdict, q) == FREE:
+            return Clearance(math.inf, math.inf, 0.0, None, None, None, None)
+        lower = least.distance - least.error_bound
+        ids, names = self._ids, self._names
+        a, b = least.a, least.b
+        return Clearance(
+            lower, least.distance, least.error_bound, ids[a], ids[b], names[a], names[b]
+        )
+
+    def free_each(self, states: ArrayLike) -> NDArray[np.bool_]:
+        """Return which of the states (N, c) are free: (N,), by this thread.
+
+        (``evaluate`` takes all cores.) Raises as ``free``, for a state by its number.
+        """
+        rows = _numbers(states)
+        if rows.ndim != 2 or rows.shape[1:] != self._shape:
+            raise ArgumentError(
+                f'states has the shape {rows.shape}; it must be (N, {self.joints.count}), '
+                f'{self._wanted()}'
+            )
+        queries, found = self._queries(), np.empty(len(rows), dtype=np.bool_)
+        for first in range(0, len(rows), _BLOCK):
+            verdicts = queries.verdicts(rows[first : first + _BLOCK])
+            for k in np.flatnonzero(verdicts > OUTSIDE).tolist():
+                self._checked(int(verdicts[k]), rows[first + k], f'state {first + k}: ')
+            found[first : first + _BLOCK] = verdicts == FREE
+        return found
+
+    def reason(self, q: ArrayLike) -> str:
+        """Return why a state (c,) is not free, in words, nothing if it is; raises as ``free``."""
+        state = self._state(q)
+        verdict = self._checked(self._queries().verdict(state), q)
+        if verdict == OUTSIDE:
+            (values,) = state
+            lower, upper = self._limits
+            return '; '.join(
+                f'{self.joints.names[k]} = {values[k]:.6g} is outside its limits '
+                f'[{lower[k]:.6g}, {upper[k]:.6g}]'
+                for k in np.flatnonzero((values < lower) | (values > upper)).tolist()
+            )
+        if verdict == NEAR:
+            near = self.nearest(q)
+            return (
+                f'{near.name_a} and {near.name_b} are not certified to be farther apart than '
+                f'{self.margin:.6g} m: at least {near.lower_bound:.6g} m'
+            )
+        return ''
+
+    def _queries(self) -> JointQueries:
+        """Return this thread's queries; raises GeometryError once the scene has changed."""
+        if not self._mark.is_of_now():
+            raise GeometryError(
+                'the scene was changed since this checker was prepared: what is in it, its '
+                'filters, or the pose of a frame that the joints do not move. States are not '
+                'answered of a scene that is no more; make a new Checker'
+            )
+        try:
+            return self._own.queries  # type: ignore[no-any-return]
+        except AttributeError:
+            self._own.queries = JointQueries(
+                self._scene, self._chain, self._limits, self.accuracy, self.margin
+            )
+            return self._own.queries  # type: ignore[no-any-return]
+
+    def _state(self, q: ArrayLike) -> Floats:
+        """Return a state (c,) as (1, c), a copy; raises ArgumentError for another shape."""
+        if isinstance(q, np.ndarray) and q.dtype is _DOUBLES and q.shape == self._shape:
+            return np.array(q, order='C', ndmin=2)
+        values = _numbers(q)
+        if values.shape != self._shape:
+            raise ArgumentError(
+                f'a state has the shape {values.shape}; it must be ({self.joints.count},), '
+                f'{self._wanted()}'
+            )
+        return values[None]
+
+    def _checked(self, verdict: int, q: ArrayLike, which: str = '') -> int:
+        """Return a verdict about a state; raises ArgumentError and PoseError for what is none."""
+        if verdict <= OUTSIDE:
+            return verdict
+        values = np.asarray(q, dtype=np.float64)
+        if verdict == NO_STATE:
+            bad = np.flatnonzero(~np.isfinite(values)).tolist()
+            told = ', '.join(f'{self.joints.names[k]} = {values[k]}' for k in bad)
+            raise ArgumentError(f'{which}{told}: joint values must be finite')
+        assert verdict == NO_POSE
+        raise PoseError(
+            f'{which}{values.tolist()} would put a link where no pose may be, too far away'
+        )
+
+    def _wanted(self) -> str:
+        return f'one value each for {", ".join(self.joints.names)}'
+
+
+def _numbers(values: ArrayLike) -> Floats:
+    """Return numbers as doubles in one piece, a copy; raises ArgumentError for anything else."""
+    try:
+        found = np.array(values)
+    except ValueError:
+        raise ArgumentError(
+            f'joint values must be numbers, all rows as long: {values!r}'
+        ) from None
+    if found.dtype.kind not in 'fiu':
+        raise ArgumentError(f'joint values must be numbers; there are {found.dtype} {values!r}')
+    return np.array(found, dtype=np.float64, order='C')

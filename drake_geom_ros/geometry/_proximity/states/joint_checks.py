@@ -1,0 +1,281 @@
+"""One state at a time, by its joint values: one compiled call from them to what is asked.
+
+As in ``loops`` no answer of one state enters the next. What a state leaves behind costs no bit:
+frames that stand still are not posed again, boxes around what stands still stay, and where a pair
+was near is looked at first in the next state.
+
+All that a call works on goes over as one handle, see ``handles``: to name its thirty arrays takes
+longer than to pose two arms.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import separation_of_aabbs
+from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
+    HandleField,
+    IndexPairs,
+    Integers,
+    Reals,
+    Rows,
+    Vectors,
+    taker,
+)
+from drake_geom_ros.geometry._proximity.runtime.views import row, table
+from drake_geom_ros.geometry._proximity.states.certified import (
+    lower_end,
+    most_below,
+    nearest_pairs,
+)
+from drake_geom_ros.geometry._proximity.states.groups import (
+    Groups,
+    collect,
+    plainly_apart,
+    put_box,
+)
+from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
+from drake_geom_ros.geometry._proximity.world.joint_poses import pose_links
+
+# What is true of a state.
+FREE = 0  # every pair is certified to be farther apart than the margin
+NEAR = 1
+OUTSIDE = 2  # a joint is beyond its limits
+NO_STATE = 3  # a value is not finite
+NO_POSE = 4  # a link would be where no pose may be
+
+GAP, MARGIN = 0, 1  # places of ``asked``
+
+Floats: TypeAlias = NDArray[np.float64]
+Indices: TypeAlias = NDArray[np.int64]
+States: TypeAlias = Annotated[NDArray[np.float64], np.float64, (None, None)]
+StateIds: TypeAlias = Annotated[NDArray[np.int64], np.int64, (None, 2)]
+
+
+class CheckArrays(NamedTuple):
+    """All that a check of a state works on, for a handle."""
+
+    # Joints (m,), parents first, and the limits of the columns of a state; see ``pose_links``.
+    lower: Reals
+    upper: Reals
+    leaders: Integers
+    multipliers: Reals
+    offsets: Reals
+    kinds: Integers
+    axes: Vectors
+    X_PJs: Rows
+    parents: Integers
+    children: Integers
+    X_WLs: Rows  # (links, 7), those of roots posed
+    links: Integers  # (n,) that are frames
+    # The scene.
+    poses: States  # (1, n, 7): room
+    rows: Integers  # (n,) of the frames
+    Xs: Rows  # (n, POSE_WIDTH): room
+    world: HandleField
+    pairs: IndexPairs  # (k, 2)
+    movers: Integers  # the groups that move
+    # Groups.
+    firsts: Integers
+    members: Integers
+    group_pairs: IndexPairs
+    starts: Integers
+    numbers: Integers
+    centres: Vectors
+    halves: Vectors
+    separations: Reals
+    # The question, and room.
+    kernels: HandleField
+    asked: Reals  # (2,) GAP, MARGIN
+    bounds: Reals  # (k,)
+    order: Integers  # (k,)
+    last: Integers  # (1,) the pair of groups that was near, -1: none
+    one: IndexPairs  # (1, 2)
+    slot: Integers  # (1,)
+    hits: Integers  # (1,)
+    memory: Rows  # (1, SLOT_WIDTH)
+    counts: Integers
+    waiting: Integers  # (0,)
+    distances: Reals  # (0,)
+    never: Integers  # (1,) nobody stops one state
+    found: Integers  # (1,)
+    ids: StateIds  # (1, 1, 2)
+    out: States  # (1, 1, BATCH_WIDTH)
+
+
+_checks_of = taker(CheckArrays)
+
+
+@inlined
+def _put_links(checks: CheckArrays, q: Floats) -> None:
+    """Write the poses of the links that are frames, by joint values (c,), to ``poses``."""
+    pose_links(
+        table(q, 0, 1, q.size),
+        checks.leaders,
+        checks.multipliers,
+        checks.offsets,
+        checks.kinds,
+        checks.axes,
+        checks.X_PJs,
+        checks.parents,
+        checks.children,
+        checks.X_WLs,
+        checks.links,
+        0,
+        checks.poses,
+    )
+
+
+@inlined
+def _groups_of(checks: CheckArrays) -> Groups:
+    return Groups(
+        checks.firsts,
+        checks.members,
+        checks.group_pairs,
+        checks.starts,
+        checks.numbers,
+        checks.centres,
+        checks.halves,
+        checks.separations,
+    )
+
+
+@compiled
+def limits_verdict(q: Floats, lower: Floats, upper: Floats) -> int:
+    """Return FREE for joint values (c,) within their limits, else OUTSIDE or NO_STATE."""
+    outside = False
+    for c in range(q.size):
+        if not math.isfinite(q[c]):
+            return NO_STATE
+        outside |= q[c] < lower[c] or q[c] > upper[c]
+    return OUTSIDE if outside else FREE
+
+
+@inlined
+def _any_near_of(
+    checks: CheckArrays,
+    groups: Groups,
+    world: WorldArrays,
+    m: int,
+    asked: tuple[float, float, bool],
+    margin: float,
+) -> bool:
+    """Tell whether a pair of a pair of groups may be within the margin [m]."""
+    _, most, _ = asked
+    pairs, order, memory = checks.pairs, checks.order, checks.memory
+    groups.separations[m] = separation_of_aabbs(
+        groups.centres, groups.halves, groups.pairs[m, 0], groups.pairs[m, 1]
+    )
+    count = collect(groups, m, m + 1, -1, most, pairs, world, order, checks.bounds)
+    queue = (checks.waiting, checks.distances)  # in which no pair waits
+    for r in range(count):
+        k = order[r]
+        checks.one[0, 0], checks.one[0, 1] = pairs[k, 0], pairs[k, 1]
+        forget(memory, 0, 1)
+        answer_pairs(
+            checks.kernels,
+            checks.one,
+            checks.slot,
+            memory,
+            checks.world,
+            1,
+            asked,
+            -1,
+            queue,
+            checks.hits,
+            checks.counts,
+        )
+        if lower_end(memory[0]) <= margin:
+            return True
+    return False
+
+
+@inlined
+def _verdict(checks: CheckArrays, q: Floats) -> int:
+    """Return what is true of joint values (c,): FREE, or the first other verdict."""
+    verdict = limits_verdict(q, checks.lower, checks.upper)
+    if verdict != FREE:
+        return verdict
+    _put_links(checks, q)
+    posed: Handle = checks.world
+    if not pose_state(row(checks.poses, 0), checks.rows, checks.Xs, posed):
+        return NO_POSE
+    world, groups = world_of(checks.world), _groups_of(checks)
+    gap, margin = checks.asked[GAP], checks.asked[MARGIN]
+    for m in range(checks.movers.size):
+        put_box(groups, world, checks.movers[m])
+    most = margin + most_below(gap, world)
+    asked, last = (gap, most, False), checks.last[0]
+    # Groups that were near still are, mostly.
+    if last >= 0 and _any_near_of(checks, groups, world, last, asked, margin):
+        return NEAR
+    for m in range(groups.separations.size):
+        if m == last or plainly_apart(groups, m, most):
+            continue
+        if _any_near_of(checks, groups, world, m, asked, margin):
+            checks.last[0] = m
+            return NEAR
+    return FREE
+
+
+@allocating
+def check_states(handle: Handle, states: Floats, verdicts: Indices) -> int:
+    """Write what is true of each state (N, c) to ``verdicts`` (N,), and return the last.
+
+    NEAR unless every pair is certified to be farther apart than the margin, as ``any_near`` tells.
+    """
+    checks, verdict = _checks_of(handle), FREE
+    for s in range(states.shape[0]):
+        verdict = _verdict(checks, states[s])
+        verdicts[s] = verdict
+    return verdict
+
+
+@allocating
+def least_of_state(handle: Handle, states: Floats) -> tuple[int, float, float, int, int]:
+    """Return the pair of the least lower bound in the state (1, c), whatever its joints' limits.
+
+    As a verdict, NEAR where there is a pair and FREE where there is none, its distance [m] and
+    error bound [m], and its two ids: what ``nearest_pairs`` tells.
+    """
+    checks, q = _checks_of(handle), states[0]
+    if limits_verdict(q, checks.lower, checks.upper) == NO_STATE:
+        return NO_STATE, 0.0, 0.0, 0, 0
+    _put_links(checks, q)
+    done = nearest_pairs(
+        checks.kernels,
+        checks.poses,
+        checks.rows,
+        checks.world,
+        checks.pairs,
+        (
+            checks.firsts,
+            checks.members,
+            checks.group_pairs,
+            checks.starts,
+            checks.numbers,
+            checks.centres,
+            checks.halves,
+            checks.separations,
+        ),
+        (checks.asked[GAP], math.inf, False),
+        checks.never,
+        checks.found,
+        checks.ids,
+        checks.out,
+    )
+    if done == 0:
+        return NO_POSE, 0.0, 0.0, 0, 0
+    if checks.found[0] == 0:
+        return FREE, math.inf, 0.0, 0, 0
+    least, ids = checks.out[0, 0], checks.ids[0, 0]
+    return NEAR, least[DISTANCE], least[ERROR_BOUND], ids[0], ids[1]

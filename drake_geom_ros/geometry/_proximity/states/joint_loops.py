@@ -1,0 +1,129 @@
+"""The checks of single states with what they need: a world, its pairs, joints, and room."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.addresses import (
+    ADDRESSES,
+    compile_rows,
+    table_rows,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SLOT_WIDTH
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH
+from drake_geom_ros.geometry._proximity.report import COUNTS
+from drake_geom_ros.geometry._proximity.runtime.handles import handle_of
+from drake_geom_ros.geometry._proximity.states.groups import Groups, groups_of, put_boxes_of
+from drake_geom_ros.geometry._proximity.states.joint_checks import (
+    CheckArrays,
+    check_states,
+    least_of_state,
+)
+from drake_geom_ros.geometry._proximity.world.joint_poses import JointChain
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+# A verdict, the distance and error bound of a pair [m], and its two ids.
+Least = tuple[int, float, float, int, int]
+
+
+class JointLoops:
+    """Verdicts about joint values (c,) of a world of its own, for one thread.
+
+    ``rows`` (n,) are the frames that the links of the chain are, which moves them; others stay.
+    ``limits`` (2, c) are those of the joint values, lower and upper.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        pairs: Indices,
+        rows: Indices,
+        chain: JointChain,
+        limits: Floats,
+        gap: float,
+        margin: float,
+    ) -> None:
+        if gap < np.inf:
+            compile_rows(table_rows(*world.geometries.types[pairs].T))
+        world.update()
+        on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
+        # What hangs on a frame that moves stays together, as in StateLoops.
+        apart = len(world.frames.ids) + alone
+        _, numbers = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
+        groups = groups_of(numbers, pairs)
+        put_boxes_of(tuple(groups), world.handle)
+        self._world = world  # whose arrays the handle shows
+        self._arrays = _arrays(world, pairs, rows, chain, limits, groups, numbers)
+        self._arrays.asked[:] = gap, margin
+        self._handle = handle_of(self._arrays)
+        self._verdict = np.zeros(1, dtype=np.int64)  # room for one
+
+    def verdict(self, state: Floats) -> int:
+        """Return the verdict about a state (1, c), in one piece."""
+        return check_states(self._handle, state, self._verdict)
+
+    def verdicts(self, states: Floats) -> Indices:
+        """Return the verdicts (N,) about states (N, c), in one piece."""
+        verdicts = np.empty(len(states), dtype=np.int64)
+        check_states(self._handle, states, verdicts)
+        return verdicts
+
+    def least(self, state: Floats) -> Least:
+        """Return the pair of the least lower bound in a state (1, c), whatever the limits."""
+        return least_of_state(self._handle, state)
+
+
+def _arrays(
+    world: World,
+    pairs: Indices,
+    rows: Indices,
+    chain: JointChain,
+    limits: Floats,
+    groups: Groups,
+    numbers: Indices,
+) -> CheckArrays:
+    """Return the arrays of checks; ``numbers`` (n,) are the groups of geometries."""
+    moving = np.isin(np.arange(len(world.frames.ids)), rows)
+    for frame, parent in enumerate(world.frames.parents.tolist()):
+        moving[frame] |= moving[parent]
+    movers = np.unique(numbers[moving[world.geometries.frames]])
+    count, most = len(rows), len(pairs)
+    return CheckArrays(
+        lower=np.ascontiguousarray(limits[0]),
+        upper=np.ascontiguousarray(limits[1]),
+        **chain._asdict(),
+        poses=np.zeros((1, count, 7)),
+        rows=rows,
+        Xs=np.empty((count, POSE_WIDTH)),
+        world=world.handle,
+        pairs=pairs,
+        movers=movers.astype(np.int64),
+        firsts=groups.firsts,
+        members=groups.members,
+        group_pairs=groups.pairs,
+        starts=groups.starts,
+        numbers=groups.numbers,
+        centres=groups.centres,
+        halves=groups.halves,
+        separations=groups.separations,
+        kernels=ADDRESSES,
+        asked=np.zeros(2),
+        bounds=np.empty(most),
+        order=np.empty(most, dtype=np.int64),
+        last=np.full(1, -1, dtype=np.int64),
+        one=np.zeros((1, 2), dtype=np.int64),
+        slot=np.zeros(1, dtype=np.int64),
+        hits=np.zeros(1, dtype=np.int64),
+        memory=np.zeros((1, SLOT_WIDTH)),
+        counts=np.zeros(COUNTS, dtype=np.int64),
+        waiting=np.zeros(0, dtype=np.int64),
+        distances=np.zeros(0),
+        never=np.zeros(1, dtype=np.int64),
+        found=np.zeros(1, dtype=np.int64),
+        ids=np.zeros((1, 1, 2), dtype=np.int64),
+        out=np.zeros((1, 1, BATCH_WIDTH)),
+    )

@@ -1,0 +1,84 @@
+"""Telling whether a scene is still the one that something was prepared of."""
+
+from __future__ import annotations
+
+import threading
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+
+Indices = NDArray[np.int64]
+
+
+class _Scene(Protocol):
+    """A scene graph, or a context."""
+
+    @property
+    def _model(self) -> Model: ...
+    @property
+    def _filters(self) -> FilterState: ...
+
+
+class SceneMark:
+    """What answers about a scene depend on beside the poses that are asked about.
+
+    That is what is in it, which pairs are filtered, and where the frames are that no state poses.
+    ``frame_ids`` (n,) are values of those that states do pose.
+    """
+
+    def __init__(self, scene: _Scene, frame_ids: Indices) -> None:
+        self._scene, self._frame_ids = scene, frame_ids
+        self._lock = threading.Lock()
+        self._context = scene if isinstance(scene, SceneGraphContext) else None
+        if self._context is not None:
+            self._context._up_to_date_world().update()  # so that a query moves nothing
+            self._still = self._poses(self._context)
+        self._seen = self._now()
+        self._kept = self._place()  # so that no other object gets its id
+
+    def is_of_now(self) -> bool:
+        """Return whether all of it is the same now.
+
+        Of contexts, poses that were given anew are looked at: only others are a change.
+        """
+        if self._now() == self._seen:
+            return True
+        with self._lock:
+            return self._looks_the_same()
+
+    def _looks_the_same(self) -> bool:
+        now, seen = self._now(), self._seen
+        if self._context is None or now[:3] != seen[:3]:
+            return False
+        if not np.array_equal(self._poses(self._context), self._still):
+            return False
+        self._context._up_to_date_world().update()
+        self._seen, self._kept = self._now(), self._place()
+        return True
+
+    def _now(self) -> tuple[object, ...]:
+        """Return what changes when something may have changed; the first three surely have."""
+        model, filters = self._scene._model, self._scene._filters
+        versions = (model.versions.frames, model.versions.proximity, filters.version)
+        place = id(self._place())
+        if self._context is None:
+            return *versions, place
+        world = self._context._world
+        return *versions, place, world.revision, world.is_stale
+
+    def _place(self) -> object:
+        """Return what has the poses, which is another object when they may have changed."""
+        if self._context is None:
+            return self._scene._model.first_X_PFs
+        return self._context._world
+
+    def _poses(self, context: SceneGraphContext) -> NDArray[np.float64]:
+        """Return the poses (k, 12) of the frames that no state poses."""
+        world = context._up_to_date_world()
+        others = ~np.isin(world.frames.ids, self._frame_ids)
+        return np.hstack((world.R_PFs[others].reshape(-1, 9), world.p_PFs[others]))
