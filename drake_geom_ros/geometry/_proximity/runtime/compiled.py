@@ -81,12 +81,20 @@ def _cache_folder() -> str:
 CACHE_FOLDER = _cache_folder()
 
 
+def _last_change(path: Path) -> float:
+    """Return when a folder was last changed [s]; 0 where another process removed it meanwhile."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
 @functools.cache
 def _remove_old_versions() -> None:
     """Remove the caches of older sources but for the newest few, once a process."""
     mine = Path(CACHE_FOLDER)
     others = [path for path in mine.parent.glob(f'{_VERSION}*') if path.name != mine.name]
-    others.sort(key=os.path.getmtime, reverse=True)
+    others.sort(key=_last_change, reverse=True)
     for old in others[_KEPT_VERSIONS:]:
         shutil.rmtree(old, ignore_errors=True)
 

@@ -189,6 +189,14 @@ def test_old_versions_are_removed_when_something_is_compiled(tmp_path):
     assert set(base.iterdir()) == {mine, *old[4:], *more}
 
 
+def test_a_version_that_another_process_removes_meanwhile_is_no_obstacle(tmp_path, monkeypatch):
+    old = [version(tmp_path, k) for k in range(6)]
+    (tmp_path / 'kernels-gone').symlink_to(tmp_path / 'nowhere')  # listed, and not there
+    monkeypatch.setattr(compiled, 'CACHE_FOLDER', str(tmp_path / 'kernels-mine'))
+    compiled._remove_old_versions.__wrapped__()
+    assert {path for path in tmp_path.iterdir() if path.exists()} == set(old[2:])
+
+
 def test_what_others_keep_in_the_folder_stays(tmp_path):
     theirs = [tmp_path / f'{k:016x}' for k in range(8)]
     theirs += [tmp_path / 'drake_geom_ros' / f'{k:016x}' for k in range(8)]
