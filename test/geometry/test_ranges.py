@@ -96,3 +96,27 @@ def test_what_is_far_from_the_origin_may_collide_where_its_pose_is_rounded():
     asked = query((Sphere(0.1), far), (Sphere(0.1), far + 0.25))
     (row,) = asked.ComputeSignedDistancePairwiseClosestPoints()
     assert asked.HasCollisions() == (row.distance < row.error_bound)
+
+
+def of_ellipsoids(v):
+    """Ellipsoids with semi-axes v, or as large, and what they meet."""
+    mine = Ellipsoid(1.0, 1.0, v), Ellipsoid(v, 1.0, 1.0), Ellipsoid(v, v, 2.0 * v)
+    others = Capsule(0.3, 1.0), Cylinder(0.3, 1.0), Box(1.0, 1.0, 1.0), Sphere(0.2)
+    others += Ellipsoid(0.3, 0.4, 0.5), Cylinder(v, 1.0), Capsule(v, 1.0), Sphere(v)
+    return [(one, other) for one in mine for other in (*others, *mine)]
+
+
+@pytest.mark.parametrize('number', range(33))
+@pytest.mark.parametrize('v', [1e-160, 1e-170, 1e-310])
+def test_no_pair_is_left_out_however_small_a_semi_axis_is(v, number):
+    """A pair that overlaps is among all and answered alone, as with a semi-axis of 1e-30."""
+    (A, B), (C, D) = of_ellipsoids(v)[number], of_ellipsoids(1e-30)[number]
+    for p in ((0.0, 0.0, 0.0), (0.05, 0.02, 0.01)):
+        scene = ShapeScene(A, B).posed((0.0, 0.0, 0.0), p)
+        found = scene.query.ComputeSignedDistancePairwiseClosestPoints(10.0)
+        assert len(found) == 1
+        alone = scene.pair((0.0, 0.0, 0.0), p)
+        numbers = *alone.nhat_BA_W, *alone.p_ACa, *alone.p_BCb, alone.distance
+        assert np.isfinite(numbers).all()
+        truth = ShapeScene(C, D).pair((0.0, 0.0, 0.0), p)
+        assert alone.distance == pytest.approx(truth.distance, abs=1e-8)

@@ -151,3 +151,17 @@ def test_a_hull_has_no_vertices_within_faces_and_edges(turn):
 def test_a_round_hull_keeps_all_its_vertices():
     ball = trimesh.creation.icosphere(subdivisions=3)
     assert len(hull_surface(MeshData(ball.vertices), ONES)[0]) == len(ball.vertices)
+
+
+@pytest.mark.filterwarnings('error')
+def test_hulls_of_points_in_lines_have_no_warning():
+    """On an edge of a hull many points are in a line, and triangles there may have no area."""
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        corners = rng.normal(size=(6, 3))
+        shares = rng.random((40, 1))
+        i, j = rng.integers(0, 6, (2, 40))
+        points = np.vstack((corners, corners[i] + shares * (corners[j] - corners[i])))
+        vertices, triangles = hull_of(MeshData(points, []))
+        assert len(vertices) <= 6
+        assert len(triangles) == 2 * len(vertices) - 4
