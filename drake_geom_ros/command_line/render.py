@@ -11,6 +11,7 @@ import numpy as np
 from drake_geom_ros.command_line import pictures
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import FrameId, Role
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.tolerances import DIRECTION_NORM
@@ -39,7 +40,7 @@ def add_to(commands: Any) -> None:
         'also as pictures with a scale and a legend.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    add_scene_options(parser)
     parser.add_argument('--camera', metavar='NAME', help='only this camera of the scene file')
     for name, where in (('--from', 'where it is'), ('--at', 'what it looks at')):
         parser.add_argument(
@@ -75,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
         raise SceneFileError('--time goes with --poses', options.scene)
     pictures.check_libraries()
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
-    scene = PosedScene(options.scene, options.srdf)
+    scene = PosedScene(options.scene, options.srdf, options.package_root)
     cameras = _cameras(scene, options)
     add_renderers(scene.scene_graph)
     folder = Path(options.output)

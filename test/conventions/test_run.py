@@ -343,3 +343,15 @@ def test_fast_dds_does_without_shared_memory_unless_told_otherwise(folder, given
     code, output, errors = shell(folder, script, AMENT_PREFIX_PATH='', **given)
     assert code == 0, errors
     assert output == expected.format(folder.resolve()) + '\n'
+
+
+def test_folders_of_packages_are_kept(folder):
+    """Of prefixes without ROS only package:// has use: for robots, wherever they are built."""
+    script = (
+        'enter() { :; }; underlay=; prepare_environment; prepare_environment; '
+        'echo "$AMENT_PREFIX_PATH|$ROS_PACKAGE_PATH"'
+    )
+    given = {'AMENT_PREFIX_PATH': '/my/arms', 'ROS_PACKAGE_PATH': '/my/src'}
+    code, output, errors = shell(folder, script, **given)
+    assert code == 0, errors
+    assert output == f'{folder.resolve()}/.venv:/my/arms|/my/src\n'

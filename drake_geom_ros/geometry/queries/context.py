@@ -20,6 +20,7 @@ from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
@@ -68,6 +69,7 @@ class SceneGraphContext:
         self._own: dict[int, bytes] = {}
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
+        self._padded: tuple[GeometryTable | None, Paddings | None] = None, None
         self._waiting_pairs = _WaitingPairs(None, 0)
         # By renderer: what it shows, and of which version; see RenderEngineExact.
         self._packed_scenes: dict[str, Any] = {}
@@ -85,7 +87,7 @@ class SceneGraphContext:
         other._built, other._seen = other._versions(), other._model.versions.any
         other._named, other._own = {}, {}
         other._world = self._up_to_date_world().copy()
-        other._snapshot = None
+        other._snapshot, other._padded = None, (None, None)
         other._waiting_pairs = _WaitingPairs(None, 0)
         other._packed_scenes = dict(self._packed_scenes)
         return other
@@ -286,6 +288,13 @@ class SceneGraphContext:
         if self._waiting_pairs.moment != moment:
             self._waiting_pairs = _WaitingPairs(moment, count_waiting_pairs(world, self._filters))
         return self._waiting_pairs.pairs
+
+    def _paddings(self) -> Paddings | None:
+        """Return the paddings of the geometries, None where there are none, which is quick."""
+        tables = self._up_to_date_world().geometries
+        if self._padded[0] is not tables:
+            self._padded = tables, paddings_of(self._model, tables.ids)
+        return self._padded[1]
 
     def _versions(self) -> _Built:
         return _Built(self._model.versions.frames, self._model.versions.proximity)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +18,8 @@ from drake_geom_ros.geometry.ids import FrameId, GeometryId, only_id
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
+from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
+from drake_geom_ros.geometry.queries.padding import Paddings, padded_pairs, padded_points
 from drake_geom_ros.geometry.queries.query_records import SignedDistancePair
 from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
@@ -28,21 +29,6 @@ from drake_geom_ros.geometry.queries.query_results import (
 from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.tolerances import FARTHEST
-
-
-class _NoScene:
-    """The context of a query object that has none: whatever is asked of it is refused."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith('__'):
-            raise AttributeError(name)
-        raise GeometryError(
-            'A default QueryObject was asked a query, and it belongs to no scene: take one '
-            'from scene_graph.get_query_output_port().Eval(context).'
-        )
-
-
-_NO_SCENE = cast(SceneGraphContext, _NoScene())
 
 
 class QueryObject(ImageQueries):
@@ -57,7 +43,7 @@ class QueryObject(ImageQueries):
     """
 
     def __init__(self, context: SceneGraphContext | None = None) -> None:
-        self._context: SceneGraphContext = _NO_SCENE if context is None else context
+        self._context: SceneGraphContext = NO_SCENE if context is None else context
 
     def __copy__(self) -> QueryObject:
         return QueryObject(self._context.copy())
@@ -182,6 +168,8 @@ class QueryObject(ImageQueries):
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
+        if paddings := context._paddings():
+            return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
         query = context._query(accuracy, 0.0, True, ANSWERS)
         world = context._world
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
@@ -200,6 +188,8 @@ class QueryObject(ImageQueries):
         interval of its distance reaches below 0: there a contact is possible.
         """
         context = self._context
+        if paddings := context._paddings():
+            return len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
         query = context._query(accuracy, 0.0, True, CONTACT)
         return context._engine.finds_overlap(query, context._world)
 
@@ -227,11 +217,22 @@ class QueryObject(ImageQueries):
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
+        if paddings := context._paddings():
+            return self._padded(paddings, reach, accuracy, time_budget)
         query = context._query(accuracy, reach, False, ANSWERS)
         world = context._world
-        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
-        batch = context._engine.answer_of(query, world, budget)
+        batch = context._engine.answer_of(query, world, _checked_budget(time_budget))
         return SignedDistanceResults(batch, world.kept_poses())
+
+    def _padded(
+        self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
+    ) -> SignedDistanceResults:
+        """Return the pairs within ``reach`` [m] where geometries have paddings."""
+        context = self._context
+        query = context._query(accuracy, reach + paddings.of_pair, False, ANSWERS)
+        batch = context._engine.answer_of(query, context._world, _checked_budget(budget))
+        padded = padded_pairs(batch, paddings, context._world, reach)
+        return SignedDistanceResults(padded, context._world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -292,6 +293,8 @@ class QueryObject(ImageQueries):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
+        if (paddings := context._paddings()) is not None:
+            batch = padded_pairs(batch, paddings, world, math.inf)
         return SignedDistanceResults(batch, world.kept_poses())
 
     def FindCollisionCandidates(
@@ -308,7 +311,8 @@ class QueryObject(ImageQueries):
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        query = context._query('bound', 0.0, False, CANDIDATES)
+        reach = paddings.of_pair if (paddings := context._paddings()) else 0.0
+        query = context._query('bound', reach, False, CANDIDATES)
         world = context._world
         return world.geometries.ids[context._engine.candidates_of(query, world)]
 
@@ -341,8 +345,12 @@ class QueryObject(ImageQueries):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
         world = context._posed_world()
-        batch = context._engine.point_distances(world, p_WQs, reach)
-        return PointDistanceResults(batch, world.kept_poses(), p_WQs)
+        paddings = context._paddings()
+        farthest = reach + (paddings.of_pair if paddings else 0.0)
+        batch = context._engine.point_distances(world, p_WQs, farthest)
+        if paddings:
+            batch = padded_points(batch, paddings, world, p_WQs, reach)
+        return PointDistanceResults(batch, world.kept_poses(), p_WQs, paddings is not None)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""
