@@ -1,6 +1,7 @@
 """What all tests share: nodes and clients; tests that run at once are kept apart in ROS."""
 
 import os
+import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -13,7 +14,13 @@ settings.load_profile('untimed')
 
 
 def pytest_configure(config):
-    """Give each process of pytest-xdist but the first a ROS domain of its own."""
+    """Give each process of pytest-xdist but the first a ROS domain of its own.
+
+    Under nohup, or in the background of a shell, SIGINT is ignored, and so it is by whatever is
+    started: processes that tests interrupt would not notice.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     number = int(os.environ.get('PYTEST_XDIST_WORKER', 'gw0').removeprefix('gw'))
     if number and 'ROS_DOMAIN_ID' in os.environ:
         # 1 to 101, as ``run`` hands them out.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import csv
 import hashlib
-import zipfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.batch.file_rows import FileRows
 from drake_geom_ros.scene_files import SceneFileError
 
+_SHOWN = 60  # letters of a value
 SUFFIXES = ('.npy', '.npz', '.csv')
 
 
@@ -66,8 +66,12 @@ def read_states(path: str | Path, names: Sequence[str] | None = None) -> States:
         else:
             with _unchanged(path):
                 rows, own = _from_csv(path)
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise SceneFileError(f'cannot be read as states: {error}', str(path)) from None
+    except SceneFileError:
+        raise
+    except Exception as error:
+        # Of many kinds: of zip files and their compression, of arrays, of tables.
+        reason = ' '.join(str(error).split()) or repr(error)
+        raise SceneFileError(f'cannot be read as states: {reason}', str(path)) from None
     is_poses = rows.ndim == 3 and rows.shape[2] == 7
     if rows.dtype != np.float64 or not (rows.ndim == 2 or is_poses):
         raise SceneFileError(
@@ -98,15 +102,37 @@ def _unchanged(path: Path) -> Iterator[None]:
 def _from_npz(path: Path, names: tuple[str, ...] | None) -> tuple[Any, tuple[str, ...] | None]:
     with np.load(path) as file:
         rows, key = (file['poses'], 'frames') if 'poses' in file else (file['states'], 'joints')
-        return rows, tuple(file[key].tolist()) if key in file else names
+        if key not in file:
+            return rows, names
+        own = file[key]
+        if own.ndim != 1 or own.dtype.kind != 'U':
+            raise ValueError(f'{key!r} must be a list of names; it is {own.dtype} {own.shape}')
+        return rows, tuple(own.tolist())
 
 
 def _from_csv(path: Path) -> tuple[Any, tuple[str, ...]]:
-    with path.open(newline='', encoding='utf-8') as file:
-        reader = csv.reader(file)
-        names = tuple(next(reader, ()))
-        rows = [[float(value) for value in row] for row in reader]
-    for number, row in enumerate(rows):
-        if len(row) != len(names):
-            raise ValueError(f'row {number + 2} has {len(row)} values, the header {len(names)}')
-    return np.array(rows).reshape(-1, len(names)), names
+    with path.open(newline='', encoding='utf-8-sig') as file:
+        lines = list(csv.reader(file))
+    while lines and not any(map(str.strip, lines[-1])):  # what an editor leaves at the end
+        lines.pop()
+    if not lines:
+        raise ValueError('it is empty; a header with the names of joints is needed')
+    names = tuple(map(str.strip, lines[0]))
+    rows = []
+    for number, line in enumerate(lines[1:], start=2):
+        if len(line) != len(names):
+            raise ValueError(f'row {number} has {len(line)} values, the header {len(names)}')
+        try:
+            rows.append([float(value) for value in line])
+        except ValueError:
+            bad = next(value for value in line if not _is_number(value))
+            raise ValueError(f'row {number}: {bad[:_SHOWN]!r} is no number') from None
+    return np.array(rows, dtype=np.float64).reshape(-1, len(names)), names
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 import rclpy
 from drake_geom_msgs import msg
+from geometry_msgs.msg import Point, Pose, Quaternion
 from numpy.typing import ArrayLike
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.time import Time
@@ -38,6 +39,7 @@ from drake_geom_ros.client.services import (
     joint_positions,
 )
 from drake_geom_ros.client.states import Progress, States, StatesRequest
+from drake_geom_ros.math import RigidTransform
 
 _Results = TypeVar('_Results', bound=Results[Any])
 _POLL = 0.01  # [s] between two looks whether something has come
@@ -284,6 +286,31 @@ class SceneGraphClient:
         answer = self.ask('explain_filter', geometry_a=geometry_a, geometry_b=geometry_b)
         return list(answer.reasons)
 
+    def attach(
+        self, frame: str, parent: str, X_PF: RigidTransform | ArrayLike | None = None
+    ) -> RigidTransform:
+        """Let a frame follow one of any source, where it is now or at X_PF; return X_PF."""
+        fields = {} if X_PF is None else {'pose_given': True, 'pose': _pose_message(X_PF)}
+        return _pose_of(self.call('attach', frame=frame, parent=parent, **fields).pose)
+
+    def detach(self, frame: str, X_PF: RigidTransform | ArrayLike | None = None) -> RigidTransform:
+        """Put a frame back on the one it was registered on, where it is now or at X_PF."""
+        fields = {} if X_PF is None else {'pose_given': True, 'pose': _pose_message(X_PF)}
+        return _pose_of(self.call('detach', frame=frame, **fields).pose)
+
+    def remove_source(self, source: str) -> tuple[int, int]:
+        """Remove a source and all that is its; return how many frames and geometries."""
+        answer = self.call('remove_source', source=source)
+        return int(answer.frames), int(answer.geometries)
+
+    def pose_ages(self, frames: Sequence[str] = ()) -> dict[str, float]:
+        """Return the age [s] of the pose of frames by full name, all or some, the oldest first.
+
+        0: it does not grow old; inf: it never came, or not since the clock jumped.
+        """
+        answer = self.ask('get_pose_ages', frames=list(frames))
+        return dict(zip(answer.names, answer.ages, strict=True))
+
     def publish_poses(self, poses: Poses, source: str = '', stamp: float | None = None) -> None:
         """Pose frames of the live scene; ``stamp`` [s] is the present time if None."""
         self.wait_for(self._poses.get_subscription_count, 'a listener to frame_poses')
@@ -316,6 +343,18 @@ class SceneGraphClient:
                 return results(result, table)
             if time.monotonic() > end:
                 raise NoAnswerError(f'waited {self._patience:g} s for {what}')
+
+
+def _pose_message(X: RigidTransform | ArrayLike) -> Pose:
+    """Return a pose, a RigidTransform or x y z [m] qx qy qz qw, as a message."""
+    values = X.ToArray() if isinstance(X, RigidTransform) else np.asarray(X, dtype=np.float64)
+    x, y, z, qx, qy, qz, qw = values.tolist()
+    return Pose(position=Point(x=x, y=y, z=z), orientation=Quaternion(x=qx, y=qy, z=qz, w=qw))
+
+
+def _pose_of(message: Pose) -> RigidTransform:
+    p, q = message.position, message.orientation
+    return RigidTransform.FromArray([p.x, p.y, p.z, q.x, q.y, q.z, q.w])
 
 
 def _limit(metres: float) -> float:

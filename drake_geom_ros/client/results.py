@@ -121,6 +121,7 @@ class Results(Sequence[Record], Generic[Record]):
         # [s] of the newest pose used
         self.stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1_000_000_000
         self.oldest_pose_age = float(message.oldest_pose_age)  # [s]; inf: unknown
+        self.oldest_frame = table.frame_name(message.oldest_frame)  # empty: no pose grows old
         self.error_bound = self._column('error_bound')  # (n,) [m]
         self.method = self._column('method', kind=np.int64)  # (n,) METHOD_* constants
 

@@ -125,17 +125,20 @@ class SceneTable:
         version: int = 0,
         parents: Mapping[Frame, Frame | None] | None = None,
         names_version: int = 0,
+        frame_names: Mapping[int, str] | None = None,
         joints: Sequence[Joint] = (),
     ) -> None:
         """``parents`` of frames by source and own name, parents first; None is the world.
 
-        ``names_version`` is the version since which ids, names and roles are these.
+        ``frame_names`` are the same names by id; ``names_version`` is the version
+        since which ids, names and roles are these.
         """
         self.geometries = {geometry.id: geometry for geometry in geometries}
         self.version = version
         self.joints = tuple(joints)
         self.names_version = names_version
         self.parents = dict(parents or {})
+        self._frame_names = dict(frame_names or {})
         self._ids = np.array(sorted(self.geometries), dtype=np.int64)
         self._sources = np.array([self.geometries[i].source for i in self._ids.tolist()])
         self._found: dict[str, NDArray[np.int64]] = {}
@@ -176,13 +179,19 @@ class SceneTable:
             Joint(j.robot, j.name, j.type, (j.lower, j.upper), frames.get(j.frame_id))
             for j in message.joints
         ]
-        return cls(geometries, message.scene_version, parents, message.names_version, joints)
+        names = {id: full_name(line[0]) if line else WORLD for id, line in lines.items()}
+        versions = message.scene_version, parents, message.names_version
+        return cls(geometries, *versions, names, joints)
 
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]
 
     def __contains__(self, geometry_id: int) -> bool:
         return int(geometry_id) in self.geometries
+
+    def frame_name(self, frame_id: int) -> str:
+        """Return the full name of a frame, ``source::frame``; empty for none of this scene."""
+        return self._frame_names.get(int(frame_id), '')
 
     def has(self, pattern: str) -> bool:
         """Return whether a name or a pattern matches any geometry, see ``Geometry.matches``."""

@@ -23,10 +23,10 @@ from drake_geom_ros.batch.summary import Summary
 from drake_geom_ros.batch.worker import version
 from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.query import points_of_file
-from drake_geom_ros.command_line.scene_input import load_and_tell
+from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
 from drake_geom_ros.common.frame_names import AmbiguousNameError, FrameNames
 from drake_geom_ros.common.whole_files import check_outputs
-from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, SceneGraph
+from drake_geom_ros.geometry import ACCURACY_LEVELS, GeometryId, PoseError, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 INTERRUPTED = 130  # the exit code, as a shell has it for SIGINT
@@ -42,7 +42,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
     parser.add_argument('states', metavar='STATES', help='.npy, .npz or .csv: see docs/batches.md')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    add_scene_options(parser)
     parser.add_argument(
         '--names', nargs='+', metavar='NAME', help='joints or frames that the columns are of'
     )
@@ -93,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(outputs, given)
     check_place(output)
     scene_graph = SceneGraph()
-    loaded = load_and_tell(options.scene, scene_graph, options.srdf)
+    loaded = load_and_tell(options.scene, scene_graph, options.srdf, options.package_root)
     check_outputs(outputs, files_of(scene_graph, loaded.robots.values()))
     if options.picture and options.what == 'collision':
         raise SceneFileError('--picture shows distances, of which collision has none', '--what')
@@ -108,6 +108,7 @@ def run(options: argparse.Namespace) -> int:
     size = size_for_all(len(states.rows), 0, REMOTE_BLOCK)
     task = {
         'job': job.digest,
+        'scene': job.scene.digest,
         'states': states.digest,
         'version': version(),
         'question': question.words,
@@ -115,12 +116,15 @@ def run(options: argparse.Namespace) -> int:
     parts = Parts(output, task, blocks_of(len(states.rows), size) or [(0, 0)])
     scheduler = options.scheduler
     with cluster_executor(scheduler) if scheduler else nullcontext() as executor:
-        missing = parts.begin(options.resume)
+        missing = parts.begin(options.resume, lambda text: print(text, file=sys.stderr))
         done = len(parts.blocks) - len(missing)
         _say(f'{done} of {len(parts.blocks)} blocks are there', options)
         try:
             for block, columns in computed(job, states.rows, missing, executor, progress=True):
                 parts.put(block, columns)
+        except (PoseError, SceneFileError):
+            parts.remove()  # it would be refused each time, and is of no use to another run
+            raise
         except KeyboardInterrupt:
             print(f'interrupted; --resume goes on with {parts.folder}', file=sys.stderr)
             return INTERRUPTED

@@ -9,6 +9,7 @@ from typing import Any
 
 from drake_geom_ros.command_line.mesh_report import file_name, is_solid, mesh_lines
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.command_line.second_opinion import cross_checked
 from drake_geom_ros.geometry import Convex, GeometryId, Mesh, Role, Shape
 from drake_geom_ros.scene_files import Member, SceneFileError, poses_in_parents
@@ -38,7 +39,7 @@ def add_to(commands: Any) -> None:
         'are filtered. Exit code 1 and file, line and reason on standard error where it is bad.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
+    add_scene_options(parser)
     parser.add_argument(
         '--all-pairs', action='store_true', help='list anchored and same-frame pairs too'
     )
@@ -53,7 +54,7 @@ def add_to(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Check, list, and return the exit code."""
     try:
-        scene = PosedScene(options.scene, options.srdf)
+        scene = PosedScene(options.scene, options.srdf, options.package_root)
     except SceneFileError as error:
         print(error, file=sys.stderr)
         return BAD_SCENE

@@ -5,6 +5,7 @@ import time
 from typing import Any
 
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import compile_all_kernels, kernel_cache
 
 
@@ -20,7 +21,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         'scene', metavar='SCENE', nargs='?', default='', help='only what this scene file needs'
     )
-    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
+    add_scene_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -33,7 +34,9 @@ def run(options: argparse.Namespace) -> int:
         print(f'{seconds:5.0f} s  compiling {name} ({number} of {last})', flush=True)
 
     if options.scene:
-        kernels = PosedScene(options.scene, options.srdf).compile_kernels(tell)
+        kernels = PosedScene(options.scene, options.srdf, options.package_root).compile_kernels(
+            tell
+        )
     else:
         kernels = compile_all_kernels(tell)
     seconds, folder = time.monotonic() - start, kernel_cache()

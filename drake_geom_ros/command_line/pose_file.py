@@ -17,6 +17,7 @@ from typing import Any, TextIO
 
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files import Location, SceneFileError
+from drake_geom_ros.scene_files.yaml_text import text_of
 
 POSE_COLUMNS = ('x', 'y', 'z', 'qx', 'qy', 'qz', 'qw')
 SUFFIXES = ('.csv', '.json')
@@ -49,9 +50,9 @@ def read_poses(path: str | Path) -> list[PoseSet]:
     if path.suffix not in SUFFIXES:
         raise SceneFileError(f'a pose file ends with one of {", ".join(SUFFIXES)}', str(path))
     try:
-        text = path.read_text(encoding='utf-8')
-    except (OSError, UnicodeError) as error:
-        raise SceneFileError(f'cannot be read: {error}', str(path)) from None
+        text = text_of(path.read_bytes(), str(path))
+    except OSError as error:
+        raise SceneFileError(f'cannot be read: {error.strerror}', str(path)) from None
     sets = list((_from_csv if path.suffix == '.csv' else _from_json)(text, str(path)))
     for moment in sets:
         seen: dict[str, Location] = {}

@@ -1,7 +1,7 @@
 """A scene file made ready for questions: registered, named, every frame at its first pose."""
 
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from drake_geom_ros.command_line.inputs import files_of
@@ -25,13 +25,13 @@ class PosedScene:
     links below a planar or floating joint, and those of a robot that is no tree of joints.
     """
 
-    def __init__(self, path: str, srdf: str = '') -> None:
+    def __init__(self, path: str, srdf: str = '', package_roots: Sequence[str] = ()) -> None:
         """Load a file; raises SceneFileError for one that cannot be.
 
         What is not understood in it is told on standard error.
         """
         self._path = path
-        self.description: SceneDescription = read_and_tell(path, srdf)
+        self.description: SceneDescription = read_and_tell(path, srdf, package_roots)
         self.scene_graph = SceneGraph()
         self.loaded = loaded = register(self.scene_graph, self.description)
         self._frames = loaded.frames

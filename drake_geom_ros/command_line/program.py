@@ -13,6 +13,7 @@ from drake_geom_ros.command_line import (
     query,
     render,
     replay,
+    suggest_filters,
     view,
 )
 from drake_geom_ros.geometry import GeometryError
@@ -36,7 +37,17 @@ def main(arguments: Sequence[str] | None = None, prog: str = 'drake_geom_ros') -
         epilog=f'Each command explains itself: {prog} query --help.',
     )
     commands = parser.add_subparsers(title='commands', metavar='COMMAND', required=True)
-    for module in (query, batch, check, convert, render, view, replay, compile):
+    for module in (
+        query,
+        batch,
+        check,
+        suggest_filters,
+        convert,
+        render,
+        view,
+        replay,
+        compile,
+    ):
         module.add_to(commands)
     options = parser.parse_args(arguments)
     try:

@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from drake_geom_ros.command_line.answers import KINDS, LIMITED, Table, write_csv, write_json
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs, whole_file
 from drake_geom_ros.geometry import ACCURACY_LEVELS
 from drake_geom_ros.scene_files import SceneFileError
+from drake_geom_ros.scene_files.yaml_text import text_of
 
 
 def add_to(commands: Any) -> None:
@@ -29,7 +31,7 @@ def add_to(commands: Any) -> None:
         description='Answers one question about a scene, for each moment of the pose file.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='SRDF of a URDF')
+    add_scene_options(parser)
     parser.add_argument(
         '--what', choices=KINDS, default='distance', help='the question (default: distance)'
     )
@@ -66,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
         )
     points = points_of_file(options.points) if options.points else None
     moments = read_poses(options.poses) if options.poses else [PoseSet()]
-    scene = PosedScene(options.scene, options.srdf)
+    scene = PosedScene(options.scene, options.srdf, options.package_root)
     inputs = [options.scene, options.srdf, options.poses, options.points, *scene.files()]
     check_outputs({'--output': options.output}, inputs)
 
@@ -103,7 +105,7 @@ def limit(text: str) -> float:
 
 def points_of_file(path: str) -> NDArray[np.float64]:
     """Return the points (m, 3) [m] of a file; raises SceneFileError for what holds none."""
-    text = Path(path).read_text(encoding='utf-8')
+    text = text_of(Path(path).read_bytes(), path)
     try:
         if Path(path).suffix == '.json':
             points = np.array(json.loads(text), dtype=np.float64).reshape(-1, 3)

@@ -16,6 +16,7 @@ from drake_geom_ros.command_line.configurations import (
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.query import limit
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import FrameId, FramePoseVector, Role
 from drake_geom_ros.scene_files import (
@@ -47,7 +48,7 @@ def add_to(commands: Any) -> None:
         'also as pictures with a scale and a legend.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    add_scene_options(parser)
     parser.add_argument('--camera', metavar='NAME', help='only this camera of the scene file')
     for name, where in (('--from', 'where it is'), ('--at', 'what it looks at')):
         parser.add_argument(
@@ -101,7 +102,7 @@ def run(options: argparse.Namespace) -> int:
     if options.time is not None and not options.poses:
         raise SceneFileError('--time goes with --poses', options.scene)
     pictures.check_libraries()
-    scene = PosedScene(options.scene, options.srdf)
+    scene = PosedScene(options.scene, options.srdf, options.package_root)
     pose_joints(scene, options.joints)
     moments: Moments = [PoseSet()]
     if options.poses:

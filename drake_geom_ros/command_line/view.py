@@ -14,6 +14,7 @@ from drake_geom_ros.command_line.configurations import (
 from drake_geom_ros.command_line.pose_file import PoseSet, read_poses
 from drake_geom_ros.command_line.posed_scene import PosedScene
 from drake_geom_ros.command_line.query import limit
+from drake_geom_ros.command_line.scene_input import add_scene_options
 from drake_geom_ros.geometry import ACCURACY_LEVELS, FramePoseVector
 from drake_geom_ros.scene_files import SceneFileError
 from drake_geom_ros.trajectories.motion_file import load_motion
@@ -33,7 +34,7 @@ def add_to(commands: Any) -> None:
         'nearest pairs, its filters; joints, frames and motions that can be moved.',
     )
     parser.add_argument('scene', metavar='SCENE', help='scene file (YAML or URDF)')
-    parser.add_argument('--srdf', default='', metavar='FILE', help='goes with a URDF')
+    add_scene_options(parser)
     moving = parser.add_mutually_exclusive_group()
     moving.add_argument('--poses', metavar='FILE', help='poses of frames over time, CSV or JSON')
     moving.add_argument('--motion', metavar='FILE', help='motion of robots and frames, YAML')
@@ -67,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
 
 def open_page(options: argparse.Namespace) -> Page:
     """Return the page of a scene file."""
-    posed = PosedScene(options.scene, options.srdf)
+    posed = PosedScene(options.scene, options.srdf, options.package_root)
     values = pose_joints(posed, options.joints)
     scene = LocalScene(posed.scene_graph, posed.context)
     motion = load_motion(options.motion, posed.description)

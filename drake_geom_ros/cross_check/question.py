@@ -74,6 +74,7 @@ def questions_of(
 ) -> list[PairQuestion]:
     """Return the questions about some of the ``results``, which ``query`` gave as it is posed."""
     chosen = np.asarray(indices, dtype=np.int64)
+    results = results.without_padding()  # of which the other library knows nothing
     ids_A, ids_B = results.id_A[chosen], results.id_B[chosen]
     columns = (
         zip(ids_A.tolist(), ids_B.tolist(), strict=True),

@@ -7,11 +7,14 @@ on. No ROS import here.
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable
 from typing import Any
 
 _LOG_PERIOD = 5.0  # [s] at most one line about the same thing in this time
+_MOST_REASONS = 5  # of one input in this time
+_SPECIFIC = re.compile(r"'[^']*'|[0-9]+")  # what differs in messages of one kind
 _MOST_TOLD_ONCE = 1000  # things that are remembered, for their names may be ever new
 _LONGEST_MESSAGE = 1500  # what is quoted in it may be a name of a megabyte
 
@@ -23,6 +26,8 @@ class Guard:
         """``count(name, reason, n)`` is told of messages and tasks that failed."""
         self._logger = logger
         self._count = count
+        # Of each input, until when [s] which kinds of reasons are told.
+        self._reasons: dict[str, dict[str, float]] = {}
         self._silent_until: dict[str, float] = {}  # of the steady clock [s], by what is told of
 
     def succeeds(self, task: Callable[[], object]) -> bool:
@@ -40,13 +45,13 @@ class Guard:
             refusal = isinstance(error, RuntimeError)
             reason = str(error) if refusal else f'internal error: {error!r}'
             self._count(name, reason, 1)
-            if self._may_tell(name):
+            if self._may_tell_reason(name, reason):
                 self._logger.warning(f'a message of {name} was refused: {_shortened(reason)}')
 
     def refuse(self, name: str, reason: str, count: int) -> None:
         """Count and log parts of a message that were refused while the others were taken."""
         self._count(name, reason, count)
-        if self._may_tell(name):
+        if self._may_tell_reason(name, reason):
             self._logger.warning(f'of a message of {name}: {_shortened(reason)}')
 
     def attempt(self, task: Callable[[], object]) -> None:
@@ -84,6 +89,21 @@ class Guard:
             if self._may_tell(name):
                 self._logger.error(f'{name}: {response.message}')
         return response
+
+    def _may_tell_reason(self, name: str, reason: str) -> bool:
+        """Return whether a reason of refusals is to be told: of an input, each once in a while.
+
+        One that comes again and again must not hide another. Names and numbers in it make no
+        other reason, and of ever new ones a few are told.
+        """
+        now, kind = time.monotonic(), _SPECIFIC.sub('', reason[:_LONGEST_MESSAGE])
+        told = self._reasons.setdefault(name, {})
+        for known in [known for known, end in told.items() if end <= now]:
+            del told[known]
+        if kind in told or len(told) >= _MOST_REASONS:
+            return False
+        told[kind] = now + _LOG_PERIOD
+        return True
 
     def _may_tell(self, about: str) -> bool:
         """Return whether nothing was told about something for a while.

@@ -40,6 +40,7 @@ class NodeParameters:
     robot_description_topic: str = 'robot_description'
     robot_description_semantic_topic: str = 'robot_description_semantic'
     filter_self_collisions: bool = False
+    frame_prefix: str = ''
     solid_meshes: tuple[str, ...] = ()
     publish_markers: bool = False
     marker_rate: float = 10.0
@@ -91,6 +92,10 @@ TEXTS = {
     'filter_self_collisions': (
         'Leave out all pairs of a robot with itself, of the robot of that topic and of a URDF.'
     ),
+    'frame_prefix': (
+        'What TF puts before the names of the links, of the robot of that topic and of a URDF, as '
+        'the frame_prefix of its robot_state_publisher, slash included.'
+    ),
     'solid_meshes': (
         'Links, or link/geometry, of the robot of that topic and of a URDF whose meshes are '
         'solids, with * and ?; other meshes count as their convex hulls.'
@@ -136,7 +141,8 @@ TEXTS = {
         'ones are lost.'
     ),
     'max_answer_size': (
-        'Largest answer of a service [MB]; a larger one is refused, with the reason.' + _LIVE
+        'Largest answer of a service, and largest images of a camera [MB]; what is larger is '
+        'refused, with the reason.' + _LIVE
     ),
     'watchdog': (
         'Time [s] after which a callback that does not return, or a process that does nothing, is '

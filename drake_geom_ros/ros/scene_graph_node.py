@@ -121,8 +121,11 @@ class SceneGraphNode(LifecycleNode):
         live = LiveScene(values.accuracy, clocks, values.world_frame, self._first_version)
         live.files = file_access(values)
         live.most_megabytes = values.max_answer_size
+        live.name_cameras_for(self.get_fully_qualified_name())
         live.robot_options = RobotOptions(
-            filter_self_collisions=values.filter_self_collisions, solid_meshes=values.solid_meshes
+            filter_self_collisions=values.filter_self_collisions,
+            solid_meshes=values.solid_meshes,
+            frame_prefix=values.frame_prefix,
         )
         if values.scene_file:
             roots, options = live.files.package_roots, live.robot_options

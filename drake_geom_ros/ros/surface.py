@@ -20,6 +20,7 @@ from rclpy.subscription import MessageInfo, Subscription
 from rclpy.timer import Timer
 
 from drake_geom_ros.ros.outputs.answers import Answers
+from drake_geom_ros.ros.parameters import QOS_OVERRIDES
 
 
 def sensor_data() -> QoSProfile:
@@ -62,13 +63,21 @@ class Surface:
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._open: list[tuple[Callable[[Any], Any], Any]] = []
 
-    def publisher(self, kind: Any, topic: str, profile: QoSProfile) -> Publisher:
-        """Open a topic to publish on."""
+    def publisher(
+        self, kind: Any, topic: str, profile: QoSProfile, *, comes_and_goes: bool = False
+    ) -> Publisher:
+        """Open a topic to publish on.
+
+        One that ``comes_and_goes`` has parameters of its QoS only where they were given: a
+        parameter cannot be taken back, and each costs kilobytes for as long as the node lives.
+        """
+        options: QoSOverridingOptions | None = QoSOverridingOptions.with_default_policies()
+        if comes_and_goes:
+            begin = f'{QOS_OVERRIDES}{self._node.resolve_topic_name(topic)}.'
+            given = any(name.startswith(begin) for name in self._node._parameter_overrides)
+            options = options if given else None
         publisher = self._node.create_publisher(
-            kind,
-            topic,
-            profile,
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            kind, topic, profile, qos_overriding_options=options
         )
         self._open.append((self._node.destroy_publisher, publisher))
         return publisher

@@ -22,10 +22,12 @@ from drake_geom_ros.scene_files.description import (
     PERCEPTION,
     RATE,
     WORLD,
+    AwaitedFilter,
     CameraDescription,
     CliqueDescription,
     DeactivationDescription,
     DeclarationDescription,
+    FilterDescription,
     FrameDescription,
     GeometryDescription,
     GroupDescription,
@@ -38,7 +40,12 @@ from drake_geom_ros.scene_files.description import (
     hulls_in_words,
 )
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
-from drake_geom_ros.scene_files.registration import LoadedScene, register, warm_up
+from drake_geom_ros.scene_files.registration import (
+    LoadedScene,
+    apply_filter,
+    register,
+    warm_up,
+)
 from drake_geom_ros.scene_files.resources import ResourceResolver, share_folders
 from drake_geom_ros.scene_files.saving import describe, describe_moment, poses_in_parents
 from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
@@ -52,6 +59,8 @@ __all__ = [
     'save_scene',
     'register',
     'warm_up',
+    'apply_filter',
+    'AwaitedFilter',
     'describe',
     'describe_moment',
     'poses_in_parents',
@@ -79,6 +88,7 @@ __all__ = [
     'CliqueDescription',
     'DeclarationDescription',
     'DeactivationDescription',
+    'FilterDescription',
     'Statement',
     'Operation',
     'Member',

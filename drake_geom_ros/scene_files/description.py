@@ -4,11 +4,14 @@ Every record knows the place it was read from (``where``), so that whoever finds
 can still name file, line and key. Places do not count when records are compared.
 """
 
-from collections.abc import Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Any
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry import GeometryProperties, Mesh, Role, Shape
@@ -43,6 +46,7 @@ class FrameDescription:
 
     ``static`` is true where its pose does not grow old, false where it is expected to move, and
     None where that shows when a pose comes. ``welded``: its geometries count as anchored.
+    ``attached_to``: the frame that it follows, in which X_PF is then; ``parent`` is its home.
     """
 
     source: str
@@ -53,6 +57,7 @@ class FrameDescription:
     static: bool | None = None
     where: Location = field(default=_NOWHERE, compare=False)
     welded: bool = False
+    attached_to: Member | None = None
 
 
 @dataclass(frozen=True)
@@ -72,17 +77,31 @@ class GeometryDescription:
 class RobotOptions:
     """Which of a robot's own pairs are kept from colliding, and which of its meshes are solids.
 
-    ``solid_meshes`` are patterns with ``*`` and ``?``, of links or of ``link/geometry``.
+    ``solid_meshes`` are patterns with ``*`` and ``?``, of links or of ``link/geometry``;
+    ``paddings`` are such patterns, and by how much [m] their geometries are larger all around: of
+    those that a geometry matches the last one counts. ``frame_prefix`` is that of the names which
+    TF has for the links.
     """
 
     filter_adjacent_links: bool = True
     filter_self_collisions: bool = False
     solid_meshes: tuple[str, ...] = ()
+    paddings: tuple[tuple[str, float], ...] = ()
+    frame_prefix: str = ''
 
     def is_solid(self, link: str, geometry: str) -> bool:
         """Return whether a mesh is the body that its surface encloses, and not its hull."""
-        names = (link, f'{link}/{geometry}')
-        return any(fnmatchcase(name, pattern) for name in names for pattern in self.solid_meshes)
+        return any(_matches(link, geometry, pattern) for pattern in self.solid_meshes)
+
+    def padding(self, link: str, geometry: str) -> float:
+        """Return by how much [m] a geometry is larger all around."""
+        found = [r for pattern, r in self.paddings if _matches(link, geometry, pattern)]
+        return found[-1] if found else 0.0
+
+
+def _matches(link: str, geometry: str, pattern: str) -> bool:
+    """Return whether a pattern is of a link, or of a geometry on it."""
+    return any(fnmatchcase(name, pattern) for name in (link, f'{link}/{geometry}'))
 
 
 @dataclass(frozen=True)
@@ -90,7 +109,8 @@ class RobotDescription:
     """A robot: the source of its name holds its links; X_WB is the pose of its root link.
 
     ``urdf`` is None where the URDF came as text. ``joint_states`` is the topic, if one is named,
-    on which a node hears of its joints; ``tree`` are its links and joints.
+    on which a node hears of its joints; ``tree`` are its links and joints. ``frame_prefix`` is
+    what the names that TF has for its links begin with.
     """
 
     name: str
@@ -100,6 +120,7 @@ class RobotDescription:
     where: Location = field(default=_NOWHERE, compare=False)
     joint_states: str = ''
     tree: LinkTree | None = field(default=None, compare=False, repr=False)
+    frame_prefix: str = ''
 
 
 @dataclass(frozen=True)
@@ -165,6 +186,20 @@ FilterDescription = (
 )
 
 
+@dataclass(frozen=True)
+class AwaitedFilter:
+    """A filter with members of sources that come later: see the key `awaits` of scene files.
+
+    ``bind`` makes it of the ``FileNames`` of a scene that has them; it raises SceneFileError for
+    a name that is not there. ``plain`` is what the file says.
+    """
+
+    sources: tuple[str, ...]
+    plain: Any
+    where: Location = field(default=_NOWHERE, compare=False)
+    bind: Callable[[Any], FilterDescription] | None = field(default=None, compare=False)
+
+
 def hulls_in_words(geometries: Sequence[GeometryDescription]) -> str:
     """Return how many meshes count as their convex hulls, to go behind a sentence; or nothing."""
     count = sum(
@@ -213,3 +248,4 @@ class SceneDescription:
     filters: tuple[FilterDescription, ...] = ()
     cameras: tuple[CameraDescription, ...] = ()
     warnings: tuple[str, ...] = field(default=(), compare=False)
+    awaited: tuple[AwaitedFilter, ...] = ()

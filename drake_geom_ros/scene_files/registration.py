@@ -1,5 +1,7 @@
 """Scene description -> registrations, through the public interface of SceneGraph only."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -22,6 +24,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
     WORLD,
+    AwaitedFilter,
     CameraDescription,
     CliqueDescription,
     DeactivationDescription,
@@ -59,6 +62,7 @@ class LoadedScene:
     static: Mapping[FrameId, bool] = field(default_factory=dict)
     cameras: tuple[tuple[FrameId, CameraDescription], ...] = ()
     warnings: tuple[str, ...] = ()
+    awaited: tuple[AwaitedFilter, ...] = ()
 
     def name_of(self, id: GeometryId | FrameId | int) -> str:
         """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
@@ -85,6 +89,16 @@ class LoadedScene:
         }
         names[0] = ''
         return names | {id: '::'.join(key) for key, id in self.frames.items()}
+
+
+def apply_filter(scene_graph: SceneGraph, entry: FilterDescription) -> None:
+    """Apply one more filter to what a scene graph has.
+
+    Raises SceneFileError that names its place, and nothing has changed then.
+    """
+    # It may be several statements: it is rehearsed on a copy.
+    for context in (scene_graph.CreateDefaultContext(), None):
+        _Registration.of_all(scene_graph, context).apply(entry)
 
 
 def register(scene_graph: SceneGraph, description: SceneDescription) -> LoadedScene:
@@ -138,6 +152,10 @@ class _Registration:
         for frame in description.frames:
             with _blame(frame.where):
                 self._register_frame(frame)
+        for frame in description.frames:
+            if frame.attached_to is not None:
+                with _blame(frame.where):
+                    self._attach(frame, frame.attached_to)
         for geometry in description.geometries:
             with _blame(geometry.where):
                 self._register_geometry(geometry)
@@ -162,7 +180,28 @@ class _Registration:
             },
             tuple((self._frame_id(c.source, c.frame), c) for c in description.cameras),
             description.warnings,
+            description.awaited,
         )
+
+    @classmethod
+    def of_all(cls, scene_graph: SceneGraph, context: SceneGraphContext | None) -> _Registration:
+        """Return a registration that knows all that a scene graph has."""
+        run = cls(scene_graph, SceneDescription(), context)
+        inspector = scene_graph.model_inspector()
+        for frame in inspector.GetAllFrameIds():
+            if frame != inspector.world_frame_id():
+                name = inspector.GetOwningSourceName(frame), inspector.GetName(frame)
+                run._frames[name] = frame
+        for id in inspector.GetAllGeometryIds(Role.kProximity):
+            frame = inspector.GetFrameId(id)
+            on = WORLD if frame == inspector.world_frame_id() else inspector.GetName(frame)
+            run._geometries[inspector.GetOwningSourceName(id), on, inspector.GetName(id)] = id
+        return run
+
+    def apply(self, entry: FilterDescription) -> None:
+        """Apply a filter; raises SceneFileError that names its place."""
+        with _blame(entry.where):
+            self._apply(entry)
 
     def _frame_id(self, source: str, name: str) -> FrameId:
         if name == WORLD:
@@ -187,6 +226,17 @@ class _Registration:
         if frame.welded:
             manager = self._scene_graph.collision_filter_manager(self._context)
             manager.WeldToWorld([self._frames[frame.source, frame.name]])
+
+    def _attach(self, frame: FrameDescription, to: Member) -> None:
+        if frame.X_PF is None:
+            raise RuntimeError('attached_to needs the pose in the frame that it follows')
+        self._scene_graph.AttachFrame(
+            context=self._context,
+            source_id=self._sources[frame.source],
+            frame_id=self._frames[frame.source, frame.name],
+            parent_id=self._frame_id(to.source, to.frame),
+            X_PF=frame.X_PF,
+        )
 
     def _register_geometry(self, geometry: GeometryDescription) -> None:
         source_id = self._sources[geometry.source]

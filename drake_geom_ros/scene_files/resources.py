@@ -1,10 +1,15 @@
 """Where the files that a scene or a URDF names are: ``package://``, ``file://`` and paths."""
 
+from __future__ import annotations
+
 import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+
+# One folder, or several.
+Roots = str | os.PathLike[str] | Iterable[str | os.PathLike[str]]
 
 
 class ResourceResolver:
@@ -12,8 +17,8 @@ class ResourceResolver:
 
     ``package://NAME/path`` (urdfdom and Pinocchio read ``package:///NAME/path`` as the same, and
     robots in use have it) is looked for in these folders, the first that exists is taken:
-    ``ROOT/NAME`` (or ROOT itself where that is its name) for each of ``package_roots``,
-    ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and
+    ``ROOT/NAME`` (or ROOT itself where that is its name) for each of ``package_roots`` and then
+    of ``ROS_PACKAGE_PATH``, ``PREFIX/share/NAME`` for each prefix of ``AMENT_PREFIX_PATH``, and
     ``cmeel.prefix/share/NAME`` beside the Python packages, where pip puts robot descriptions
     such as ``example-robot-data``.
 
@@ -22,11 +27,23 @@ class ResourceResolver:
 
     def __init__(
         self,
-        package_roots: Iterable[str | os.PathLike[str]] = (),
-        allowed_roots: Iterable[str | os.PathLike[str]] | None = None,
+        package_roots: Roots = (),
+        allowed_roots: Roots | None = None,
     ):
-        self._package_roots = [Path(root).absolute() for root in package_roots]
+        """Take folders, one alone or several."""
+        self._package_roots = [root.absolute() for root in _several(package_roots)]
         self._allowed_roots = None if allowed_roots is None else _folders(allowed_roots)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether files anywhere may be opened."""
+        return self._allowed_roots is None
+
+    def looking_in(self, package_roots: Roots) -> ResourceResolver:
+        """Return a resolver that looks for packages in these folders after its own ones."""
+        return ResourceResolver(
+            [*self._package_roots, *_several(package_roots)], self._allowed_roots
+        )
 
     def resolve(self, uri: str, folder: Path) -> Path:
         """Return the absolute path of the file that ``uri`` names; a bare path is from ``folder``.
@@ -69,26 +86,40 @@ class ResourceResolver:
         searched = ', '.join(map(str, folders)) or 'no folder'
         raise ValueError(
             f'{uri!r}: there is no package {name!r}; searched {searched}; '
-            'source its workspace, install it with pip, or name its folder in package_roots'
+            'source its workspace, install it with pip, or name its folder: package_roots in '
+            'Python, in a scene file and of a node, --package-root of a command, ROS_PACKAGE_PATH'
         )
 
     def _candidates(self, name: str) -> Iterator[Path]:
-        for root in self._package_roots:
+        for root in (*self._package_roots, *_ros_package_path()):
             yield root if root.name == name else root / name
-        for folder in share_folders():
+        for folder in _shares_of_prefixes():
             yield folder / name
 
 
 def share_folders() -> list[Path]:
     """Return the folders that hold the packages' files, whether or not they exist."""
+    return [*_ros_package_path(), *_shares_of_prefixes()]
+
+
+def _ros_package_path() -> list[Path]:
+    return _paths(os.environ.get('ROS_PACKAGE_PATH', '').split(os.pathsep))
+
+
+def _shares_of_prefixes() -> list[Path]:
     prefixes = _paths(os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep))
     installed = [e for e in _paths(sys.path) if e.name in ('site-packages', 'dist-packages')]
     prefixes += [entry / 'cmeel.prefix' for entry in installed]
     return [prefix / 'share' for prefix in prefixes]
 
 
-def _folders(roots: Iterable[str | os.PathLike[str]]) -> list[Path]:
-    return [Path(os.path.normpath(Path(root).absolute())) for root in roots]
+def _several(roots: Roots) -> list[Path]:
+    """Return folders that were given as one path or as several."""
+    return [Path(roots)] if isinstance(roots, (str, os.PathLike)) else [*map(Path, roots)]
+
+
+def _folders(roots: Roots) -> list[Path]:
+    return [Path(os.path.normpath(root.absolute())) for root in _several(roots)]
 
 
 def _paths(entries: Sequence[str]) -> list[Path]:

@@ -128,11 +128,16 @@ class _Describer:
         return FrameDescription(
             inspector.GetOwningSourceName(frame_id),
             self._frame_name(frame_id),
-            self._frame_name(inspector.GetParentFrame(frame_id)),
+            self._frame_name(inspector.GetHomeFrame(frame_id)),
             inspector.GetFrameGroup(frame_id),
             X_PF,
             static,
+            attached_to=self._carrier(frame_id) if inspector.IsAttached(frame_id) else None,
         )
+
+    def _carrier(self, frame_id: FrameId) -> Member:
+        carrier = self._inspector.GetParentFrame(frame_id)
+        return Member(self._inspector.GetOwningSourceName(carrier), self._frame_name(carrier))
 
     def _geometry(self, geometry_id: GeometryId) -> GeometryDescription:
         inspector = self._inspector

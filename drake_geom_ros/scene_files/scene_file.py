@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from drake_geom_ros.common.stand_ins import stand_in
 from drake_geom_ros.geometry import FrameId, SceneGraph
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import (
@@ -15,18 +16,18 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.registration import LoadedScene, register
-from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.resources import ResourceResolver, Roots
+from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.saving import describe
 from drake_geom_ros.scene_files.srdf import read_srdf
 from drake_geom_ros.scene_files.urdf import read_urdf, robot_name
+from drake_geom_ros.scene_files.xml_tree import is_xml
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
-from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, read_yaml
+from drake_geom_ros.scene_files.yaml_text import MAX_BYTES, MOST_ITEMS, read_yaml, text_of
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 PathLike = str | os.PathLike[str]
 
-# Frames, geometries or whatever else of one kind: reading so many takes half a minute.
-MOST_ITEMS = 100_000
 FORMATS = ('yaml', 'urdf')
 _NO_OPTIONS = RobotOptions()
 
@@ -35,17 +36,19 @@ def read_scene(
     path_or_text: PathLike,
     format: str = '',
     srdf: PathLike = '',
-    package_roots: Iterable[PathLike] = (),
-    allowed_roots: Iterable[PathLike] | None = None,
+    package_roots: Roots = (),
+    allowed_roots: Roots | None = None,
     options: RobotOptions = _NO_OPTIONS,
 ) -> SceneDescription:
     r"""Return what a scene file describes; nothing is registered.
 
     ``path_or_text`` is a path, or the text itself: a str with a line break in it, or one that
     begins with ``{`` or ``<``. Paths in a text count from the working folder.
-    ``format`` is ``yaml`` or ``urdf``; left empty, it is told by the suffix ``.urdf`` or by a text
-    that begins with ``<``. ``srdf``, a path or a text too, goes with a URDF. ``package_roots`` and
-    ``allowed_roots``, which hold for the files that the scene names: see ``ResourceResolver``.
+    ``format`` is ``yaml`` or ``urdf``; left empty, what begins with ``<`` is a URDF, whatever it
+    is called. ``srdf``, a path or a text too, goes with a URDF. ``package_roots`` and
+    ``allowed_roots``, a folder or several, which hold for the files that the scene names: see
+    ``ResourceResolver``. Files with macros are expanded where PyPI's ``xacro`` is installed,
+    unless there are ``allowed_roots``.
     A URDF alone is a scene of one robot at the world's origin, with its own name; ``options`` are
     for it alone (in YAML each robot has its own), and adjacent links are filtered by default.
 
@@ -56,20 +59,21 @@ def read_scene(
     'scene'
     """
     text = _as_text(path_or_text)
+    resolver = ResourceResolver(package_roots, allowed_roots)
     if format not in ('', *FORMATS):
         raise SceneFileError(f'format {format!r} must be one of {FORMATS}', _file(path_or_text))
     data, file, folder = _content(path_or_text)
-    looks_like_urdf = text.lstrip().startswith('<') if text else file.endswith('.urdf')
-    resolver = ResourceResolver(package_roots, allowed_roots)
+    looks_like_urdf = is_xml(data) or (not text and file.lower().endswith('.urdf'))
     if format == 'urdf' or (not format and looks_like_urdf):
         path = None if text else Path(file).absolute()
+        if path is not None:
+            data, file = read_robot_file(Path(file), resolver.is_free)
         return _urdf_scene(data, file, folder, path, srdf, resolver, options)
+    if not text and (reason := stand_in(data)):
+        raise SceneFileError(reason, file)
     if srdf:
         raise SceneFileError('srdf is only for a URDF; in YAML a robot has the key `srdf`', file)
-    try:
-        return parse_scene(read_yaml(data.decode(), file, MOST_ITEMS), folder, resolver)
-    except UnicodeDecodeError as error:
-        raise SceneFileError(f'not UTF-8: {error.reason} at byte {error.start}', file) from error
+    return parse_scene(read_yaml(text_of(data, file), file, MOST_ITEMS), folder, resolver)
 
 
 def load_scene(
@@ -77,7 +81,7 @@ def load_scene(
     scene_graph: SceneGraph,
     format: str = '',
     srdf: PathLike = '',
-    package_roots: Iterable[PathLike] = (),
+    package_roots: Roots = (),
 ) -> LoadedScene:
     """Register all that a scene file describes, and return the ids by name.
 
@@ -123,10 +127,16 @@ def _urdf_scene(
     srdf_path = None
     if srdf:
         srdf_data, srdf_file, _ = _content(srdf)
-        srdf_path = None if _as_text(srdf) else Path(srdf_file).absolute()
+        if not _as_text(srdf):
+            srdf_path = Path(srdf_file).absolute()
+            srdf_data, srdf_file = read_robot_file(Path(srdf_file), resolver.is_free)
         semantics = read_srdf(srdf_data, srdf_file, name, name, parts.link_names, options)
         filters, warnings = filters + semantics.filters, warnings + semantics.warnings
-    robot = RobotDescription(name, path, RigidTransform(), srdf_path, tree=parts.tree)
+    robot = RobotDescription(
+        *(name, path, RigidTransform(), srdf_path),
+        tree=parts.tree,
+        frame_prefix=options.frame_prefix,
+    )
     return SceneDescription(
         *(file, (name,), (robot,), parts.frames, parts.geometries, filters),
         warnings=warnings,
@@ -137,7 +147,7 @@ def _as_text(path_or_text: PathLike) -> str:
     """Return the text itself, empty where a path was given."""
     if not isinstance(path_or_text, str):
         return ''
-    is_text = '\n' in path_or_text or path_or_text.lstrip().startswith(('{', '<'))
+    is_text = '\n' in path_or_text or path_or_text.lstrip('\ufeff \t').startswith(('{', '<'))
     return path_or_text if is_text else ''
 
 

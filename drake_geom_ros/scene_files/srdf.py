@@ -21,7 +21,13 @@ from drake_geom_ros.scene_files.description import (
     RobotOptions,
     Statement,
 )
-from drake_geom_ros.scene_files.xml_tree import attribute, local_name, place_of, read_robot_xml
+from drake_geom_ros.scene_files.xml_tree import (
+    XACRO_FIRST,
+    attribute,
+    local_name,
+    place_of,
+    read_robot_xml,
+)
 
 _DISABLED, _ENABLED = 'disable_collisions', 'enable_collisions'
 _DEFAULT_OFF, _BASE = 'disable_default_collisions', 'virtual_joint'
@@ -126,7 +132,7 @@ def _not_understood(root: Any, file: str) -> Iterator[str]:
     for element in root.iter():
         if 'xacro' in (element.prefix or ''):
             raise place_of(element, file).error(
-                f'<{element.prefix}:{local_name(element)}> is xacro: expand the file first'
+                f'<{element.prefix}:{local_name(element)}> is xacro: {XACRO_FIRST}'
             )
         tag = str(element.tag)
         if element.getparent() is root:

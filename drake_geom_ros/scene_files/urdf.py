@@ -176,5 +176,7 @@ def _link_geometries(
         properties = ProximityProperties()
         if isinstance(shape, Mesh) and options.is_solid(frame, name):
             properties.AddProperty('mesh', 'solid', True)
+        if padding := options.padding(frame, name):
+            properties.AddProperty('proximity', 'padding', padding)
         roles = {Role.kProximity: properties}
         yield GeometryDescription(source, frame, name, shape, X_LG, roles, place)

@@ -3,6 +3,7 @@
 The meaning of Drake's elements is that of Drake's parser, found by asking pydrake.
 """
 
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -25,11 +26,16 @@ _DRAKES_JOINTS = ('ball', 'curvilinear', 'planar', 'screw', 'universal')
 
 def moved_links(joints: Sequence[Joint]) -> set[str]:
     """Return the links that move against the root: those with a joint that is not fixed above."""
+    children = defaultdict(list)
+    for joint in joints:
+        children[joint.parent].append(joint.child)
     moved: set[str] = set()
-    fresh = {joint.child for joint in joints if joint.type != 'fixed'}
+    fresh = [joint.child for joint in joints if joint.type != 'fixed']
     while fresh:
-        moved |= fresh
-        fresh = {joint.child for joint in joints if joint.parent in fresh} - moved
+        link = fresh.pop()
+        if link not in moved:
+            moved.add(link)
+            fresh += children[link]
     return moved
 
 
@@ -201,12 +207,24 @@ def _clique(name: str, source: str, links: Sequence[str]) -> CliqueDescription:
 
 def _fixed_bodies(joints: Sequence[Joint]) -> list[list[str]]:
     """Return the sets of links that fixed joints connect, in the order of the joints."""
-    body_of: dict[str, list[str]] = {}
+    held: defaultdict[str, list[str]] = defaultdict(list)
+    links: dict[str, None] = {}  # in the order of the joints
     for joint in joints:
         if joint.type == 'fixed':
-            parent = body_of.setdefault(joint.parent, [joint.parent])
-            child = body_of.setdefault(joint.child, [joint.child])
-            if parent is not child:
-                parent += child
-                body_of.update(dict.fromkeys(child, parent))
-    return list({id(body): body for body in body_of.values()}.values())
+            held[joint.parent].append(joint.child)
+            held[joint.child].append(joint.parent)
+            links.update(dict.fromkeys((joint.parent, joint.child)))
+    bodies: list[set[str]] = []
+    seen: set[str] = set()
+    for link in links:
+        if link in seen:
+            continue
+        body, fresh = {link}, [link]
+        while fresh:
+            near = [other for other in held[fresh.pop()] if other not in body]
+            body.update(near)
+            fresh += near
+        seen |= body
+        bodies.append(body)
+    place = {link: k for k, link in enumerate(links)}
+    return [sorted(body, key=place.__getitem__) for body in bodies]

@@ -28,7 +28,8 @@ def pose_of(element: Any) -> RigidTransform:
     turn = numbers(origin, given[0] if given else 'rpy', count, '0 0 0')
     xyz = numbers(origin, 'xyz', 3, '0 0 0')
     if not all(map(math.isfinite, (*xyz, *turn))):
-        raise ValueError(f'origin: xyz and {given[0] if given else "rpy"} must be finite numbers')
+        told = ' '.join(f'{name} = {value!r}' for name, value in origin.attrib.items())
+        raise ValueError(f'origin: {told}; all numbers must be finite')
     if count == 3:
         return RigidTransform(RollPitchYaw(turn).ToRotationMatrix(), xyz)
     if not abs(math.hypot(*turn) - 1.0) <= _UNIT_TOLERANCE:

@@ -45,6 +45,7 @@ def _mesh(element: Any, folder: Path, resolver: ResourceResolver) -> Shape:
         raise ValueError('mesh has no attribute `filename`')
     path = str(resolver.resolve(filename, folder))
     convex = any(local_name(child) == 'declare_convex' for child in element)
-    uniform = len(element.get('scale', '').split()) == 1
+    scales = element.get('scale', '')
+    uniform = len(scales.split()) == 1 and ',' not in scales
     scale = numbers(element, 'scale', 1 if uniform else 3, '1 1 1')
     return (Convex if convex else Mesh)(path, scale[0] if uniform else scale)

@@ -13,22 +13,19 @@ from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.description import WORLD
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.link_tree import Joint, LinkTree, Mimic, UrdfJoint
+from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.urdf_poses import pose_of
 from drake_geom_ros.scene_files.xml_tree import attribute, numbers, place_of, read_robot_xml
 
 _SHOWN = 5  # joints in a sentence
 
 
-def read_link_tree(path: str | Path) -> LinkTree:
-    """Return the links and joints of a URDF file.
+def read_link_tree(path: str | Path, expand: bool = True) -> LinkTree:
+    """Return the links and joints of a URDF file, ``expand``: its macros expanded.
 
     Raises SceneFileError as ``read_links`` and ``read_joints``, and for a file that is no URDF.
     """
-    file = str(path)
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise SceneFileError(f'cannot be read: {error.strerror}', file) from error
+    data, file = read_robot_file(Path(path), expand)
     root = read_robot_xml(data, file)
     links = read_links(root, file)
     joints = read_joints(root, links, file)
@@ -81,11 +78,24 @@ def fixed_poses(
     joints: Iterable[UrdfJoint], root: str, X_WB: RigidTransform
 ) -> dict[str, RigidTransform]:
     """Return X_WL of the root link and of those that fixed joints hold to it, by name."""
-    poses, waiting = {root: X_WB}, [joint for joint in joints if joint.type == 'fixed']
-    while ready := [joint for joint in waiting if joint.parent in poses]:
-        poses |= {joint.child: poses[joint.parent] @ joint.X_PJ for joint in ready}
-        waiting = [joint for joint in waiting if joint.child not in poses]
+    poses = {root: X_WB}
+    for joint in parents_first(joints, root):
+        if joint.type == 'fixed' and joint.parent in poses:
+            poses[joint.child] = poses[joint.parent] @ joint.X_PJ
     return poses
+
+
+def parents_first(joints: Iterable[UrdfJoint], root: str) -> list[UrdfJoint]:
+    """Return the joints below a link, each behind the one that holds its parent link."""
+    held: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        held.setdefault(joint.parent, []).append(joint)
+    ordered: list[UrdfJoint] = []
+    links = [root]
+    for link in links:  # which grows
+        ordered += held.get(link, ())
+        links += [joint.child for joint in held.get(link, ())]
+    return ordered
 
 
 def _joint(element: Any, links: Mapping[str, Any], file: str) -> UrdfJoint:

@@ -11,7 +11,7 @@ from typing import Any
 
 from lxml import etree
 
-from drake_geom_ros.scene_files.xml_tree import local_name, place_of
+from drake_geom_ros.scene_files.xml_tree import XACRO_FIRST, local_name, place_of
 
 _VERSIONS = ('1', '1.0', '1.1', '1.2')
 _SHOWN = 60  # characters of a value
@@ -116,7 +116,7 @@ def _unknown(element: Any, file: str) -> Iterator[tuple[str, str]]:
         plain = etree.QName(attribute).localname
         is_ours = attribute == plain
         if '${' in value or '$(' in value:
-            raise place.error(f'{plain} = {value[:_SHOWN]!r} is xacro: expand it first')
+            raise place.error(f'{plain} = {value[:_SHOWN]!r} is xacro: {XACRO_FIRST}')
         if is_ours and plain in known.attributes:
             continue
         _refuse_other_letters(plain, known.attributes, place)
@@ -140,7 +140,7 @@ def _unknown_child(
 ) -> Iterator[tuple[str, str]]:
     name, place = local_name(child), place_of(child, file)
     if 'xacro' in (child.prefix or '') or 'xacro' in (etree.QName(child).namespace or ''):
-        raise place.error(f'<{child.prefix}:{name}> is xacro: expand the file first')
+        raise place.error(f'<{child.prefix}:{name}> is xacro: {XACRO_FIRST}')
     if name in known.once and name in seen:
         raise place.error(f'a second <{name}> in one <{parent}>; one is allowed')
     seen.add(name)

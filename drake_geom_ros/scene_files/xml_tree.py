@@ -1,36 +1,82 @@
 """XML of URDF and SRDF files -> an element tree with line numbers, safely."""
 
+import codecs
 from typing import Any
 
 from lxml import etree
 
+from drake_geom_ros.common.stand_ins import stand_in
 from drake_geom_ros.scene_files.errors import Location, SceneFileError
 
 # A URDF of a humanoid takes 0.2 MB.
 MAX_BYTES = 16_000_000
+XACRO_FIRST = (
+    'run xacro first (`xacro arm.urdf.xacro > arm.urdf`); a file is expanded by itself where '
+    "PyPI's `xacro` is installed, one that comes through a service or topic never"
+)
+_BLANKS = b' \t\r\n'
+_WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+_URDF_OR_YAML = 'load its URDF, or list its frames and geometries in a scene file (YAML)'
+# Root elements of other formats, and what to do with such a file.
+_OTHERS = {
+    'sdf': f'this is SDF, which is not read: {_URDF_OR_YAML}',
+    'mujoco': f'this is MJCF, a model of MuJoCo, which is not read: {_URDF_OR_YAML}',
+    'mujocoinclude': f'this is a part of MJCF, which is not read: {_URDF_OR_YAML}',
+    'COLLADA': 'this is a mesh; name it in a URDF or a scene file',
+}
+
+
+def is_xml(data: bytes) -> bool:
+    """Return whether a file is XML, by its first characters."""
+    if data.startswith(_WIDE):
+        return data[2:4].strip(b'\0') == b'<'
+    return data.removeprefix(codecs.BOM_UTF8).lstrip(_BLANKS).startswith(b'<')
 
 
 def read_robot_xml(data: bytes, file: str) -> Any:
     """Return the ``<robot>`` element of a URDF or SRDF file, comments left out.
 
-    Raises SceneFileError for text that is not XML, another root element, text over ``MAX_BYTES``,
-    and a document type: entities are defined there, and neither format has use for them.
+    Blank lines before the XML declaration are left out, and counted. Raises SceneFileError for
+    text that is not XML, another root element, text over ``MAX_BYTES``, and a document type:
+    entities are defined there, and neither format has use for them.
     """
+    if reason := stand_in(data):
+        raise SceneFileError(reason, file)
     if len(data) > MAX_BYTES:
         raise SceneFileError(f'{len(data)} bytes; at most {MAX_BYTES} are read', file)
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, remove_comments=True, remove_pis=True
     )
+    text = data.lstrip(_BLANKS)
+    above = data[: len(data) - len(text)].count(b'\n')
     try:
-        root = etree.fromstring(data, parser)
+        root = etree.fromstring(text, parser)
     except etree.XMLSyntaxError as error:
-        raise SceneFileError(f'not XML: {error.msg}', file, error.lineno) from error
+        line = (error.lineno or 1) + above
+        raise SceneFileError(f'not XML: {_reason(error, text)}', file, line) from error
+    if above:
+        for element in root.iter():
+            element.sourceline += above
     if root.getroottree().docinfo.doctype:
         raise SceneFileError('a document type (<!DOCTYPE ...>); remove it', file)
     _leave_default_namespace(root)
     if root.tag != 'robot':
-        raise place_of(root, file).error(f'root element <{root.tag}>; must be <robot>')
+        told = _OTHERS.get(local_name(root), f'root element <{root.tag}>; must be <robot>')
+        raise place_of(root, file).error(told)
     return root
+
+
+def _reason(error: etree.XMLSyntaxError, text: bytes) -> str:
+    """Return what is wrong with text that is not XML; of bytes that are no UTF-8 the way out."""
+    try:
+        text.decode('utf-8-sig')
+    except UnicodeDecodeError as wrong:
+        if not text.startswith(_WIDE):
+            return (
+                f'byte {text[wrong.start]:#x} is not UTF-8. Save the file as UTF-8, or declare '
+                'its encoding, as <?xml version="1.0" encoding="iso-8859-1"?>'
+            )
+    return str(error.msg)
 
 
 def _leave_default_namespace(root: Any) -> None:
@@ -79,5 +125,10 @@ def numbers(element: Any, name: str, count: int, default: str | None = None) -> 
     # Python alone reads 1_0 as 10.
     if len(values) != count or '_' in text:
         wanted = 'a number' if count == 1 else f'{count} numbers'
-        raise ValueError(f'{local_name(element)}: {name} = {text!r} must be {wanted}')
+        raise ValueError(f'{local_name(element)}: {name} = {text!r} must be {wanted}{_how(text)}')
     return values
+
+
+def _how(text: str) -> str:
+    """Return how numbers are written, to go behind a sentence about a text that has commas."""
+    return ', a point for decimals and blanks between numbers, without commas' * (',' in text)

@@ -1,7 +1,8 @@
 """YAML document -> scene description (the format is ``scene.schema.json``)."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from drake_geom_ros.scene_files import srdf, urdf
 from drake_geom_ros.scene_files.cameras import read_cameras
 from drake_geom_ros.scene_files.description import (
     WORLD,
+    AwaitedFilter,
     CliqueDescription,
     DeactivationDescription,
     DeclarationDescription,
@@ -25,6 +27,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.names import FileNames
 from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.robot_files import read_robot_file
 from drake_geom_ros.scene_files.schema import check_schema, scene_schema
 from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.scene_files.yaml_text import Document, KeyPath
@@ -33,7 +36,7 @@ from drake_geom_ros.scene_files.yaml_values import Plain, pose_of, roles_of, sha
 _DEFAULT_NAME = 'scene'
 _BLANKS = ' \t'
 # Keys of a robot that say how its URDF is read.
-_OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes'}
+_OF_READING = {'adjacent_links', 'self_collisions', 'solid_meshes', 'padding'}
 
 
 def parse_scene(document: Document, folder: Path, resolver: ResourceResolver) -> SceneDescription:
@@ -53,12 +56,14 @@ class _SceneParser:
         self._document = document
         self._plain: Plain = document.value
         self._folder = folder
-        self._resolver = resolver
+        roots = self._plain.get('package_roots', ())
+        self._resolver = resolver.looking_in([folder / root for root in roots])
         self._robots: list[RobotDescription] = []
         self._frames: list[FrameDescription] = []
         self._geometries: list[GeometryDescription] = []
         self._filters: list[FilterDescription] = []
         self._warnings: list[str] = []
+        self._waiting: list[AwaitedFilter] = []
 
     def parse(self) -> SceneDescription:
         for index, plain in enumerate(self._plain.get('robots', ())):
@@ -68,8 +73,14 @@ class _SceneParser:
         for index, plain in enumerate(self._plain.get('geometries', ())):
             self._geometries.append(self._geometry(index, plain))
         names = FileNames(self._frames, self._geometries)
+        for index, plain in enumerate(self._plain.get('frames', ())):
+            if 'attached_to' in plain:
+                self._attach(index, plain, names)
         for index, plain in enumerate(self._plain.get('filters', ())):
-            self._filters.append(self._filter(index, plain, names))
+            if sources := self._awaited(plain):
+                self._await(index, plain, sources)
+            else:
+                self._filters.append(self._filter(index, plain, names))
         return SceneDescription(
             self._document.file,
             self._sources(),
@@ -79,6 +90,7 @@ class _SceneParser:
             tuple(self._filters),
             read_cameras(self._document, names),
             tuple(self._warnings),
+            tuple(self._waiting),
         )
 
     def _source(self, plain: Plain) -> str:
@@ -103,7 +115,8 @@ class _SceneParser:
         srdf_path = self._file(plain['srdf'], *path, 'srdf') if 'srdf' in plain else None
         X_WB = self._pose(plain, *path)
         robot = RobotDescription(
-            name, urdf_path, X_WB, srdf_path, where, plain.get('joint_states', '')
+            *(name, urdf_path, X_WB, srdf_path, where, plain.get('joint_states', '')),
+            frame_prefix=plain.get('frame_prefix', ''),
         )
         if plain.get('loaded', False):
             for key in _OF_READING & plain.keys():
@@ -111,17 +124,17 @@ class _SceneParser:
                     'has no effect with `loaded: true`: geometries and filters are those that '
                     'this file lists'
                 )
-            self._robots.append(replace(robot, tree=read_link_tree(urdf_path)))
+            tree = read_link_tree(urdf_path, self._resolver.is_free)
+            self._robots.append(replace(robot, tree=tree))
             return
         options = RobotOptions(
             plain.get('adjacent_links') != 'kept',
             plain.get('self_collisions') == 'filtered',
             tuple(plain.get('solid_meshes', ())),
+            _paddings(plain.get('padding', {})),
         )
-        data = urdf_path.read_bytes()
-        parts = urdf.read_urdf(
-            data, str(urdf_path), name, urdf_path.parent, self._resolver, options
-        )
+        data, file = read_robot_file(urdf_path, self._resolver.is_free)
+        parts = urdf.read_urdf(data, file, name, urdf_path.parent, self._resolver, options)
         self._robots.append(replace(robot, tree=parts.tree))
         self._warnings += parts.warnings
         if 'pose' in plain:
@@ -134,10 +147,9 @@ class _SceneParser:
         self._filters += parts.filters
         if srdf_path:
             semantics = srdf.read_srdf(
-                srdf_path.read_bytes(),
-                str(srdf_path),
+                *read_robot_file(srdf_path, self._resolver.is_free),
                 name,
-                urdf.robot_name(data, str(urdf_path)),
+                urdf.robot_name(data, file),
                 parts.link_names,
                 options,
             )
@@ -156,6 +168,15 @@ class _SceneParser:
             self._document.at(*path),
             plain.get('welded', False),
         )
+
+    def _attach(self, index: int, plain: Plain, names: FileNames) -> None:
+        """Say of a frame that it follows another one, listed wherever."""
+        where = self._document.at('frames', index, 'attached_to')
+        to = names.find(plain['attached_to'], where)
+        if to.geometry is not None or to.frame == WORLD:
+            raise where.error(f'{plain["attached_to"]!r} must be a frame that is not the world')
+        k = len(self._frames) - len(self._plain['frames']) + index
+        self._frames[k] = replace(self._frames[k], attached_to=to)
 
     def _geometry(self, index: int, plain: Plain) -> GeometryDescription:
         path = ('geometries', index)
@@ -190,6 +211,28 @@ class _SceneParser:
             return pose_of(plain.get('pose'))
         except RuntimeError as error:
             raise self._document.at(*path, 'pose').error(str(error)) from error
+
+    def _awaited(self, plain: Any) -> tuple[str, ...]:
+        """Return which sources that are awaited the names in a filter begin with."""
+        awaited = {name.strip(_BLANKS) for name in self._plain.get('awaits', ())}
+        found, waiting = set(), [plain]
+        while awaited and waiting:
+            part = waiting.pop()
+            if isinstance(part, str):
+                found |= {source for source in awaited if part.startswith(f'{source}::')}
+            elif isinstance(part, Mapping):
+                found |= awaited & {part.get('source')}
+                waiting += part.values()
+            else:
+                waiting += part
+        return tuple(sorted(found))
+
+    def _await(self, index: int, plain: Plain, sources: tuple[str, ...]) -> None:
+        where = self._document.at('filters', index)
+        bind = partial(self._filter, index, plain)
+        self._waiting.append(AwaitedFilter(sources, plain, where, bind))
+        told = f'waits for {", ".join(map(repr, sources))}; until then it leaves out no pair'
+        self._warnings.append(str(where.error(told)))
 
     def _filter(self, index: int, plain: Plain, names: FileNames) -> FilterDescription:
         ((kind, value),) = plain.items()
@@ -228,3 +271,10 @@ class _SceneParser:
         return tuple(
             names.find(name, self._document.at(*path, index)) for index, name in enumerate(plain)
         )
+
+
+def _paddings(plain: float | Plain) -> tuple[tuple[str, float], ...]:
+    """Return the paddings of a robot: one for all links, or some by name or pattern."""
+    if not isinstance(plain, Mapping):
+        return (('*', float(plain)),)
+    return tuple((pattern, float(padding)) for pattern, padding in plain.items())

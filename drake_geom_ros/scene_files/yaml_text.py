@@ -22,6 +22,10 @@ from drake_geom_ros.scene_files.errors import Location, SceneFileError
 MAX_BYTES = 16_000_000
 # The format nests 6 deep.
 MAX_DEPTH = 32
+# Numbers and texts, keys apart: with their checks so many take some ten seconds.
+MOST_VALUES = 500_000
+# Items of one list.
+MOST_ITEMS = 100_000
 # Longest integer that is converted: one digit more than a 64-bit one can have, and its sign.
 MAX_INTEGER_CHARACTERS = 21
 
@@ -76,6 +80,16 @@ class _Open:
     key: str | None = None  # of a mapping: read, its value not yet
 
 
+def text_of(data: bytes, file: str) -> str:
+    """Return the text of a file; raises SceneFileError, with the line, for what is no UTF-8."""
+    try:
+        return data.decode('utf-8-sig')
+    except UnicodeDecodeError as error:
+        line = data.count(b'\n', 0, error.start) + 1
+        told = f'byte {data[error.start]:#x} is not UTF-8; save the file as UTF-8'
+        raise SceneFileError(told, file, line) from None
+
+
 def read_yaml(text: str, file: str, most_items: float = math.inf) -> Document:
     r"""Return the one document of ``text``; errors call it ``file``.
 
@@ -117,6 +131,7 @@ class _Builder:
         self.root: Any = None
         self.lines: dict[KeyPath, int] = {}
         self.documents = 0
+        self._values = 0
         self._open: list[_Open] = []
 
     def take(self, event: yaml.Event) -> None:
@@ -187,6 +202,9 @@ class _Builder:
         top.key = key
 
     def _add(self, value: Any, line: int) -> None:
+        self._values += 1
+        if self._values > MOST_VALUES:
+            raise self._place(line).error(f'more than {MOST_VALUES} values in one file')
         # Of an entry of a mapping the line of its key is known already.
         self.lines.setdefault(self._next_path(), line)
         if not self._open:

@@ -4,6 +4,7 @@
 """
 
 import math
+from base64 import b64decode, b64encode
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -31,6 +32,8 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.math import RigidTransform, RollPitchYaw, RotationMatrix
 
 Plain = Mapping[str, Any]
+# Of a mesh, that are written as lists; of more a reader of YAML would take seconds.
+_MOST_ROWS = 2000
 
 ROLE_NAMES = {
     Role.kProximity: 'proximity',
@@ -96,7 +99,9 @@ def shape_of(plain: Plain, find_file: Callable[[str], str]) -> Shape:
         return HalfSpace()
     make = Convex if kind == 'convex' else Mesh
     if 'vertices' in plain:
-        data = MeshData(plain['vertices'], plain.get('triangles', ()))
+        data = MeshData(
+            _numbers(plain['vertices'], '<f8'), _numbers(plain.get('triangles', ()), '<i4')
+        )
         return make.FromMeshData(data, plain.get('scale', 1.0))
     return make(find_file(plain['uri']), plain.get('scale', 1.0))
 
@@ -121,9 +126,26 @@ def plain_shape(shape: Shape) -> dict[str, Any]:
         data = shape.mesh_data()
         if data is None:
             return {'type': kind, 'uri': shape.filename(), 'scale': scales}
-        mesh = {'vertices': data.vertices.tolist(), 'triangles': data.triangles.tolist()}
-        return {'type': kind, **mesh, 'scale': scales}
+        return {'type': kind, **_plain_mesh(data), 'scale': scales}
     raise TypeError(f'{type(shape).__name__} cannot be written to a scene file')
+
+
+def _plain_mesh(data: MeshData) -> dict[str, Any]:
+    """Return vertices and triangles as lists, or packed where these would be long."""
+    if len(data.vertices) + len(data.triangles) <= _MOST_ROWS:
+        return {'vertices': data.vertices.tolist(), 'triangles': data.triangles.tolist()}
+    packed = {'vertices': data.vertices.astype('<f8'), 'triangles': data.triangles.astype('<i4')}
+    return {key: b64encode(values.tobytes()).decode() for key, values in packed.items()}
+
+
+def _numbers(plain: Any, kind: str) -> Any:
+    """Return rows of three numbers that are listed, or packed as text; ValueError for neither."""
+    if not isinstance(plain, str):
+        return plain
+    try:
+        return np.frombuffer(b64decode(plain, validate=True), kind).reshape(-1, 3)
+    except ValueError as error:
+        raise ValueError(f'a mesh is packed as base64 of rows of three {kind}: {error}') from None
 
 
 def roles_of(plain: Plain | None) -> dict[Role, GeometryProperties]:

@@ -21,7 +21,12 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.names import FileNames
-from drake_geom_ros.scene_files.yaml_text import is_text_without_quotes
+from drake_geom_ros.scene_files.yaml_text import (
+    MAX_BYTES,
+    MOST_ITEMS,
+    MOST_VALUES,
+    is_text_without_quotes,
+)
 from drake_geom_ros.scene_files.yaml_values import plain_pose, plain_roles, plain_shape
 
 _NO_WRAP = 2**30
@@ -43,21 +48,50 @@ def to_yaml(description: SceneDescription) -> str:
     """Return the text of a scene: one line for each source, robot, frame, geometry and filter.
 
     Robots are written as loaded: what they consist of is among the frames and geometries.
-    Raises SceneFileError for what the format cannot say, such as a property that is an object.
+    Raises SceneFileError for what the format cannot say, such as a property that is an object, and
+    for more than can be read again.
     """
     names = FileNames(description.frames, description.geometries)
     try:
         sections: dict[str, list[Any]] = {
+            'awaits': sorted({s for each in description.awaited for s in each.sources}),
             'sources': list(description.sources),
             'robots': [_robot(robot) for robot in description.robots],
-            'frames': [_frame(frame) for frame in description.frames],
+            'frames': [_frame(frame, names) for frame in description.frames],
             'geometries': [_geometry(geometry) for geometry in description.geometries],
-            'filters': [_filter(entry, names) for entry in description.filters],
+            'filters': [
+                *(_filter(entry, names) for entry in description.filters),
+                *(each.plain for each in description.awaited),
+            ],
             'cameras': [plain_camera(camera, names) for camera in description.cameras],
         }
-        return ''.join(_section(key, items) for key, items in sections.items())
+        check_size(sections, description.file)
+        text = ''.join(_section(key, items) for key, items in sections.items())
+        if (size := len(text.encode(errors='surrogatepass'))) > MAX_BYTES:
+            raise SceneFileError(
+                f'cannot be saved: its text would have {size} bytes, and {MAX_BYTES} are read; '
+                'save meshes as files of their own',
+                description.file,
+            )
+        return text
     except TypeError as error:
         raise SceneFileError(f'cannot be saved: {error}', description.file) from error
+
+
+def check_size(plain: Any, file: str) -> None:
+    """Raise SceneFileError for longer lists, or more values, than the reader takes."""
+    count, waiting = 0, [plain]
+    while waiting:
+        part = waiting.pop()
+        items = list(part.values()) if isinstance(part, dict) else part
+        count += len(items)
+        if isinstance(part, list) and len(part) > MOST_ITEMS:
+            raise SceneFileError(
+                f'cannot be saved: a list of {len(part)} items, and {MOST_ITEMS} are read', file
+            )
+        if count > MOST_VALUES:
+            raise SceneFileError(f'cannot be saved: more than {MOST_VALUES} values', file)
+        waiting += [item for item in items if isinstance(item, (dict, list))]
 
 
 def _section(key: str, items: list[Any]) -> str:
@@ -93,11 +127,12 @@ def _robot(robot: RobotDescription) -> dict[str, Any]:
         srdf=str(robot.srdf) if robot.srdf else None,
         pose=plain_pose(robot.X_WB) or None,
         joint_states=robot.joint_states or None,
+        frame_prefix=robot.frame_prefix or None,
         loaded=True,
     )
 
 
-def _frame(frame: FrameDescription) -> dict[str, Any]:
+def _frame(frame: FrameDescription, names: FileNames) -> dict[str, Any]:
     return _present(
         name=frame.name,
         source=frame.source,
@@ -106,6 +141,7 @@ def _frame(frame: FrameDescription) -> dict[str, Any]:
         pose=None if frame.X_PF is None else plain_pose(frame.X_PF),
         static=frame.static,
         welded=frame.welded or None,
+        attached_to=frame.attached_to and names.name(frame.attached_to),
     )
 
 

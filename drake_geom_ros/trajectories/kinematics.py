@@ -1,6 +1,7 @@
 """Forward kinematics of a URDF tree, vectorised over joints and over configurations."""
 
 import math
+from collections import Counter
 from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry.queries.joint_trees import JointKind, JointTree
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.link_tree import LinkTree, UrdfJoint
-from drake_geom_ros.scene_files.urdf_tree import read_link_tree, root_links
+from drake_geom_ros.scene_files.urdf_tree import parents_first, read_link_tree, root_links
 from drake_geom_ros.trajectories import autodiff_kinematics
 from drake_geom_ros.trajectories.pose_matrices import matrices_of_poses, poses_of_matrices
 
@@ -60,14 +61,14 @@ class Kinematics:
         """
         robot = urdf if isinstance(urdf, LinkTree) else read_link_tree(urdf)
         root = _root(robot)
-        joints = _parents_first(robot, root)
+        joints = parents_first(robot.joints, root)
         leader = _mimicked(robot)
         independent = [
             part for j in robot.joints if leader[j.name][0] == j.name for part in _parts(j)
         ]
         limits = [(j.lower, j.upper, j.max_speed) for j in independent]
-        names = [j.name for j in independent]
-        if twice := [name for name in names if names.count(name) > 1]:
+        names = Counter(j.name for j in independent)
+        if twice := [name for name, count in names.items() if count > 1]:
             raise ValueError(f'{robot.name}: {twice[0]!r} is a joint, and a value of another one')
 
         self.name: str = robot.name
@@ -82,17 +83,19 @@ class Kinematics:
         self, joints: list[UrdfJoint], leader: dict[str, tuple[str, float, float]]
     ) -> JointTree:
         rows: list[tuple[UrdfJoint, int, int]] = []
+        link_rows = {name: row for row, name in enumerate(self.link_names)}
+        leaders = {name: row for row, name in enumerate(self.joint_names)}
         beyond = len(self.link_names)  # the links between the parts of a joint have no name
         for joint in joints:
             *before, last = _parts(joint)
-            parent = self.link_names.index(joint.parent)
+            parent = link_rows[joint.parent]
             for part in before:
                 rows.append((part, parent, beyond))
                 parent, beyond = beyond, beyond + 1
-            rows.append((last, parent, self.link_names.index(joint.child)))
+            rows.append((last, parent, link_rows[joint.child]))
         led = [leader.get(j.name, (j.name, 1.0, 0.0)) for j, _, _ in rows]
         return JointTree(
-            leaders=np.array([self._leader(name) for name, _, _ in led], dtype=np.int64),
+            leaders=np.array([leaders.get(name, -1) for name, _, _ in led], dtype=np.int64),
             multipliers=np.array([multiplier for _, multiplier, _ in led], dtype=float),
             offsets=np.array([offset for _, _, offset in led], dtype=float),
             kinds=np.array(
@@ -115,10 +118,6 @@ class Kinematics:
             for row, link in enumerate(self.link_names)
             if all(name in given for name in self._free_above[link])
         ]
-
-    def _leader(self, name: str) -> int:
-        """Return which independent joint a name is of; -1 for the empty one of a fixed joint."""
-        return self.joint_names.index(name) if name else -1
 
     def link_transforms(self, q: ArrayLike, X_WB: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return X_WL of every link (..., links, 4, 4) for configurations q (..., joints).
@@ -193,19 +192,6 @@ def _root(robot: LinkTree) -> str:
     if len(roots) != 1:
         raise ValueError(f'{robot.name}: links must form one tree; roots are {roots}')
     return roots[0]
-
-
-def _parents_first(robot: LinkTree, root: str) -> list[UrdfJoint]:
-    """Return the joints so that each one's parent link is the root or a child of one before."""
-    placed = {root}
-    ordered: list[UrdfJoint] = []
-    waiting = list(robot.joints)
-    while waiting:
-        ready = [j for j in waiting if j.parent in placed]
-        ordered += ready
-        placed |= {j.child for j in ready}
-        waiting = [j for j in waiting if j.child not in placed]
-    return ordered
 
 
 def _parts(joint: UrdfJoint) -> list[UrdfJoint]:

@@ -33,7 +33,7 @@ from drake_geom_ros.scene_files.description import WORLD, SceneDescription
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.schema import check_schema, read_schema
 from drake_geom_ros.scene_files.urdf_tree import read_link_tree
-from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml
+from drake_geom_ros.scene_files.yaml_text import Document, KeyPath, read_yaml, text_of
 from drake_geom_ros.trajectories.interpolation import MonotoneCubic
 from drake_geom_ros.trajectories.kinematics import Kinematics
 from drake_geom_ros.trajectories.motion import Grasp, Motion, RobotMotion
@@ -117,7 +117,7 @@ def _still(scene: SceneDescription) -> dict[Frame, TimedPoses]:
     return {
         (frame.source, frame.name): TimedPoses([0.0], [frame.X_PF.ToArray()])
         for frame in scene.frames
-        if frame.source not in robots and frame.X_PF is not None
+        if frame.source not in robots and frame.X_PF is not None and frame.attached_to is None
     }
 
 
@@ -157,7 +157,7 @@ def _read(path: str | Path | None) -> Document | dict[str, TimedPoses]:
     try:
         if path.suffix == '.csv':
             return read_timed_poses(path)
-        return read_yaml(path.read_text(encoding='utf-8'), str(path))
+        return read_yaml(text_of(path.read_bytes(), str(path)), str(path))
     except (OSError, ValueError) as error:
         raise SceneFileError(str(error), str(path)) from error
 

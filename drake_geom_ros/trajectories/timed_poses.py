@@ -83,7 +83,7 @@ def read_timed_poses(path: str | Path) -> dict[str, TimedPoses]:
     Raises ValueError with file and line of what cannot be used.
     """
     rows: dict[str, list[list[float]]] = {}
-    with open(path, newline='', encoding='utf-8') as file:
+    with open(path, newline='', encoding='utf-8-sig') as file:
         reader = csv.DictReader(file)
         if tuple(reader.fieldnames or ()) != COLUMNS:
             raise ValueError(f'{path}:1: columns must be {",".join(COLUMNS)}')

@@ -127,3 +127,35 @@ def test_who_waits_in_vain_is_told_for_what():
 
 def test_no_limit_is_infinity(client):
     assert math.isinf(client.signed_distances().max_distance)
+
+
+def test_a_part_follows_the_hand_that_holds_it_until_it_is_let_go(client):
+    client.call('load_scene', text=SCENE, replace=True)
+    assert client.attach('right::hand', 'left::hand').translation() == pytest.approx([0, 1, 0])
+    client.publish_poses({'left::hand': [5, 0, 0, 0, 0, 0, 1]})
+    client.wait_for(lambda: client.pose_ages()['left::hand'] > 0.0, 'the pose')
+    where = client.ask('get_pose', frame='right::hand').pose.pose.position
+    assert (where.x, where.y, where.z) == (5.0, 1.0, 0.0)
+    assert client.pose_ages()['right::hand'] == 0.0
+    assert client.signed_distances().oldest_frame == 'left::hand'
+    with pytest.raises(RefusedError, match='detach it first'):
+        client.remove_source('left')
+    assert client.detach('right::hand', [7, 0, 0, 0, 0, 0, 1]).translation()[0] == 7.0
+
+
+def test_geometries_come_together_and_sources_go_whole(client):
+    client.call('load_scene', text=SCENE, replace=True)
+    ball = msg.Shape(type=msg.Shape.SPHERE, dimensions=[0.1])
+    roles = [msg.Role(role=msg.Role.PROXIMITY)]
+    new = [msg.NewGeometry(frame='hand', name=n, shape=ball, roles=roles) for n in 'abc']
+    for each in new:
+        each.pose.orientation.w = 1.0
+    ids = client.call('register_geometries', source='left', geometries=new).geometry_ids
+    assert len(set(ids)) == 3
+    with pytest.raises(RefusedError, match=r'geometries\[0\]: '):
+        client.call('register_geometries', source='left', geometries=new[:1])
+    hand = 'sources: [right]\nframes:\n- {name: hand, source: right}\n'
+    assert client.call('load_scene', text=hand, replaced_sources=['right']).frames == 1
+    where = client.ask('get_pose', frame='right::hand').pose.pose.position
+    assert (where.x, where.y, where.z) == (0.0, 1.0, 1.0)
+    assert client.remove_source('left') == (1, 5)

@@ -18,6 +18,7 @@ COMMON = {
     'header': HEADER,
     'scene_version': 3,
     'oldest_pose_age': 0.25,
+    'oldest_frame': 0,
     'method': [1, 2, 4],
 }
 DISTANCES = SignedDistances(

@@ -116,7 +116,7 @@ def test_a_run_that_was_cut_off_goes_on(ask, tmp_path, monkeypatch, capsys):
     assert ask() == 2
     assert 'parts of an earlier run' in capsys.readouterr().err
     assert ask('--accuracy', 'fast', '--resume') == 2
-    assert 'of another job' in capsys.readouterr().err
+    assert 'of another question (' in capsys.readouterr().err
     assert ask('--resume') == 0
     assert '5 of 16 blocks are there' in capsys.readouterr().err
     assert ask(output='whole.npz') == 0

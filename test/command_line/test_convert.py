@@ -59,3 +59,13 @@ def test_the_scene_that_ships_survives(capsys, tmp_path):
     scene = ROOT / 'scenes/minimal.yaml'
     assert main(['convert', str(scene), str(target)]) == 0
     assert listed(capsys, target) == listed(capsys, scene)
+
+
+@pytest.mark.parametrize('name', ['robot.xml', 'R.URDF', 'robot_description'])
+def test_a_urdf_is_converted_whatever_it_is_called(tmp_path, name):
+    (tmp_path / name).write_text(
+        '<robot name="r"><link name="a"><collision><geometry><sphere radius="1"/></geometry>'
+        '</collision></link></robot>'
+    )
+    assert main(['convert', str(tmp_path / name), str(tmp_path / 'r.yaml')]) == 0
+    assert 'radius: 1' in (tmp_path / 'r.yaml').read_text()

@@ -413,3 +413,15 @@ def test_what_setup_supports_are_the_ends_that_are_tested():
     asked = re.search(r"python_requires='>=(\S+),<(\S+)'", (ROOT / 'setup.py').read_text())
     major, minor = newest.split('.')
     assert asked.groups() == (oldest, f'{major}.{int(minor) + 1}')
+
+
+def test_folders_of_packages_are_kept(folder):
+    """Of prefixes without ROS only package:// has use: for robots, wherever they are built."""
+    script = (
+        'enter() { :; }; underlay=; prepare_environment; prepare_environment; '
+        'echo "$AMENT_PREFIX_PATH|$ROS_PACKAGE_PATH"'
+    )
+    given = {'AMENT_PREFIX_PATH': '/my/arms', 'ROS_PACKAGE_PATH': '/my/src'}
+    code, output, errors = shell(folder, script, **given)
+    assert code == 0, errors
+    assert output == f'{folder.resolve()}/.venv:/my/arms|/my/src\n'

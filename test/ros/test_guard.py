@@ -143,3 +143,20 @@ def test_parts_of_a_message_are_counted_each_and_told_now_and_then(guard, log, d
     guard.refuse('/tf', '1 of 3 transforms were left out', 1)
     assert told(diagnostics)['refused from /tf'] == '3'
     assert log.lines == [('warning', 'of a message of /tf: 2 of 3 transforms were left out')]
+
+
+def test_one_reason_does_not_hide_another_and_ever_new_ones_are_few(guard, log):
+    def refuse(reason):
+        def take(message):
+            raise RuntimeError(reason)
+
+        guard.take('~/frame_poses', take, None)
+
+    for k in range(50):
+        refuse(f"There is no frame 'f{k}' in the scene")
+        refuse(f'poses holds {k} numbers')
+    assert len(log.lines) == 2
+    assert 'poses holds 0 numbers' in log.lines[1][1]
+    for word in 'abcdefghij':
+        refuse(f'reason {word}')
+    assert len(log.lines) == 5

@@ -10,6 +10,7 @@ from drake_geom_ros.scene_files.resources import ResourceResolver
 def package(tmp_path, monkeypatch):
     """A file of package ``parts`` under tmp_path/share, and nothing from outside."""
     monkeypatch.setenv('AMENT_PREFIX_PATH', '')
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '')
     folder = tmp_path / 'share' / 'parts'
     (folder / 'meshes').mkdir(parents=True)
     (folder / 'meshes' / 'a b.obj').write_text('v 0 0 0')
@@ -85,3 +86,27 @@ def test_an_unknown_package_lists_where_it_was_looked_for(package, monkeypatch):
         ResourceResolver(['/roots']).resolve('package://gone/x', package)
     assert '/roots/gone' in str(caught.value)
     assert str(package.parent / 'share' / 'gone') in str(caught.value)
+
+
+@pytest.mark.parametrize('up', [0, 1])
+def test_a_package_is_found_on_the_ros_package_path_after_the_roots(package, monkeypatch, up):
+    root = [package, package.parent][up]
+    monkeypatch.setenv('ROS_PACKAGE_PATH', f':/nowhere:{root}')
+    uri, file = 'package://parts/meshes/a b.obj', package / 'meshes' / 'a b.obj'
+    assert ResourceResolver().resolve(uri, package) == file
+    other = package.parents[1] / 'other' / 'parts' / 'meshes'
+    other.mkdir(parents=True)
+    (other / 'a b.obj').write_text('v 0 0 0')
+    assert ResourceResolver(other.parents[1]).resolve(uri, package) == other / 'a b.obj'
+
+
+@pytest.mark.parametrize('kind', [str, lambda path: path, lambda path: [path]])
+def test_one_root_needs_no_list(package, kind):
+    """A text was once taken for a list of its characters, of which `/` is a folder."""
+    resolver = ResourceResolver(kind(package.parent), kind(package))
+    uri = 'package://parts/meshes/a b.obj'
+    assert resolver.resolve(uri, package) == package / 'meshes' / 'a b.obj'
+    with pytest.raises(ValueError, match='outside'):
+        resolver.resolve(str(package.parents[1] / 'secret.txt'), package)
+    with pytest.raises(ValueError, match=r'no package .*searched [^,]*share/x, .*--package-root'):
+        ResourceResolver(kind(package.parent)).resolve('package://x/y', package)

@@ -13,6 +13,8 @@ from drake_geom_ros.geometry import (
     GeometryInstance,
     GeometrySet,
     IllustrationProperties,
+    Mesh,
+    MeshData,
     ProximityProperties,
     Rgba,
     Role,
@@ -20,9 +22,10 @@ from drake_geom_ros.geometry import (
     Sphere,
 )
 from drake_geom_ros.math import RigidTransform, RollPitchYaw
+from drake_geom_ros.scene_files import yaml_text, yaml_writer
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.saving import describe
-from drake_geom_ros.scene_files.scene_file import load_scene, save_scene
+from drake_geom_ros.scene_files.scene_file import load_scene, read_scene, save_scene
 from drake_geom_ros.scene_files.yaml_writer import to_yaml
 
 ROLES = (Role.kProximity, Role.kIllustration, Role.kPerception)
@@ -253,3 +256,47 @@ def test_what_is_static_and_what_is_expected_to_move_is_saved_and_read():
     loaded = load_scene(text, SceneGraph())
     assert loaded.static == {loaded.frames['s', 'a']: True, loaded.frames['s', 'b']: False}
     assert load_scene(save_scene(scene_graph), SceneGraph()).static == {}
+
+
+def test_a_large_mesh_in_memory_loads_again():
+    """120 000 vertices were written as a list of which the reader takes 100 000 items."""
+    angles = np.linspace(0.0, 6.0, 120_000)
+    vertices = np.column_stack((np.cos(angles), np.sin(angles), angles))
+    triangles = np.arange(119_997).reshape(-1, 3)
+    graph = SceneGraph()
+    mesh = Mesh.FromMeshData(MeshData(vertices, triangles), 2.0)
+    instance = GeometryInstance(RigidTransform(), mesh, 'coil')
+    instance.set_illustration_properties(IllustrationProperties())
+    graph.RegisterAnchoredGeometry(graph.RegisterSource('s'), instance)
+    (shape,) = (g.shape for g in read_scene(save_scene(graph)).geometries)
+    assert shape == mesh
+    np.testing.assert_array_equal(shape.mesh_data().vertices, vertices)
+
+
+@pytest.mark.parametrize(
+    ('limit', 'word'),
+    [('MAX_BYTES', 'bytes'), ('MOST_ITEMS', 'items'), ('MOST_VALUES', 'values')],
+)
+def test_what_would_not_load_again_is_not_saved(monkeypatch, limit, word):
+    graph = SceneGraph()
+    source = graph.RegisterSource('s')
+    for k in range(20):
+        graph.RegisterFrame(source, GeometryFrame(f'frame {k}'))
+    text = save_scene(graph)
+    read_scene(text)
+    monkeypatch.setattr(yaml_writer, limit, 15)
+    with pytest.raises(SceneFileError, match=f'cannot be saved: .*{word}'):
+        save_scene(graph)
+
+
+def test_a_file_of_too_many_values_is_refused_while_it_is_read(monkeypatch):
+    monkeypatch.setattr(yaml_text, 'MOST_VALUES', 10)
+    with pytest.raises(SceneFileError, match=r':4: .*more than 10 values in one file'):
+        read_scene('frames:\n' + '- {name: a, group: 1}\n' * 9)
+
+
+def test_a_packed_mesh_that_is_none_is_refused():
+    text = 'geometries:\n- {{name: g, shape: {{type: mesh, vertices: "{}"}}}}'
+    for packed in ('????', 'AAAA'):
+        with pytest.raises(SceneFileError, match=r'geometries\[0\].shape: .*base64'):
+            read_scene(text.format(packed))

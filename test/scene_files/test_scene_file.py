@@ -82,7 +82,7 @@ def test_a_robot_that_came_as_text_is_saved_without_its_urdf(folder):
         ('<robot/>', {}, '<text>:1: missing attribute `name`'),
         ('<robot name="r"><link name="a"/></robot>', {'srdf': 'a.srdf'}, 'a.srdf: cannot be read'),
         ('<robot name="r">\n</robot>', {'format': 'yaml'}, '<text>'),
-        ('a: \ud800\n', {}, '<text>: not UTF-8'),
+        ('a: \ud800\n', {}, '<text>:1: byte 0xed is not UTF-8'),
     ],
 )
 def test_what_cannot_be_read_says_so(given, options, message):
@@ -93,7 +93,7 @@ def test_what_cannot_be_read_says_so(given, options, message):
 
 def test_a_file_that_is_not_utf8_is_refused(folder):
     (folder / 'scene.yaml').write_bytes(b'name: \xff\n')
-    with pytest.raises(SceneFileError, match=r'not UTF-8: invalid start byte at byte 6'):
+    with pytest.raises(SceneFileError, match=r':1: byte 0xff is not UTF-8'):
         read_scene(folder / 'scene.yaml')
 
 

@@ -114,7 +114,9 @@ filters:
          '{rgba: [0, 0, 2, 1]}}}}}',
          '4: geometries[1].roles.illustration.g.a.rgba[2]: 2 must be <= 1'),
         (HEAD + 'geometry: []',
-         '4: geometry: unknown key; allowed are name, sources, robots, frames, geometries, '
+         '4: geometry: unknown key; allowed are name, package_roots, sources, robots, awaits, '
+         'frames, '
+         'geometries, '
          'filters, cameras'),
         (HEAD + 'filters:\n- {exclude_within: [], clique: {}}',
          '5: filters[0]: has 2 keys; give exactly one of group, clique, exclude_within, '
@@ -126,7 +128,8 @@ filters:
         (HEAD + 'frames:\n- {name: r, group: -1}', '5: frames[0].group: -1 must be >= 0'),
         (HEAD + 'frames: {}', '4: frames: {} must be a list'),
         ('just text', "1: 'just text' must be a mapping"),
-        ('{}', '1: has 0 keys; give at least one of name, sources, robots, frames, geometries, '
+        ('{}', '1: has 0 keys; give at least one of name, package_roots, sources, robots, awaits, '
+         'frames, geometries, '
          'filters, cameras'),
         (HEAD + f'- {{name: b, shape: {[1] * 50}}}',
          '4: geometries[1].shape: [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,... '

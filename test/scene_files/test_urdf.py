@@ -168,7 +168,7 @@ def test_places_have_lines(folder):
         (b'<sphere radius="0.5"/>', b'<box size="1 2"/>',
          "r.urdf:9: link[base].collision[foot]: box: size = '1 2' must be 3 numbers"),
         (b'xyz="1 2 3"', b'xyz="1 2 inf"',
-         'r.urdf:5: link[base].collision[foot]: origin: xyz and rpy must be finite numbers'),
+         'r.urdf:5: link[base].collision[foot]: origin: xyz = \'1 2 inf\''),
         (b'xyz="1 2 3"', b'xyz="1 2"',
          "r.urdf:5: link[base].collision[foot]: origin: xyz = '1 2' must be 3 numbers"),
         (b'meshes/tip.obj', b'tip.obj',

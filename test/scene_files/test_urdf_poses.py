@@ -50,7 +50,7 @@ def test_no_origin_and_an_empty_one_are_the_identity():
         ('quat_xyzw="0 0 0 2"', "quat_xyzw = '0 0 0 2' must be of unit length"),
         ('quat_xyzw="0 0 0 0"', 'unit length'),
         ('quat_xyzw="0 0 1"', 'must be 4 numbers'),
-        ('wxyz="1 0 0 nan"', 'xyz and wxyz must be finite'),
+        ('wxyz="1 0 0 nan"', 'nan.; all numbers must be finite'),
         ('xyz="0,0,1"', "xyz = '0,0,1' must be 3 numbers"),
         ('xyz="0 0 1m"', 'must be 3 numbers'),
         ('xyz="0 0 1_0"', 'must be 3 numbers'),

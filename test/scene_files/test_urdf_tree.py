@@ -8,6 +8,7 @@ import pytest
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.link_tree import Mimic
+from drake_geom_ros.scene_files.scene_file import read_scene
 from drake_geom_ros.scene_files.urdf_tree import fixed_poses, read_link_tree, root_links
 
 
@@ -83,7 +84,7 @@ def test_a_ring_is_refused_with_its_joints(tmp_path, ends, told):
         ('<robot name="r"><link name="world"/></robot>', "no links but 'world'"),
         ('<robot><link name="a"/></robot>', 'missing attribute `name`'),
         ('<robot name="r"><link name="a"/><joint name="j" type="fixed"/></robot>', '<parent'),
-        ('', 'not XML'),
+        ('', 'it is empty'),
     ],
 )
 def test_what_has_no_links_or_half_a_joint_is_refused(tmp_path, text, message):
@@ -125,3 +126,22 @@ def test_what_is_fixed_to_the_root_stands_with_it(tmp_path):
     poses = fixed_poses(tree.joints, 'a', RigidTransform([0, 0, 5]))
     assert set(poses) == {'a', 'b', 'c'}
     np.testing.assert_allclose(poses['c'].translation(), [0, 0, 5], atol=1e-15)
+
+
+@pytest.mark.parametrize('kind', ['fixed', 'revolute'])
+@pytest.mark.parametrize('upwards', [False, True])
+def test_a_long_chain_takes_seconds(tmp_path, kind, upwards):
+    """Work that grows with the square of the links took minutes, and stopped a node."""
+    count = 20_000
+    links = ''.join(f'<link name="l{k}"/>' for k in range(count))
+    joints = [
+        f'<joint name="j{k}" type="{kind}"><parent link="l{k}"/><child link="l{k + 1}"/>'
+        '<origin xyz="0 0 1"/></joint>'
+        for k in range(count - 1)
+    ]
+    text = f'<robot name="r">{links}{"".join(joints[:: -1 if upwards else 1])}</robot>\n'
+    scene = read_scene(text)
+    assert len(scene.frames) == count
+    (tmp_path / 'r.urdf').write_text(text)
+    placed = fixed_poses(read_link_tree(tmp_path / 'r.urdf').joints, 'l0', RigidTransform())
+    assert len(placed) == (count if kind == 'fixed' else 1)

@@ -101,9 +101,9 @@ def test_things_of_a_kind_are_named_once_and_counted():
         ),
         (link(f'<collision><origin/><origin/>{BOX}</collision>'), 'a second <origin>'),
         (robot('<joint name="j" type="fixed"><axis/><axis/></joint>'), 'a second <axis>'),
-        (robot('<xacro:arm prefix="l"/>', XACRO), '<xacro:arm> is xacro: expand the file first'),
+        (robot('<xacro:arm prefix="l"/>', XACRO), '<xacro:arm> is xacro: run xacro first'),
         (link('<xacro:shape xmlns:xacro="http://wiki.ros.org/xacro"/>'), 'is xacro'),
-        (robot('<link name="${prefix}a"/>'), r"name = '\${prefix}a' is xacro: expand it first"),
+        (robot('<link name="${prefix}a"/>'), r"name = '\${prefix}a' is xacro: run xacro first"),
         (robot('<link name="$(arg a)"/>'), 'is xacro'),
     ],
 )

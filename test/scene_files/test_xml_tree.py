@@ -45,9 +45,11 @@ def test_an_attribute_must_be_there():
 @pytest.mark.parametrize(
     ('data', 'message'),
     [
-        (b'', 'r.urdf:1: not XML'),
+        (b'', 'r.urdf: it is empty'),
+        (b' ', 'r.urdf:1: not XML'),
         (b'<robot>\n<link></robot>', 'r.urdf:2: not XML: Opening and ending tag mismatch'),
-        (b'<sdf/>', 'r.urdf:1: sdf: root element <sdf>; must be <robot>'),
+        (b'<sdf/>', 'r.urdf:1: sdf: this is SDF'),
+        (b'<bot/>', 'r.urdf:1: bot: root element <bot>; must be <robot>'),
         (b'<robot><drake:capsule/></robot>', 'r.urdf:1: not XML: Namespace prefix drake'),
     ],
 )

@@ -14,6 +14,7 @@ from drake_geom_ros.scene_files.description import (
 )
 from drake_geom_ros.scene_files.errors import SceneFileError
 from drake_geom_ros.scene_files.resources import ResourceResolver
+from drake_geom_ros.scene_files.scene_file import read_scene
 from drake_geom_ros.scene_files.yaml_scene import parse_scene
 from drake_geom_ros.scene_files.yaml_text import read_yaml
 
@@ -260,3 +261,35 @@ def test_a_loaded_robot_refuses_what_would_have_no_effect(folder, key):
         SceneFileError, match=r'robots\[0\]\.\w+: has no effect with `loaded: true`'
     ):
         parse(f'robots:\n- {{name: r, urdf: arm.urdf, loaded: true, {key}}}', folder)
+
+
+def test_a_scene_file_names_folders_of_packages(tmp_path, monkeypatch):
+    monkeypatch.delenv('ROS_PACKAGE_PATH', raising=False)
+    for place in ('robots', 'given'):
+        (tmp_path / place / 'arms').mkdir(parents=True)
+        (tmp_path / place / 'arms/a.urdf').write_text(
+            f'<robot name="{place}"><link name="{place}"/></robot>'
+        )
+    path = tmp_path / 'cells' / 'cell.yaml'
+    path.parent.mkdir()
+    path.write_text('package_roots: [../robots]\nrobots: [{name: r, urdf: package://arms/a.urdf}]')
+    assert read_scene(path).frames[0].name == 'robots'
+    assert read_scene(path, package_roots=tmp_path / 'given').frames[0].name == 'given'
+    with pytest.raises(SceneFileError, match='outside the folders'):
+        read_scene(path, allowed_roots=path.parent)
+
+
+@pytest.mark.parametrize(
+    ('padding', 'found'),
+    [('0.01', [0.01, 0.01]), ("{'*': 0.01, b: 0.02}", [0.01, 0.02]), ('{a/*: 0.5}', [0.5, 0.0])],
+)
+def test_a_robot_is_padded_all_over_or_by_link(folder, padding, found):
+    scene = parse(f'robots: [{{name: r, urdf: arm.urdf, padding: {padding}}}]', folder)
+    properties = [g.roles[Role.kProximity] for g in scene.geometries]
+    assert [p.GetPropertyOrDefault('proximity', 'padding', 0.0) for p in properties] == found
+
+
+@pytest.mark.parametrize('padding', ['-0.1', '{a: -1}', '{a: x}', 'no'])
+def test_a_padding_that_is_no_length_is_refused(folder, padding):
+    with pytest.raises(SceneFileError, match='padding'):
+        parse(f'robots: [{{name: r, urdf: arm.urdf, padding: {padding}}}]', folder)

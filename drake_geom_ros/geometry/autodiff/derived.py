@@ -60,7 +60,7 @@ class PairWitnesses:
 
     @cached_property
     def _features(self) -> Features:
-        return features_of_pairs(self._found._scene, self._ids, self._rows)
+        return features_of_pairs(self._found._scene, self._ids, self._found._surface_rows)
 
     def in_bodies(self, k: int) -> dict[str, Any]:
         """Return nhat_BA_W, p_ACa, p_BCb of pair k; raises GeometryError without derivatives."""
@@ -105,6 +105,8 @@ class PairWitnesses:
     def _why_not(self, k: int) -> str:
         """Return why pair k has no derivatives but those of the distance, or nothing."""
         types = self._found._scene.types[self._places[k]].tolist()
+        if self._found.is_padded:
+            return 'they are of padded geometries, whose distances alone have derivatives'
         if self._found.method[k] == BOUND_ONLY:
             return 'bounds alone answered: ask for another accuracy'
         if SOLID in types and HALF_SPACE not in types:
@@ -155,7 +157,9 @@ class PointWitnesses:
         found, V, phi = self._found, self.velocities[k], float(self._found.distance[k])
         features, p_FN = self._features, self._p_FQs[k] - phi * n
         why = ''
-        if found._scene.types[self._places[k]] == SOLID:
+        if found.is_padded:
+            why = 'they are of padded geometries, whose distances alone have derivatives'
+        elif found._scene.types[self._places[k]] == SOLID:
             why = "nothing is known of the curvature of a mesh with the property ('mesh', 'solid')"
         elif not found.is_grad_W_unique[k]:
             why = 'the gradient is not the only one'

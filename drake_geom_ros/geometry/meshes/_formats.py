@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from xml.etree.ElementTree import ParseError
 
+from drake_geom_ros.common.stand_ins import stand_in
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._dae_file import parse_dae
 from drake_geom_ros.geometry.meshes._gltf_file import parse_gltf
@@ -33,6 +34,8 @@ def parse_mesh(data: bytes, kind: str, filename: str) -> ParsedMesh:
     No other file is opened, whatever this one names. Raises MeshFileError for another format, and
     for content that cannot be read whole.
     """
+    if reason := stand_in(data):
+        raise MeshFileError(f'{filename!r} cannot be read: {reason}')
     if kind == 'obj':
         return ParsedMesh(*parse_obj(data.decode('utf-8-sig', errors='replace'), filename))
     if kind not in _READERS:

@@ -19,10 +19,15 @@ def parse_stl(data: bytes) -> ParsedMesh:
     elif data.lstrip()[:5].lower() == b'solid' and b'\0' not in data:
         corners = _corners_in(data.decode(errors='replace'))
     elif len(data) < _HEADER:
-        raise ValueError(f'{len(data)} bytes are no STL file')
+        raise ValueError(
+            f'{len(data)} bytes are no STL file, whose header alone has {_HEADER}: it is truncated'
+        )
     else:
         found = (len(data) - _HEADER) // _FACET.itemsize
-        reason = 'it is truncated' if found < told else 'it is no STL file, or a damaged one'
+        beyond = len(data) - _HEADER - told * _FACET.itemsize
+        reason = 'it is truncated, or no STL file'
+        if beyond > 0:
+            reason = f'it is too long by {beyond} bytes: damaged, or no STL file'
         raise ValueError(
             f'its header tells of {told} triangles, and {found} are found in {len(data)} bytes: '
             f'{reason}'

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
+from drake_geom_ros.geometry.errors import GeometryError
 from drake_geom_ros.geometry.ids import FrameId, GeometryId, SourceId
 from drake_geom_ros.geometry.model.geometry_version import fresh_marks
 from drake_geom_ros.geometry.model.properties import (
@@ -18,11 +19,13 @@ from drake_geom_ros.geometry.model.properties import (
 from drake_geom_ros.geometry.shapes.from_meshes import Mesh
 from drake_geom_ros.geometry.shapes.primitives import QueriedShape, Shape
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.math.tolerances import FARTHEST
 
 # One world for all scenes of the process, as in Drake.
 WORLD_FRAME_ID = FrameId.get_new_id()
 WORLD_NAME = 'world'
 INTERNAL_SOURCE_NAME = 'SceneGraphInternal'  # the source that owns the world frame
+PADDING = ('proximity', 'padding')  # by which a body is larger all around [m]
 WORLD_FRAME_GROUP = -1  # no GeometryFrame can have it
 
 # The field of a GeometryRecord that holds the properties of a role.
@@ -58,6 +61,7 @@ class FrameRecord:
     source_id: SourceId
     parent_id: FrameId
     frame_group: int
+    home_id: FrameId | None = None  # of an attached frame: the parent that it was registered on
     geometry_ids: dict[GeometryId, None] = field(default_factory=dict)
 
 
@@ -144,10 +148,30 @@ def is_solid(record: GeometryRecord) -> bool:
     return bool(record.proximity.GetPropertyOrDefault('mesh', 'solid', False))
 
 
+def padding_of(record: GeometryRecord) -> float:
+    """Return the property ('proximity', 'padding') [m], 0 where there is none.
+
+    Raises GeometryError for what is no length.
+    """
+    if record.proximity is None:
+        return 0.0
+    value = record.proximity.GetPropertyOrDefault(*PADDING, None)
+    if value is None:
+        return 0.0
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise GeometryError(f'{named(record)}: the property {PADDING} is {value!r}; give metres')
+    if not 0.0 <= value <= FARTHEST:
+        raise GeometryError(
+            f'{named(record)}: the property {PADDING} is {value}; it must be >= 0 and finite [m]'
+        )
+    return float(value)
+
+
 def check_for_queries(record: GeometryRecord) -> None:
     """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
     if record.proximity is None:
         return
+    padding_of(record)
     _ = record.queried_shape
     if isinstance(record.shape, Mesh) and not is_solid(record):
         record.shape._tell_if_open()

@@ -127,13 +127,29 @@ class SceneGraphInspector:
         """Return the ids of all frames, the world included."""
         return sorted(self._model.frames)
 
+    def FramesParentsFirst(self) -> list[FrameId]:
+        """Return the ids of all frames, each behind the one that it hangs on; the world first."""
+        return list(self._model.frames)
+
     def all_frame_ids(self) -> list[FrameId]:
         """Return ``GetAllFrameIds()``, by the older name."""
         return self.GetAllFrameIds()
 
     def GetParentFrame(self, frame_id: FrameId) -> FrameId:
-        """Return the frame that a frame was registered on; the world is its own."""
+        """Return the frame that a frame hangs on; the world is its own.
+
+        It was registered on it, or is attached to it: see ``GetHomeFrame``.
+        """
         return self._model.frame(frame_id).parent_id
+
+    def GetHomeFrame(self, frame_id: FrameId) -> FrameId:
+        """Return the frame that a frame was registered on, whatever it is attached to."""
+        frame = self._model.frame(frame_id)
+        return frame.parent_id if frame.home_id is None else frame.home_id
+
+    def IsAttached(self, frame_id: FrameId) -> bool:
+        """Return whether a frame is attached to another one: see ``SceneGraph.AttachFrame``."""
+        return self._model.frame(frame_id).home_id is not None
 
     def GetFrameGroup(self, frame_id: FrameId) -> int:
         """Return the group number of a frame, -1 for the world."""

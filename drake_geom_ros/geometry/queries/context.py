@@ -26,6 +26,7 @@ from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
 from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes, pooled
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
@@ -77,6 +78,7 @@ class SceneGraphContext:
         self._usual: dict[Hashable, Prepared] = {}
         self._world = World(*_tables(model))
         self._snapshot: Model | None = None
+        self._padded: tuple[int | None, Paddings | None] = None, None  # by a version of roles
         self._waiting_pairs = _WaitingPairs(None, 0)
         # By renderer: what it shows, and of which version; see RenderEngineExact.
         self._packed_scenes: dict[str, Any] = {}
@@ -94,7 +96,7 @@ class SceneGraphContext:
         other._built, other._seen = other._versions(), other._model.versions.any
         other._named, other._own, other._usual = {}, {}, {}
         other._world = self._up_to_date_world().copy()
-        other._snapshot = None
+        other._snapshot, other._padded = None, (None, None)
         other._waiting_pairs = _WaitingPairs(None, 0)
         other._packed_scenes = dict(self._packed_scenes)
         return other
@@ -320,6 +322,14 @@ class SceneGraphContext:
         if self._waiting_pairs.moment != moment:
             self._waiting_pairs = _WaitingPairs(moment, count_waiting_pairs(world, self._filters))
         return self._waiting_pairs.pairs
+
+    def _paddings(self) -> Paddings | None:
+        """Return the paddings of the geometries, None where there are none, which is quick."""
+        version = self._model.versions.proximity
+        if self._padded[0] != version:
+            ids = self._up_to_date_world().geometries.ids
+            self._padded = version, paddings_of(self._model, ids)
+        return self._padded[1]
 
     def _versions(self) -> _Built:
         return _Built(self._model.versions.frames, self._model.versions.proximity)

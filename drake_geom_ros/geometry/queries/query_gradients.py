@@ -37,6 +37,11 @@ class PairGradients:
     _derived: Derivatives | None = None
 
     @property
+    def _surface_rows(self) -> Floats:
+        """The rows about the bodies themselves."""
+        raise NotImplementedError
+
+    @property
     def gradients(self) -> Floats:
         """Derivatives (k, 12) of what the results report."""
         raise NotImplementedError
@@ -89,7 +94,8 @@ class PairGradients:
     def _derivatives(self) -> Derivatives:
         """Return the derivatives of the distances; one compiled call."""
         if self._derived is None or self._derived.rows is not self._rows:
-            found = gradients_of_pairs(self._scene, self._ids, self._rows)
+            # Paddings change none: they are constants, and points move along the normal only.
+            found = gradients_of_pairs(self._scene, self._ids, self._surface_rows)
             self._derived = Derivatives(self._rows, *found)
         return self._derived
 

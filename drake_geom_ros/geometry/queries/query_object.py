@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,8 @@ from drake_geom_ros.geometry.model.collision_filter_manager import how_to_allow
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.queries.image_queries import ImageQueries
+from drake_geom_ros.geometry.queries.no_scene import NO_SCENE
+from drake_geom_ros.geometry.queries.padding import Paddings, padded_pairs, padded_points
 from drake_geom_ros.geometry.queries.query_records import SignedDistancePair
 from drake_geom_ros.geometry.queries.query_results import (
     PenetrationResults,
@@ -30,21 +32,6 @@ from drake_geom_ros.geometry.shapes.bounding_boxes import Obb
 from drake_geom_ros.math import RigidTransform, RotationMatrix
 from drake_geom_ros.math.missing import refuse_missing_member
 from drake_geom_ros.math.tolerances import FARTHEST
-
-
-class _NoScene:
-    """The context of a query object that has none: whatever is asked of it is refused."""
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith('__'):
-            raise AttributeError(name)
-        raise GeometryError(
-            'A default QueryObject was asked a query, and it belongs to no scene: take one '
-            'from scene_graph.get_query_output_port().Eval(context).'
-        )
-
-
-_NO_SCENE = cast(SceneGraphContext, _NoScene())
 
 
 class QueryObject(ImageQueries):
@@ -59,7 +46,7 @@ class QueryObject(ImageQueries):
     """
 
     def __init__(self, context: SceneGraphContext | None = None) -> None:
-        self._context: SceneGraphContext = _NO_SCENE if context is None else context
+        self._context: SceneGraphContext = NO_SCENE if context is None else context
 
     def __copy__(self) -> QueryObject:
         return QueryObject(self._context.copy())
@@ -187,6 +174,8 @@ class QueryObject(ImageQueries):
         ``time_budget`` is that of ComputeSignedDistancePairwiseClosestPoints.
         """
         context = self._context
+        if paddings := context._paddings():
+            return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
         query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
         answers = context._engine.answer_of(query, budget)
@@ -203,6 +192,8 @@ class QueryObject(ImageQueries):
         interval of its distance reaches below 0: there a contact is possible.
         """
         context = self._context
+        if paddings := context._paddings():
+            return len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
         query = context._query('contact', accuracy, 0.0, True, CONTACT)
         return context._engine.finds_overlap(query)
 
@@ -230,10 +221,23 @@ class QueryObject(ImageQueries):
         """
         reach = _checked_distance('max_distance', max_distance)
         context = self._context
+        if paddings := context._paddings():
+            return self._padded(paddings, reach, accuracy, time_budget)
         query = context._query(reach, accuracy, reach, False, ANSWERS)
-        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
+        budget = _checked_budget(time_budget)
         answers = context._engine.answer_of(query, budget)
         return SignedDistanceResults(answers, query.world.kept_poses())
+
+    def _padded(
+        self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
+    ) -> SignedDistanceResults:
+        """Return the pairs within ``reach`` [m] where geometries have paddings."""
+        context = self._context
+        far = reach + paddings.of_pair
+        query = context._query(('padded', far), accuracy, far, False, ANSWERS)
+        answers = context._engine.answer_of(query, _checked_budget(budget))
+        padded = padded_pairs(batch_of(answers), paddings, query.world, reach)
+        return SignedDistanceResults(padded, query.world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -294,6 +298,8 @@ class QueryObject(ImageQueries):
             types = world.geometries.types[pair[0]]
             why = unsupported(int(types[0]), int(types[1]))
             raise GeometryError(f'{asked} was asked for: {why}.')
+        if (paddings := context._paddings()) is not None:
+            batch = padded_pairs(batch, paddings, world, math.inf)
         return SignedDistanceResults(batch, world.kept_poses())
 
     def FindCollisionCandidates(
@@ -310,7 +316,8 @@ class QueryObject(ImageQueries):
     def collision_candidates(self) -> NDArray[np.int64]:
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
-        query = context._query('candidates', 'bound', 0.0, False, CANDIDATES)
+        reach = paddings.of_pair if (paddings := context._paddings()) else 0.0
+        query = context._query(('candidates', reach), 'bound', reach, False, CANDIDATES)
         return query.world.geometries.ids[context._engine.candidates_of(query)]
 
     # Points.
@@ -341,9 +348,12 @@ class QueryObject(ImageQueries):
         if not are_allowed(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
-        world = context._pointed_world()
-        batch = context._engine.point_distances(world, p_WQs, reach)
-        return PointDistanceResults(batch, world.kept_poses(), p_WQs)
+        world, paddings = context._pointed_world(), context._paddings()
+        farthest = reach + (paddings.of_pair if paddings else 0.0)
+        batch = context._engine.point_distances(world, p_WQs, farthest)
+        if paddings:
+            batch = padded_points(batch, paddings, world, p_WQs, reach)
+        return PointDistanceResults(batch, world.kept_poses(), p_WQs, paddings is not None)
 
     def _level(self, accuracy: str | None) -> str:
         """Return the accuracy level to use."""

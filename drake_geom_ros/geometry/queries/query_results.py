@@ -32,6 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
     POINT_UNIQUE,
 )
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
+    BATCH_WIDTH,
     DEPTH,
     IDS,
     P_ACA,
@@ -154,6 +155,20 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 
     def _take(self, batch: PairBatch) -> None:
         self._ids, self._rows = batch
+
+    @property
+    def is_padded(self) -> bool:
+        """Whether paddings are in the answers: see ``queries.padding``."""
+        return bool(self._rows.shape[1] == 2 * BATCH_WIDTH)
+
+    @property
+    def _surface_rows(self) -> Floats:
+        """The rows about the bodies themselves, without their paddings."""
+        return np.ascontiguousarray(self._rows[:, BATCH_WIDTH:]) if self.is_padded else self._rows
+
+    def without_padding(self) -> SignedDistanceResults:
+        """Return the same pairs with the distances and witness points of the bodies themselves."""
+        return SignedDistanceResults(PairBatch(self._ids, self._surface_rows), self._kept_poses)
 
     @property
     def id_A(self) -> NDArray[np.int64]:
@@ -309,9 +324,14 @@ class PointDistanceResults(PointGradients, ResultSequence[SignedDistanceToPoint,
     """The signed distances from geometries to points, sorted by (point_index, id_G)."""
 
     def __init__(
-        self, batch: PointBatch, kept_poses: KeptPoses | None = None, p_WQs: Floats | None = None
+        self,
+        batch: PointBatch,
+        kept_poses: KeptPoses | None = None,
+        p_WQs: Floats | None = None,
+        is_padded: bool = False,
     ) -> None:
         """Without a ``kept_poses``, of points in many states, there are no derivatives."""
+        self.is_padded = is_padded
         self._take(batch)
         self._kept_poses = kept_poses
         if p_WQs is not None:

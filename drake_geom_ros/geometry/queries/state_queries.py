@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.derivatives.gradients import gradients_of_rows
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_DISTANCE
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import OVERLAPS, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
 from drake_geom_ros.geometry._proximity.world.world import (
@@ -25,6 +28,12 @@ from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.padding import (
+    Paddings,
+    least_of,
+    padded_point_rows,
+    padded_rows,
+)
 from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.query_results import (
     PointDistanceResults,
@@ -62,6 +71,8 @@ class PackedScene:
     point_pool: Floats
     pairs: Indices  # (k, 2) that no filter leaves out
     moved: Indices  # the frames whose poses make a state
+    paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
+    meshes: NDArray[np.bool_]  # (n,)
 
     @classmethod
     def of(
@@ -101,6 +112,8 @@ class PackedScene:
         near = NeighbourList(world)
         near.bring_up_to_date(world, _unwelded(context, frame_ids, still or {}), math.inf)
         table = world.geometries
+        none = np.zeros(len(table.ids))
+        paddings = context._paddings() or Paddings(none, none.astype(bool))
         # What no state keeps is no part of the content.
         R_PFs, p_PFs = world.R_PFs.copy(), world.p_PFs.copy()
         R_PFs[rows], p_PFs[rows] = np.eye(3), 0.0
@@ -120,6 +133,8 @@ class PackedScene:
             point_pool=world.point_shapes.pool,
             pairs=near.pairs,
             moved=rows,
+            paddings=paddings.radii,
+            meshes=paddings.meshes,
         )
         return scene, table.ids
 
@@ -183,7 +198,9 @@ class StateQueries:
     """
 
     def __init__(self, scene: PackedScene) -> None:
-        self._loops = StateLoops(scene.world(), scene.pairs.copy(), scene.moved.copy())
+        self._world = scene.world()
+        self._loops = StateLoops(self._world, scene.pairs.copy(), scene.moved.copy())
+        self._paddings = Paddings(scene.paddings, scene.meshes) if scene.paddings.any() else None
 
     def has_collisions(
         self, poses: Floats, accuracy: str, stop: Indices, margin: float | None = None
@@ -192,6 +209,12 @@ class StateQueries:
 
         That is so unless every pair is certified to be farther apart than the margin.
         """
+        if self._paddings is not None:
+            counts, rows = self._padded(poses, accuracy, margin or 0.0, stop)
+            near = rows[:, OVERLAPS] > 0.0
+            if margin is not None:
+                near = rows[:, DISTANCE] - rows[:, ERROR_BOUND] <= margin
+            return _any_of_each(counts, near)
         if margin is None:
             done, found = self._loops.overlaps(poses, level_gap_of(accuracy), stop)
         else:
@@ -207,6 +230,8 @@ class StateQueries:
         In their order, a lower bound being distance minus error bound. Left out is what has a
         higher one than the last of so many, or one above ``max_distance`` [m].
         """
+        if self._paddings is not None:
+            return self._padded_nearest(poses, accuracy, max_distance, most, stop)
         done, counts, batch = self._loops.nearest(
             poses, level_gap_of(accuracy), max_distance, most, stop
         )
@@ -232,9 +257,70 @@ class StateQueries:
 
         The points of a single state may be ``shared`` out to all threads.
         """
-        done, counts, batch = self._loops.points(poses, p_WQs, threshold, stop, shared=shared)
+        paddings = self._paddings
+        if paddings is not None and (paddings.meshes & (paddings.radii > 0)).any():
+            raise PoseError(
+                'States were refused: points near padded meshes are asked of a QueryObject, which '
+                'knows where the mesh is'
+            )
+        reach = threshold + (0.0 if paddings is None else paddings.of_pair)
+        done, counts, batch = self._loops.points(poses, p_WQs, reach, stop, shared=shared)
         _check_done(done, poses, stop)
-        return counts, PointDistanceResults(batch)
+        if self._paddings is None:
+            return counts, PointDistanceResults(batch)
+        rows, _ = padded_point_rows(batch.rows, batch.ids, self._paddings)
+        keep = rows[:, POINT_DISTANCE] <= threshold
+        batch = PointBatch(batch.ids[keep], batch.points[keep], rows[keep])
+        return _count_of_each(counts, keep), PointDistanceResults(batch)
+
+    def _padded(
+        self, poses: Floats, accuracy: str, reach: float, stop: Indices
+    ) -> tuple[Indices, Floats]:
+        """Return how many pairs each state has near, and all rows, of the padded bodies."""
+        counts, _, rows = self._padded_rows(poses, accuracy, reach, stop)
+        return counts, rows
+
+    def _padded_rows(
+        self, poses: Floats, accuracy: str, reach: float, stop: Indices
+    ) -> tuple[Indices, Indices, Floats]:
+        assert self._paddings is not None
+        far = reach + self._paddings.of_pair
+        done, counts, (ids, rows) = self._loops.within(poses, level_gap_of(accuracy), far, stop)
+        _check_done(done, poses, stop)
+        return counts, ids, padded_rows(rows, ids, self._paddings, self._world)
+
+    def _padded_within(
+        self, poses: Floats, accuracy: str, max_distance: float, stop: Indices
+    ) -> Found:
+        counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
+        keep = least_of(rows) <= max_distance
+        return _count_of_each(counts, keep), SignedDistanceResults(
+            PairBatch(ids[keep], rows[keep])
+        )
+
+    def _padded_nearest(
+        self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
+    ) -> Found:
+        counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
+        lower = rows[:, DISTANCE] - rows[:, ERROR_BOUND]
+        state = np.repeat(np.arange(len(counts)), counts)
+        order = np.lexsort((lower, state))
+        ranks = np.arange(len(order)) - np.repeat(np.cumsum(counts) - counts, counts)
+        order = order[(ranks < most) & (lower[order] <= max_distance)]
+        kept = np.bincount(state[order], minlength=len(counts))
+        return kept, SignedDistanceResults(PairBatch(ids[order], rows[order]))
+
+
+def _count_of_each(counts: Indices, keep: NDArray[np.bool_]) -> Indices:
+    """Return how many of the rows of each state are kept."""
+    state = np.repeat(np.arange(len(counts)), counts)
+    return np.bincount(state[keep], minlength=len(counts))
+
+
+def _any_of_each(counts: Indices, keep: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which states have a row that is kept."""
+    found: NDArray[np.bool_] = _count_of_each(counts, keep) > 0
+    return found
 
 
 def pose_gradients(results: SignedDistanceResults) -> Floats:

@@ -26,6 +26,7 @@ from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspec
 from drake_geom_ros.geometry.queries.context import SceneGraphContext, checked_accuracy
 from drake_geom_ros.geometry.render.render_engine import RenderEngine
 from drake_geom_ros.geometry.render.renderers import Renderers
+from drake_geom_ros.geometry.scene._attaching import Attaching
 from drake_geom_ros.geometry.scene._or_on_context import or_on_context
 from drake_geom_ros.geometry.scene._ports import PoseBundlePort, QueryPort, SourcePosePort
 from drake_geom_ros.geometry.shapes.primitives import Shape
@@ -33,7 +34,7 @@ from drake_geom_ros.math import RigidTransform, ScalarTemplate
 from drake_geom_ros.math.missing import refuse_missing_member
 
 
-class SceneGraph:
+class SceneGraph(Attaching):
     """The scene: geometry sources, their frames, the geometries on them, and collision filters.
 
     A source registers frames, which move, and geometries on them, or on the world, where they are

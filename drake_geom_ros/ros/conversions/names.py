@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import islice
+from types import MappingProxyType
 from typing import TypeVar
 
 from drake_geom_ros.common.counting import plural
@@ -49,8 +50,17 @@ def shortened(name: str) -> str:
 class NameTable:
     """Sources, frames and geometries of one version of a scene by name."""
 
-    def __init__(self, inspector: SceneGraphInspector, world_frame: str = WORLD) -> None:
-        """``world_frame`` is what the world is called in answers; ``world`` means it too."""
+    def __init__(
+        self,
+        inspector: SceneGraphInspector,
+        world_frame: str = WORLD,
+        prefixes: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        """``world_frame`` is what the world is called in answers; ``world`` means it too.
+
+        ``prefixes`` are what TF puts before the names of a source's frames, where it does.
+        """
+        self._prefixes = prefixes
         self._sources = {inspector.GetName(s): s for s in inspector.GetAllSourceIds()}
         self._frames: dict[str, list[FrameId]] = defaultdict(list)
         # Names may hold `::` and `/`: they are compared as pairs or whole, and never split.
@@ -149,10 +159,17 @@ class NameTable:
     def tf_claims(self) -> dict[str, list[FrameId]]:
         """The frames that each TF name, ``source/frame`` or ``frame``, may stand for."""
         claims: dict[str, list[FrameId]] = defaultdict(list)
-        for frame, (source, name) in self.labels.items():
-            claims[f'{source}/{name}'].append(frame)
-            claims[name].append(frame)
+        for frame in self.labels:
+            for name in self.tf_names(frame):
+                claims[name].append(frame)
         return dict(claims)
+
+    def tf_names(self, frame: FrameId) -> tuple[str, ...]:
+        """Return what TF may call a frame, the name that counts more first."""
+        source, name = self.labels[frame]
+        if prefix := self._prefixes.get(source):
+            return (f'{prefix}{name}'.removeprefix('/'),)
+        return (f'{source}/{name}', name)
 
     def geometry(self, name: str) -> GeometryId:
         """Return the geometry of that name or ``#<id>``."""

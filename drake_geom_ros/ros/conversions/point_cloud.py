@@ -56,4 +56,5 @@ def points_from_cloud(message: Any) -> NDArray[np.float64]:
         return np.zeros((0, 3))
     strides = (row_step, message.point_step)
     cloud = np.ndarray((height, width), point, memoryview(message.data), strides=strides)
-    return np.stack([cloud[axis].ravel().astype(np.float64) for axis in 'xyz'], axis=1)
+    with np.errstate(invalid='ignore'):  # there are NaNs that warn when they are widened
+        return np.stack([cloud[axis].ravel().astype(np.float64) for axis in 'xyz'], axis=1)

@@ -135,7 +135,7 @@ def fill_scene(message: Any, inspector: SceneGraphInspector, types: Any) -> None
             types.SceneSource(id=source.get_value(), name=inspector.GetName(source))
         )
     world = inspector.world_frame_id()
-    for frame in inspector.GetAllFrameIds():
+    for frame in inspector.FramesParentsFirst():
         message.frames.append(_frame_message(inspector, frame, world, types))
     for geometry in sorted(inspector.GetAllGeometryIds()):
         entry = types.SceneGeometry(
@@ -160,5 +160,6 @@ def _frame_message(
         name=inspector.GetName(frame),
         source_id=inspector.GetOwningSourceId(frame).get_value(),
         parent_id=parent.get_value(),
+        is_attached=inspector.IsAttached(frame),
         frame_group=inspector.GetFrameGroup(frame),
     )

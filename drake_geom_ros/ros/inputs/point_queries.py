@@ -59,10 +59,11 @@ class PointQueries:
         """Return the PointDistances of a cloud; raises RuntimeError for one that is wrong."""
         view, threshold = self._live.view(), self._threshold()
         points = points_from_cloud(cloud)
+        finite = np.flatnonzero(np.isfinite(points).all(axis=1))
         if cloud.header.frame_id:
             frame = view.names.frame(cloud.header.frame_id)
-            points = view.query.X_WF(frame).multiply(points.T).T
-        finite = np.flatnonzero(np.isfinite(points).all(axis=1))
+            # What is not finite is skipped anyway, and warned of where it is turned.
+            points[finite] = view.query.X_WF(frame).multiply(points[finite].T).T
         parts, blocks = distances_to(view.query, points, finite, threshold)
         message = self._message_class()
         fill_point_distances(message, parts, threshold, blocks)

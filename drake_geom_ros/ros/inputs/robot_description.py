@@ -120,7 +120,9 @@ class RobotInput:
 
     def _in_its_place(self, robot: SceneDescription, scene: HeldScene) -> SceneDescription:
         """Return the scene with another robot in the place of the one before."""
-        return joined(without_source(scene.description(), self._source), robot)
+        # Filters that wait for the robot, or waited for the one before, wait for this one.
+        others = without_source(scene.description(), self._source)
+        return joined(replace(others, awaited=scene.awaited.all()), robot)
 
     def _is_in(self, scene: HeldScene) -> bool:
         return self._source in _sources(scene)

@@ -35,6 +35,7 @@ from drake_geom_ros.ros.scene.feeders import TF
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import time_of
 
+_GONE = 1.0  # [s] a name of which nothing is heard so much longer than of the other is not in use
 _REWIND = 1.0  # [s] an older stamp than this is no late message: time has gone back
 _MOST_FRAMES = 100_000  # TF frames that are kept (60 MB): names that are ever new must end
 
@@ -159,7 +160,10 @@ class TfInput:
         found: dict[FrameId, _Placed] = {}
         affected = set()
         for frame, names in self._names_of_frames(scene):
-            name = next((n for n in names if n in self._edges), None)
+            name = self._followed(names)
+            if frame.get_value() in scene.attached:
+                scene.leave_out([frame] if name in heard else [])
+                continue
             if name not in heard and scene.feeders.is_fed_by_others(TF, frame.get_value()):
                 continue
             if name is not None and (here := self._place(name, placed)) is not None:
@@ -229,11 +233,24 @@ class TfInput:
             claims = names.tf_claims
             # A name that two frames answer to poses neither: see tf_troubles.shared.
             self._scene_frames = [
-                (frame, tuple(n for n in (f'{source}/{name}', name) if claims[n] == [frame]))
-                for frame, (source, name) in names.labels.items()
+                (frame, tuple(n for n in names.tf_names(frame) if claims[n] == [frame]))
+                for frame in names.labels
             ]
             self._named_version = scene.version
         return self._scene_frames
+
+    def _followed(self, names: tuple[str, ...]) -> str | None:
+        """Return which of its TF names a frame follows: the first that TF has.
+
+        But for one that moved, and of which nothing was heard while another one went on: a robot
+        whose prefix was taken away is followed by its plain names.
+        """
+        known = [name for name in names if name in self._edges]
+        if len(known) == 2:
+            first, second = (self._edges[name].since for name in known)
+            if ALWAYS not in (first, second) and second.heard - first.heard > _GONE:
+                return known[1]
+        return known[0] if known else None
 
     def _place(self, name: str, placed: dict[str, _Placed | None]) -> _Placed | None:
         """Return where a TF frame is in the world; None where no chain leads there."""

@@ -175,23 +175,42 @@ class CameraPublisher:
             for publisher in self._open.pop(name).publishers.values():
                 self._surface.close_publisher(publisher)
         new = cameras.keys() - self._open.keys()
-        for name in new:
+        for name in sorted(new):
             frame, camera = cameras[name]
-            self._open[name] = _OpenCamera(frame, camera, self._publishers(camera))
+            try:
+                self._open[name] = _OpenCamera(frame, camera, self._publishers(camera))
+            except Exception as error:
+                # The other cameras go on; this one is looked at again when it is another.
+                self._open[name] = _OpenCamera(frame, camera, {}, due=math.inf)
+                self._refuse(camera, error)
         if gone or new:
             self._transforms.fix(camera for frame, camera in cameras.values() if frame == world)
+
+    def _refuse(self, camera: CameraDescription, error: Exception) -> None:
+        """Have it told that nothing of a camera is published."""
+        with self._live.editing() as scene:
+            scene.warned.append(
+                f'the topics of the camera {camera.name[:80]!r} cannot be opened, so nothing of '
+                f'it is published: {error}'
+            )
 
     def _publishers(self, camera: CameraDescription) -> dict[str, Any]:
         """Open the topics of a camera."""
         base = f'~/cameras/{camera.name}'
-        opened = {}
+        wanted: dict[str, Any] = {}
         for kind in camera.images:
             folder, topic = _TOPICS[kind]
-            opened[kind] = self._surface.publisher(Image, f'{base}/{topic}', self._images)
-            opened[f'{kind} info'] = self._surface.publisher(
-                CameraInfo, f'{base}/{folder}/camera_info', self._images
-            )
+            wanted[kind] = Image, f'{base}/{topic}', self._images
+            wanted[f'{kind} info'] = CameraInfo, f'{base}/{folder}/camera_info', self._images
         if 'label' in camera.images:
-            topic = f'{base}/{_LEGEND}'
-            opened['legend'] = self._surface.publisher(LabelLegend, topic, self._latched)
+            wanted['legend'] = LabelLegend, f'{base}/{_LEGEND}', self._latched
+        opened: dict[str, Any] = {}
+        try:
+            for name, how in wanted.items():
+                opened[name] = self._surface.publisher(*how, comes_and_goes=True)
+        except Exception:
+            # Whatever the middleware says: half a camera would stay open for good.
+            for publisher in opened.values():
+                self._surface.close_publisher(publisher)
+            raise
         return opened

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,13 +16,14 @@ from drake_geom_ros.geometry import (
     FrameId,
     FramePoseVector,
     SceneGraph,
+    SourceId,
 )
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.fields import seconds_of
 from drake_geom_ros.ros.conversions.names import WORLD, some_of
+from drake_geom_ros.ros.scene.changing_scene import ChangingScene
 from drake_geom_ros.ros.scene.clocks import ALWAYS, Since
 from drake_geom_ros.ros.scene.feeders import MESSAGES, TF
-from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.pose_ages import PosedFrames
 from drake_geom_ros.ros.scene.twists import stamp_of
 from drake_geom_ros.scene_files import (
@@ -56,7 +58,7 @@ def prepared(description: SceneDescription) -> PreparedScene:
     return PreparedScene(scene_graph, loaded)
 
 
-class EditableScene(HeldScene):
+class EditableScene(ChangingScene):
     """The scene and what may be changed of it. What raises RuntimeError has changed nothing."""
 
     @property
@@ -71,11 +73,30 @@ class EditableScene(HeldScene):
         """
         for camera in description.cameras:
             self._refuse_taken(camera.name)
+        self._refuse_cameras(description.cameras)
         return self._take(register(self._scene_graph, description))
+
+    def swap(self, sources: Sequence[SourceId], description: SceneDescription) -> tuple[int, int]:
+        """Put what is described in the place of sources; return frames, geometries added.
+
+        Frames of the same source and name, of which nothing else is said, keep their poses.
+        """
+        for camera in description.cameras:
+            frame, _ = self._cameras.get(camera.name, (None, None))
+            if frame is not None and self.inspector.GetOwningSourceId(frame) not in sources:
+                self._refuse_taken(camera.name)
+        self._refuse_cameras(description.cameras)
+        kept = self.make_room(sources, description)
+        loaded = register(self._scene_graph, description)
+        added = self._take(loaded)
+        self.stay(kept, loaded)
+        return added
 
     def add_camera(self, frame: FrameId, camera: CameraDescription) -> None:
         """Add a camera on a frame; raises ArgumentError where its name is taken."""
         self._refuse_taken(camera.name)
+        if reason := self.camera_limits.refusal(camera):
+            raise ArgumentError(reason)
         self._cameras[camera.name] = frame, camera
 
     def remove_camera(self, name: str) -> None:
@@ -83,26 +104,42 @@ class EditableScene(HeldScene):
         self.camera(name)
         del self._cameras[name]
 
+    def _refuse_cameras(self, cameras: Iterable[CameraDescription]) -> None:
+        """Raise SceneFileError for a camera that the node cannot publish."""
+        for camera in cameras:
+            if reason := self.camera_limits.refusal(camera):
+                raise camera.where.error(reason)
+
     def _refuse_taken(self, name: str) -> None:
         if name in self._cameras:
             raise ArgumentError(f'there is a camera {name!r} already; remove it first')
 
     def replace(self, other: PreparedScene) -> tuple[int, int]:
         """Put another scene in the place of this one; versions go on growing."""
+        self._refuse_cameras(camera for _, camera in other.loaded.cameras)
         other.scene_graph.set_default_accuracy(self.accuracy)
         self._adopt(other.scene_graph, self.version + 1)
         return self._take(other.loaded)
 
     def _take(self, loaded: LoadedScene) -> tuple[int, int]:
         """Take over what was registered."""
+        self._robots += loaded.robots.values()  # before their frames are called by names
         X_PFs = {**loaded.X_PFs, **self._frame_that_is_the_world(loaded)}
         self._context.UpdateFramePoses(FramePoseVector(X_PFs))
         declared = {frame.get_value(): static for frame, static in loaded.static.items()}
         self._ages.begin([frame.get_value() for frame in X_PFs], declared)
+        for frame in loaded.frames.values():
+            if self.inspector.IsAttached(frame):
+                self._ages.rest(frame.get_value())
         self.warned += loaded.warnings
-        self._robots += loaded.robots.values()
+        self.awaited.begin(loaded.awaited)
+        self.bind_filters()
         self._cameras.update((camera.name, (frame, camera)) for frame, camera in loaded.cameras)
         return len(loaded.frames), len(loaded.geometry_ids)
+
+    def bind_filters(self) -> None:
+        """Apply the filters of scene files that waited for what is there now."""
+        self.told += self.awaited.bind(self._scene_graph)
 
     def _frame_that_is_the_world(self, loaded: LoadedScene) -> dict[FrameId, RigidTransform]:
         """Return the pose of a loaded frame called as the world frame, such as a robot's base.
@@ -140,6 +177,8 @@ class EditableScene(HeldScene):
         """Pose frames; ``posed`` says since when these hold."""
         manager = self._scene_graph.collision_filter_manager()
         welded = manager.welded_frames()
+        if self.attached:
+            poses, posed = self.without_attached(poses, posed)
         self._context.UpdateFramePoses(poses)
         if welded and (gone := set(welded).difference(manager.welded_frames())):
             self._tell_of_welds(gone)
@@ -203,7 +242,10 @@ class EditableScene(HeldScene):
         return self._owners.get(filter_id.get_value(), '') if filter_id.is_valid() else ''
 
     def expire_filters(self) -> list[FilterId]:
-        """Remove the transient filters whose lease ran out; return them."""
+        """Remove the transient filters whose lease ran out; return them.
+
+        Filters that waited for these to go hold from now on.
+        """
         manager = self._scene_graph.collision_filter_manager()
         expired = self._leases.take_expired()
         numbers_of: dict[str, list[int]] = {}
@@ -212,6 +254,7 @@ class EditableScene(HeldScene):
             numbers_of.setdefault(self._owners.get(number, ''), []).append(number)
         for owner, numbers in numbers_of.items():
             self.told.append(f'the lease of {_filters(numbers)} expired: removed{owned_by(owner)}')
+        self.bind_filters()
         return expired
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 TF, MESSAGES, JOINTS = 'TF', '~/frame_poses', 'joint states'
 _BY_TURNS = 1.0  # [s] a frame that changes hands again that soon is not handed over
@@ -46,6 +46,16 @@ class Feeders:
     def is_fed_by_others(self, feeder: str, frame: int) -> bool:
         """Return whether somebody else than a feeder was the last who posed a frame."""
         return any(frame in frames for who, frames in self._frames.items() if who != feeder)
+
+    def forget(self, frames: Iterable[int]) -> None:
+        """Have nobody be the last who posed some frames."""
+        gone = set(frames)
+        self._last.clear()
+        for theirs in self._frames.values():
+            theirs -= gone
+        for times in (self._handed, self._contested):
+            for frame in gone & times.keys():
+                del times[frame]
 
     def is_fed_by(self, feeder: str, frame: int) -> bool:
         """Return whether a feeder was the last who posed a frame."""

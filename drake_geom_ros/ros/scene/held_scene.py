@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.frame_poses import FramePosesReader, ReadPoses
 from drake_geom_ros.ros.conversions.names import NameTable, some_of
+from drake_geom_ros.ros.scene.awaited_filters import AwaitedFilters
+from drake_geom_ros.ros.scene.camera_limits import CameraLimits
 from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
@@ -40,6 +43,8 @@ from drake_geom_ros.scene_files import (
     describe,
     poses_in_parents,
 )
+
+_REMEMBERED = 5.0  # [s] for which a pose is told of that was left out
 
 
 class HeldScene:
@@ -63,6 +68,7 @@ class HeldScene:
         # Called when an answer is to name the scene, whose names must be told then.
         self.tell_named: Callable[[HeldScene], object] = lambda _: None
         self.filters_per_owner: float = math.inf  # transient ones that an owner may have
+        self.camera_limits = CameraLimits()
 
     def _adopt(self, scene_graph: SceneGraph, version: int) -> None:
         """Make ``scene_graph`` the scene; every frame in it still waits for its first pose."""
@@ -73,10 +79,14 @@ class HeldScene:
         self._ages, self._leases = PoseAges(self._clocks), Leases(self._clocks.steady)
         self.feeders = Feeders(self._clocks.steady)
         self._robots: list[RobotDescription] = []
+        self.awaited = AwaitedFilters()
         # By name: the frame that a camera is on, and what it is.
         self._cameras: dict[str, tuple[FrameId, CameraDescription]] = {}
         add_renderers(scene_graph)
         self._owners: dict[int, str] = {}
+        # Attached frames by the value of their id, when [s] a pose of one was left out last.
+        self._attached: tuple[int, frozenset[int]] = (-1, frozenset())
+        self._left_out: dict[int, float] = {}
         self._twists: FrameTwists | None = None
         if self._longest_gap is not None:
             self._twists = FrameTwists(self._longest_gap, self._clocks)
@@ -131,6 +141,15 @@ class HeldScene:
         geometry = self.names.geometry(name)
         return self.inspector.GetOwningSourceId(geometry), geometry
 
+    @property
+    def attached(self) -> frozenset[int]:
+        """The frames that are attached to others, by the values of their ids."""
+        if self._attached[0] != self.names_version:
+            inspector = self.inspector
+            frames = [f for f in inspector.GetAllFrameIds() if inspector.IsAttached(f)]
+            self._attached = self.names_version, frozenset(f.get_value() for f in frames)
+        return self._attached[1]
+
     def read_poses(self, message: Any) -> ReadPoses:
         """Return the poses of a FramePoses; raises RuntimeError for what cannot be taken."""
         self._refresh()
@@ -138,7 +157,8 @@ class HeldScene:
 
     def _refresh(self) -> None:
         if self._named_version != self.version:
-            self._names = NameTable(self.inspector, self.world_frame)
+            prefixes = {robot.name: robot.frame_prefix for robot in self._robots}
+            self._names = NameTable(self.inspector, self.world_frame, prefixes)
             self._reader = FramePosesReader(self._names)
             frames = {label: frame for frame, label in self._names.labels.items()}
             self._joints = RobotJoints(self._robots, frames, self._joints)
@@ -218,6 +238,7 @@ class HeldScene:
         values = self.feeders.contested()
         names = [n for frame, n in self.names.frame_names.items() if frame.get_value() in values]
         told = [] if self._twists is None else self._twists.troubles(self.names)
+        told = [*told, *self._told_of_attached(), *self.awaited.troubles()]
         if not names:
             return told
         return [
@@ -225,6 +246,18 @@ class HeldScene:
             f'{counted(len(names), "frame")} {are(len(names))} posed by two of {TF}, '
             f'{MESSAGES} and {JOINTS} in turn, and the last one counts: {some_of(names)}; '
             'stop one of the two',
+        ]
+
+    def _told_of_attached(self) -> list[str]:
+        """Return which attached frames somebody goes on posing, in words."""
+        now = self._clocks.steady()
+        posed = {v for v, at in self._left_out.items() if now - at < _REMEMBERED} & self.attached
+        names = [n for f, n in self.names.frame_names.items() if f.get_value() in posed]
+        if not names:
+            return []
+        return [
+            f'poses of {counted(len(names), "attached frame")} are left out: {some_of(names)}; '
+            'what holds a frame says where it is, until detach'
         ]
 
     def view(self, *, moving: bool = False) -> SceneView:
@@ -248,4 +281,5 @@ class HeldScene:
         static = self._ages.static()
         known = {f: static[v] for f in self.names.frame_names if (v := f.get_value()) in static}
         poses, cameras = poses_in_parents(self.query), self._cameras.values()
-        return describe(self._scene_graph, poses, self._robots, known, cameras)
+        described = describe(self._scene_graph, poses, self._robots, known, cameras)
+        return replace(described, awaited=self.awaited.waiting())

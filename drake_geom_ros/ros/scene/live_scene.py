@@ -11,7 +11,6 @@ Several threads meet here, and there are three ways in::
 
 from __future__ import annotations
 
-import math
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -53,13 +52,25 @@ class LiveScene:
         self.clocks = clocks
         self.files = FileAccess([ALL_PACKAGES])
         self.robot_options = RobotOptions()  # of robots that come by topic or as a URDF
-        self.most_megabytes = math.inf  # of an answer
         # Called with name, number and last of what has to be compiled, while queries wait for it.
         self.tell_compiling: Callable[[str, int, int], None] | None = None
         self.world_frame = world_frame
         self._lock = threading.RLock()
         self._closed = False
         self._scene = EditableScene(SceneGraph(accuracy=accuracy), clocks, world_frame, version)
+
+    @property
+    def most_megabytes(self) -> float:
+        """The largest answer [MB], and the largest images of a camera."""
+        return self._scene.camera_limits.megabytes
+
+    @most_megabytes.setter
+    def most_megabytes(self, limit: float) -> None:
+        self._scene.camera_limits.megabytes = limit
+
+    def name_cameras_for(self, node: str) -> None:
+        """Refuse cameras whose topics would have too long names, below a node's full name."""
+        self._scene.camera_limits.of_node(node)
 
     @contextmanager
     def editing(self) -> Iterator[EditableScene]:

@@ -34,6 +34,13 @@ class UnknownAges(NamedTuple):
         )
 
 
+class Oldest(NamedTuple):
+    """The age [s] of the oldest pose, and the value of its frame's id, 0 where none grows old."""
+
+    age: float
+    frame: int
+
+
 # Since when frames have their poses: those of a message have them since the same moment.
 PosedFrames = Mapping[frozenset[int], Since]
 
@@ -61,6 +68,7 @@ class PoseAges:
         self._latest = ALWAYS
         self._declared: dict[int, bool] = {}  # static or expected to move, as the scene says
         self._static: set[int] = set()  # those of them that are static
+        self._resting: dict[int, bool | None] = {}  # and what the scene says of the attached ones
 
     def begin(self, with_poses: Iterable[int], declared: Mapping[int, bool]) -> None:
         """Take over the frames of a scene: which it gives a pose, and what it says of which."""
@@ -68,6 +76,38 @@ class PoseAges:
         self._static = {value for value, static in self._declared.items() if static}
         rest = (value for value in with_poses if declared.get(value) is not False)
         self._pose(frozenset(rest), ALWAYS, None)
+
+    def forget(self, frames: Iterable[int]) -> None:
+        """Know nothing more of frames that are gone."""
+        for value in frames:
+            if (together := self._posed.pop(value, None)) is not None:
+                together.left -= 1
+            self._declared.pop(value, None)
+            self._static.discard(value)
+            self._resting.pop(value, None)
+        self._together = {f: each for f, each in self._together.items() if each.left}
+
+    def keep(self, frames: Iterable[int], since: Since) -> None:
+        """Have frames have their poses since a moment that is known already."""
+        self._pose(frozenset(frames), since, None)
+
+    def rest(self, frame: int) -> None:
+        """Let the pose of a frame hold for good, which is attached to another one."""
+        self._resting.setdefault(frame, self._declared.get(frame))
+        self._declared[frame] = True
+        self._static.add(frame)
+        self.keep([frame], ALWAYS)
+
+    def rest_no_more(self, frame: int, since: Since) -> None:
+        """Let a pose grow old again, which it has since then."""
+        before = self._resting.pop(frame)
+        self._static.discard(frame)
+        del self._declared[frame]
+        if before is not None:
+            self._declared[frame] = before
+        if before:
+            self._static.add(frame)
+        self.keep([frame], ALWAYS if before else since)
 
     def since(self, frame: int) -> Since | None:
         """Return since when a frame has its pose; None where it waits, or nobody knows."""
@@ -151,14 +191,21 @@ class PoseAges:
         """Return the age [s] of what was noted last; inf: unknown, 0: it does not grow old."""
         return self._clocks.age(self._latest)
 
-    def oldest(self, names: NameTable) -> float:
-        """Return the age [s] of the oldest frame pose; inf when one is unknown."""
+    def oldest(self, names: NameTable) -> Oldest:
+        """Return the age [s] of the oldest frame pose, inf when one is unknown, and its frame."""
         frames = len(names.frame_names) - 1
         if not frames:
-            return 0.0
+            return Oldest(0.0, 0)
         if len(self._posed) < frames:
-            return math.inf
-        return max(self._clocks.age(together.since) for together in self._together.values())
+            waiting = (v for f in names.frame_names if (v := f.get_value()) not in self._posed)
+            return Oldest(math.inf, next(v for v in waiting if v != names.world.get_value()))
+        together, age = self._together, self._clocks.ages()
+        of = max(together, key=lambda frames: age(together[frames].since))
+        oldest = age(together[of].since)
+        if not oldest:
+            return Oldest(0.0, 0)
+        # Some of those that were posed together were posed otherwise since.
+        return Oldest(oldest, next(f for f in of if self._posed.get(f) is together[of]))
 
 
 def _again(before: _Together | None, since: Since, stamp: Any) -> Since:

@@ -21,7 +21,7 @@ from drake_geom_ros.geometry import (
 )
 from drake_geom_ros.ros.conversions.names import NameTable
 from drake_geom_ros.ros.scene.driven_robot import JointEntry
-from drake_geom_ros.ros.scene.pose_ages import UnknownAges
+from drake_geom_ros.ros.scene.pose_ages import Oldest, UnknownAges
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
 
@@ -32,7 +32,7 @@ class SceneStamp:
     version: int
     names_version: int  # the version since which ids and names hold
     newest_stamp: Any  # builtin_interfaces/Time; None before the first pose
-    oldest_pose_age: float  # [s]
+    oldest: Oldest  # the pose that is the oldest
     world_frame: str
 
     def stamp(self, message: Any) -> None:
@@ -47,7 +47,16 @@ class SceneStamp:
         stamp = self.newest_stamp
         message.header.stamp = type(message.header.stamp)() if stamp is None else stamp
         message.scene_version = self.version
-        message.oldest_pose_age = self.oldest_pose_age
+        self.tell_oldest(message)
+
+    @property
+    def oldest_pose_age(self) -> float:
+        """The age [s] of the oldest pose."""
+        return self.oldest.age
+
+    def tell_oldest(self, message: Any) -> None:
+        """Say in a message how old the oldest pose is, and of which frame."""
+        message.oldest_pose_age, message.oldest_frame = self.oldest
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,6 +76,12 @@ class FrameTwists:
                     V_PF = _twist(before.X_PF, X_PF, seconds)
             self._poses[value] = _Posed(stamp, since, X_PF, V_PF)
 
+    def forget(self, frames: Iterable[int]) -> None:
+        """Know nothing more of some frames."""
+        for value in frames:
+            self._poses.pop(value, None)
+            self._told.pop(value, None)
+
     def note_twists(
         self, frames: NDArray[np.int64], twists: Floats, stamp: int, since: Since
     ) -> None:
@@ -97,8 +103,7 @@ class FrameTwists:
         inspector, age = query.inspector(), self._clocks.ages()
         world = inspector.world_frame_id()
         found: dict[FrameId, Floats | None] = {world: np.zeros(6)}
-        # A parent is registered before its children.
-        for frame in inspector.GetAllFrameIds():
+        for frame in inspector.FramesParentsFirst():
             if frame != world and query.is_placed(frame):
                 value = frame.get_value()
                 told = self._told.get(value)

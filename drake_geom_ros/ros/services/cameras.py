@@ -20,8 +20,6 @@ from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.scene_files import IMAGES, camera_of
 
-_BYTES = 4 + 4 + 2  # of a pixel of all images, while they are made
-
 
 def add_camera(scene: EditableScene, request: Any, response: Any) -> None:
     """Add a camera."""
@@ -56,12 +54,9 @@ def render_image(live: LiveScene, request: Any, response: Any) -> None:
     want = tuple(dict.fromkeys(request.images)) or camera.images
     if unknown := [kind for kind in want if kind not in IMAGES]:
         raise ArgumentError(f'images holds {unknown[:5]}; it must be of {list(IMAGES)}')
-    size = camera.intrinsics.width() * camera.intrinsics.height() * _BYTES / 1e6
-    if size > live.most_megabytes:
-        raise ArgumentError(
-            f'images of {camera.intrinsics.width()} x {camera.intrinsics.height()} take '
-            f'{size:.1f} MB; the parameter max_answer_size allows {live.most_megabytes:g} MB'
-        )
+    with live.reading() as scene:
+        if reason := scene.camera_limits.refusal_of_images(camera, want):
+            raise ArgumentError(reason)
     images = view.query.render_images(camera_of(camera), frame, camera.X_FC, want)
     stamp = view.moment.newest_stamp
     for kind in want:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError
+from drake_geom_ros.ros.scene.changing_scene import rehearse_swap
 from drake_geom_ros.ros.scene.editable_scene import prepared
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.services.saved_file import SavedFile
@@ -28,7 +29,17 @@ def load_scene(live: LiveScene, request: Any, response: Any) -> None:
     description = read_scene(
         *(told, request.format, srdf, files.package_roots, files.folders), live.robot_options
     )
-    if request.replace:
+    if request.replace and request.replaced_sources:
+        raise ArgumentError('replace is true, so replaced_sources must be empty: all is removed')
+    if request.replaced_sources:
+        with live.reading() as scene:
+            sources = [
+                scene.names.source(name) for name in dict.fromkeys(request.replaced_sources)
+            ]
+        live.make_ready(lambda graph, context: rehearse_swap(graph, context, sources, description))
+        with live.editing() as scene:
+            added = scene.swap(sources, description)
+    elif request.replace:
         other = prepared(description)
         with live.editing() as scene:
             added = scene.replace(other)

@@ -174,7 +174,7 @@ def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
 def _tell(view: SceneView, response: Any) -> None:
     """Say in an answer without a header what it is for, and what it leaves out."""
     response.scene_version = view.moment.version
-    response.oldest_pose_age = view.moment.oldest_pose_age
+    view.moment.tell_oldest(response)
     view.waiting().tell_pairs(response)
     response.message = view.reservations()
 

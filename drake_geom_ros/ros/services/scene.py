@@ -9,6 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from drake_geom_ros.geometry import ArgumentError, GeometryFrame
+from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.ros.conversions.fields import fill_pose, pose_from_message
 from drake_geom_ros.ros.conversions.names import WORLD
 from drake_geom_ros.ros.conversions.scene import role_from_number
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
@@ -38,6 +40,31 @@ def remove_role(scene: EditableScene, request: Any, response: Any) -> None:
     source, geometry = scene.owned_geometry(request.geometry)
     role = role_from_number(request.role)
     response.count = scene.scene_graph.RemoveRole(source, geometry, role)
+
+
+def remove_source(scene: EditableScene, request: Any, response: Any) -> None:
+    """Remove a source and all that is its."""
+    source = scene.names.source(request.source)
+    response.frames, response.geometries = scene.remove_source(source)
+
+
+def attach(scene: EditableScene, request: Any, response: Any) -> None:
+    """Let a frame follow another one."""
+    names = scene.names
+    frame, parent = names.frame(request.frame), names.frame(request.parent)
+    if frame == names.world:
+        raise ArgumentError(f'frame is {request.frame!r}, the world frame, which follows nothing')
+    fill_pose(response.pose, scene.attach(frame, parent, _given_pose(request)))
+
+
+def detach(scene: EditableScene, request: Any, response: Any) -> None:
+    """Put an attached frame back on the one that it was registered on."""
+    frame = scene.names.frame(request.frame)
+    fill_pose(response.pose, scene.detach(frame, _given_pose(request)))
+
+
+def _given_pose(request: Any) -> RigidTransform | None:
+    return pose_from_message(request.pose) if request.pose_given else None
 
 
 def remove_geometry(scene: EditableScene, request: Any, response: Any) -> None:

@@ -8,7 +8,8 @@ here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from drake_geom_ros.geometry import (
@@ -29,6 +30,7 @@ from drake_geom_ros.geometry import (
 from drake_geom_ros.ros.conversions.fields import pose_from_message
 from drake_geom_ros.ros.conversions.scene import properties_from_message, set_role
 from drake_geom_ros.ros.conversions.shapes import shape_from_message
+from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
 _Result = TypeVar('_Result')
@@ -38,34 +40,88 @@ _Change = Callable[[SceneGraph, SceneGraphContext | None], _Result]
 
 def register_geometry(live: LiveScene, request: Any, response: Any) -> None:
     """Register a geometry with its roles: all of it or nothing."""
-    if bool(request.frame) == bool(request.parent_geometry):
+    (geometry,) = _registered(live, request.source, [request])
+    response.geometry_id = geometry.get_value()
+
+
+def register_geometries(live: LiveScene, request: Any, response: Any) -> None:
+    """Register several geometries of a source with their roles: all of them or none."""
+    ids = _registered(live, request.source, request.geometries, 'geometries[{}]: ')
+    response.geometry_ids = [geometry.get_value() for geometry in ids]
+
+
+def _registered(
+    live: LiveScene, source_name: str, messages: Sequence[Any], place: str = ''
+) -> list[GeometryId]:
+    """Register geometries; errors begin with ``place``, which takes the number of one."""
+    instances = []
+    for k, message in enumerate(messages):
+        with _at(place.format(k)):
+            instances.append(_instance(live, message))
+    with live.reading() as scene:
+        source = scene.names.source(source_name)
+        parents: list[FrameId | GeometryId] = []
+        is_new = False
+        for k, (message, instance) in enumerate(zip(messages, instances, strict=True)):
+            with _at(place.format(k)):
+                parent, anchored = _parent(scene, message, source_name)
+            parents.append(parent)
+            is_new |= instance.proximity_properties() is not None and _calls_for_more(
+                scene.inspector, instance.shape(), anchored
+            )
+
+    def change(graph: SceneGraph, context: SceneGraphContext | None) -> list[GeometryId]:
+        made: list[GeometryId] = []
+        try:
+            for k, (parent, instance) in enumerate(zip(parents, instances, strict=True)):
+                with _at(place.format(k)):
+                    made.append(
+                        graph.RegisterGeometry(
+                            context=context, source_id=source, frame_id=parent, geometry=instance
+                        )
+                    )
+        except RuntimeError:
+            for geometry in reversed(made):
+                graph.RemoveGeometry(context=context, source_id=source, geometry_id=geometry)
+            raise
+        return made
+
+    return _made(live, change, is_new)
+
+
+def _instance(live: LiveScene, message: Any) -> GeometryInstance:
+    """Return what a message wants to be registered."""
+    if bool(message.frame) == bool(message.parent_geometry):
         raise ArgumentError(
             'frame and parent_geometry are both given or both empty; exactly one says where the '
             'geometry is fixed (frame `world`: anchored)'
         )
-    shape = shape_from_message(request.shape, live.files)
-    instance = GeometryInstance(pose_from_message(request.pose), shape, request.name)
-    for role in request.roles:
+    shape = shape_from_message(message.shape, live.files)
+    instance = GeometryInstance(pose_from_message(message.pose), shape, message.name)
+    for role in message.roles:
         set_role(instance, role)
-    parent: FrameId | GeometryId
-    with live.reading() as scene:
-        names = scene.names
-        source = names.source(request.source)
-        if request.parent_geometry:
-            parent = names.geometry(request.parent_geometry)
-            frame = scene.inspector.GetFrameId(parent)
-        else:
-            parent = frame = names.frame(request.frame, request.source)
-        is_new = instance.proximity_properties() is not None and _calls_for_more(
-            scene.inspector, shape, anchored=frame == names.world
-        )
+    return instance
 
-    def change(graph: SceneGraph, context: SceneGraphContext | None) -> GeometryId:
-        return graph.RegisterGeometry(
-            context=context, source_id=source, frame_id=parent, geometry=instance
-        )
 
-    response.geometry_id = _made(live, change, is_new).get_value()
+def _parent(scene: HeldScene, message: Any, source: str) -> tuple[FrameId | GeometryId, bool]:
+    """Return what a geometry is to be fixed to, and whether it is anchored by that."""
+    names = scene.names
+    if not message.parent_geometry:
+        frame = names.frame(message.frame, source)
+        return frame, frame == names.world
+    geometry = names.geometry(message.parent_geometry)
+    return geometry, scene.inspector.GetFrameId(geometry) == names.world
+
+
+@contextmanager
+def _at(place: str) -> Iterator[None]:
+    """Say in a refusal which of several things it is about."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not place:
+            raise
+        raise ArgumentError(f'{place}{error}') from error
 
 
 def assign_role(live: LiveScene, request: Any, response: Any) -> None:

@@ -10,7 +10,16 @@ from std_srvs.srv import Trigger
 
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.services import cameras, files, filters, queries, scene, shapes, states
+from drake_geom_ros.ros.services import (
+    ages,
+    cameras,
+    files,
+    filters,
+    queries,
+    scene,
+    shapes,
+    states,
+)
 
 Handler = Callable[[LiveScene, Any, Any], None]
 Change = Callable[[EditableScene, Any, Any], None]
@@ -21,6 +30,9 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('register_frame', srv.RegisterFrame, scene.register_frame),
     ('remove_role', srv.RemoveRole, scene.remove_role),
     ('remove_geometry', srv.RemoveGeometry, scene.remove_geometry),
+    ('remove_source', srv.RemoveSource, scene.remove_source),
+    ('attach', srv.Attach, scene.attach),
+    ('detach', srv.Detach, scene.detach),
     ('apply_filter', srv.ApplyFilter, filters.apply_filter),
     ('apply_transient_filter', srv.ApplyTransientFilter, filters.apply_transient_filter),
     ('renew_filter', srv.RenewFilter, filters.renew_filter),
@@ -36,6 +48,7 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
 # notice which, with or without load.)
 LOADING: tuple[tuple[str, Any, Handler], ...] = (
     ('register_geometry', srv.RegisterGeometry, shapes.register_geometry),
+    ('register_geometries', srv.RegisterGeometries, shapes.register_geometries),
     ('assign_role', srv.AssignRole, shapes.assign_role),
     ('change_shape', srv.ChangeShape, shapes.change_shape),
     ('load_scene', srv.LoadScene, files.load_scene),
@@ -73,6 +86,7 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ),
     ('has_collisions', srv.HasCollisions, queries.has_collisions),
     ('get_pose', srv.GetPose, queries.get_pose),
+    ('get_pose_ages', srv.GetPoseAges, ages.get_pose_ages),
     ('list_cameras', srv.ListCameras, cameras.list_cameras),
 )
 

@@ -26,6 +26,7 @@ def _result(distance):
         scene_version=7,
         names_version=7,
         oldest_pose_age=0.0,
+        oldest_frame=0,
         waiting_frames=[],
         waiting_pairs=0,
         max_distance=1.0,

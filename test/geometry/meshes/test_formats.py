@@ -5,7 +5,7 @@ import pytest
 from oracles.mesh_files import BOX, SIDES, dae, glb, gltf
 
 from drake_geom_ros.geometry import Convex, MeshFileError
-from drake_geom_ros.geometry.meshes._formats import FORMATS
+from drake_geom_ros.geometry.meshes._formats import FORMATS, parse_mesh
 from drake_geom_ros.geometry.meshes._obj_file import obj_text
 from drake_geom_ros.geometry.meshes.source import surface
 
@@ -81,3 +81,17 @@ def test_a_file_that_ends_early_is_refused(tmp_path, kind, part):
     content = FILES[kind]
     with pytest.raises(MeshFileError):
         surface(written(tmp_path, kind, content[: int(part * len(content))]), np.ones(3))
+
+
+@pytest.mark.parametrize('kind', FORMATS)
+@pytest.mark.parametrize(
+    ('content', 'reason'),
+    [
+        (b'', 'it is empty'),
+        (b'version https://git-lfs.github.com/spec/v1\noid sha256:ab\nsize 9\n', 'git lfs pull'),
+        (b'<!DOCTYPE html><html>404</html>', 'a web page'),
+    ],
+)
+def test_what_stands_for_a_file_is_told_for_what_it_is(kind, content, reason):
+    with pytest.raises(MeshFileError, match=rf"'arm.{kind}' cannot be read: .*{reason}"):
+        parse_mesh(content, kind, f'arm.{kind}')

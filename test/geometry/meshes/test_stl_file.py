@@ -53,7 +53,8 @@ def test_all_triangles_are_read(content):
         (binary(b'solid of a program')[:-50], 'it is truncated'),
         (binary(told=0)[:84], 'no triangles'),
         (binary()[:40], '40 bytes'),
-        (b'', '0 bytes'),
+        (b'', 'it is empty'),
+        (binary() + b'  ', 'too long by 2 bytes'),
         (solid([]), 'no triangles'),
         (solid(BOX[SIDES]).rpartition('endsolid')[0], "12 triangles are found, and no 'endsolid'"),
         # Of several solids the last one ends early: the others alone would look whole.

@@ -1,5 +1,6 @@
 """Clouds to distances on a live scene, without ROS."""
 
+import warnings
 from types import SimpleNamespace as Plain
 
 import numpy as np
@@ -149,3 +150,14 @@ def test_more_distances_than_an_answer_holds_are_refused(queries, monkeypatch):
     assert len(queries.answer(cloud(np.zeros((3, 3)))).distance) == 6
     with pytest.raises(RuntimeError, match=r'4 points have more than 6 distances up to 100.0 m'):
         queries.answer(cloud(np.zeros((4, 3))))
+
+
+@pytest.mark.parametrize('frame', ['', 'hand'])
+def test_points_that_are_not_finite_are_skipped_without_a_warning(queries, frame):
+    points = [(np.nan, 0, 0), (np.inf, -np.inf, 0), (0.3, 0, 0), (0, np.inf, np.nan)]
+    message = cloud(points)
+    message.header.frame_id = frame
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        found = queries.answer(message)
+    assert set(found.point_index) == {2}

@@ -45,15 +45,15 @@ def test_ages_count_from_the_last_pose(ages, clock, note):
     note(100.0, B)
     clock.now += 2.0
     assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
-    assert ages.oldest(NAMES) == 3.0
+    assert ages.oldest(NAMES).age == 3.0
     note(102.0, A)
-    assert ages.oldest(NAMES) == 2.0
+    assert ages.oldest(NAMES).age == 2.0
 
 
 def test_a_frame_that_was_never_posed_is_infinitely_old(ages, note):
     note(100.0, A)
     assert ages.by_name(NAMES) == {'s::a': 0.0, 's::b': math.inf}
-    assert ages.oldest(NAMES) == math.inf
+    assert ages.oldest(NAMES).age == math.inf
     assert ages.unknown(NAMES) == []
 
 
@@ -61,11 +61,11 @@ def test_what_holds_for_ever_is_new(ages, note):
     note(100.0, B)
     ages.note({frozenset([A.get_value()]): ALWAYS}, Plain(sec=1, nanosec=0))
     assert ages.by_name(NAMES) == {'s::a': 0.0, 's::b': 0.0}
-    assert ages.oldest(NAMES) == 0.0
+    assert ages.oldest(NAMES).age == 0.0
 
 
 def test_without_frames_nothing_is_old(ages):
-    assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'world'})) == 0.0
+    assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'world'})).age == 0.0
 
 
 def test_the_newest_stamp_is_that_of_the_newest_pose_whoever_came_last(ages, note):
@@ -89,15 +89,15 @@ def test_after_a_jump_of_the_clock_what_is_of_before_has_no_age_and_no_say(
     assert ages.unknown(NAMES) == ['s::a', 's::b']
     assert note(10.0, A) == 10.0
     assert ages.unknown(NAMES) == ['s::b']
-    assert ages.oldest(NAMES) == math.inf
+    assert ages.oldest(NAMES).age == math.inf
     note(10.0, B)
-    assert ages.oldest(NAMES) == 0.0
+    assert ages.oldest(NAMES).age == 0.0
 
 
 def test_what_a_file_poses_rests_until_a_message_comes(ages, clock, note):
     ages.begin([A.get_value(), B.get_value()], {})
     clock.now += 9.0
-    assert ages.oldest(NAMES) == 0.0
+    assert ages.oldest(NAMES).age == 0.0
     assert ages.static() == {}
     note(108.0, A)
     assert ages.by_name(NAMES) == {'s::a': 1.0, 's::b': 0.0}
@@ -108,26 +108,26 @@ def test_what_is_declared_to_move_has_no_age_from_the_file(ages, note):
     ages.begin([A.get_value(), B.get_value()], {A.get_value(): False})
     assert ages.by_name(NAMES) == {'s::a': math.inf, 's::b': 0.0}
     note(100.0, A)
-    assert ages.oldest(NAMES) == 0.0
+    assert ages.oldest(NAMES).age == 0.0
 
 
 def test_what_is_declared_static_does_not_grow_old_whoever_poses_it(ages, clocks, clock, note):
     ages.begin([], {A.get_value(): True, B.get_value(): True})
-    assert ages.oldest(NAMES) == math.inf  # neither has a pose
+    assert ages.oldest(NAMES).age == math.inf  # neither has a pose
     assert note(100.0, A, B) == 100.0
     clock.now += 9.0
     clocks.begin_anew()
-    assert ages.oldest(NAMES) == 0.0
+    assert ages.oldest(NAMES).age == 0.0
     assert ages.static() == {A.get_value(): True, B.get_value(): True}
 
 
 def test_a_stamp_that_is_repeated_grows_older_beyond_a_minute(ages, clock, note):
     for second in range(200):
         note(99.0, A, B)
-        assert ages.oldest(NAMES) == 1.0 + second
+        assert ages.oldest(NAMES).age == 1.0 + second
         clock.now += 1.0
     note(299.5, A, B)
-    assert ages.oldest(NAMES) == 0.5
+    assert ages.oldest(NAMES).age == 0.5
 
 
 @pytest.mark.parametrize('stamp', [12.5, 1e6])  # of another clock, behind and ahead
@@ -141,13 +141,13 @@ def test_a_stamp_of_another_clock_that_is_repeated_grows_older(ages, clock, note
     note(stamp, B)
     assert ages.by_name(NAMES) == {'s::a': 3.0, 's::b': 2.0}
     note(stamp + 1.0, A, B)
-    assert ages.oldest(NAMES) == 0.0
+    assert ages.oldest(NAMES).age == 0.0
 
 
 def test_what_bears_no_stamp_is_new_each_time(ages, clock, note):
     for _ in range(3):
         note(0.0, A, B)
-        assert ages.oldest(NAMES) == 0.0
+        assert ages.oldest(NAMES).age == 0.0
         clock.now += 40.0
 
 
@@ -158,7 +158,7 @@ def test_a_repeated_stamp_is_not_older_while_the_nodes_time_rests():
     frames = frozenset([A.get_value()])
     for _ in range(3):
         ages.note(ages.posed_by(frames, clocks.arrival().since(100.0), stamp), stamp)
-        assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'w', A: 'a'})) == 0.0
+        assert ages.oldest(Plain(world=WORLD, frame_names={WORLD: 'w', A: 'a'})).age == 0.0
         steady.now += 40.0
 
 
@@ -222,7 +222,7 @@ def test_what_is_told_does_not_hang_on_who_was_posed_together(static, messages):
             str(value): told.get(value, math.inf) for value in VALUES
         }
         everybody = max(told.values()) if len(told) == len(VALUES) else math.inf
-        assert ages.oldest(NAMES_OF_EACH) == everybody
+        assert ages.oldest(NAMES_OF_EACH).age == everybody
         assert ages.unknown(NAMES_OF_EACH) == [
             str(value) for value in VALUES if told.get(value) == math.inf
         ]

@@ -62,7 +62,15 @@ def shape(uri, kind=CONVEX):
 
 
 def load(**fields):
-    given = {'path': '', 'text': '', 'format': '', 'srdf': '', 'replace': False, **fields}
+    given = {
+        'path': '',
+        'text': '',
+        'format': '',
+        'srdf': '',
+        'replace': False,
+        'replaced_sources': [],
+        **fields,
+    }
     return files.load_scene, Plain(**given)
 
 

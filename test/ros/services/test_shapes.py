@@ -146,11 +146,11 @@ def requests(mesh):
             {'sphere_cylinder', cores},
         ),
         'load a scene': (
-            *(files.load_scene, loading(BOXES % '', replace=False)),
+            *(files.load_scene, loading(BOXES % '', replace=False, replaced_sources=[])),
             {'sphere_box'},
         ),
         'replace the scene': (
-            *(files.load_scene, loading(BOXES % 'frame: f, ', replace=True)),
+            *(files.load_scene, loading(BOXES % 'frame: f, ', replace=True, replaced_sources=[])),
             {'box_box'},
         ),
     }

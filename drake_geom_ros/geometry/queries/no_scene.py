@@ -1,0 +1,23 @@
+"""What a query object has for a context that belongs to no scene."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from drake_geom_ros.geometry.errors import GeometryError
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+
+
+class _NoScene:
+    """The context of a query object that has none: whatever is asked of it is refused."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith('__'):
+            raise AttributeError(name)
+        raise GeometryError(
+            'A default QueryObject was asked a query, and it belongs to no scene: take one '
+            'from scene_graph.get_query_output_port().Eval(context).'
+        )
+
+
+NO_SCENE = cast(SceneGraphContext, _NoScene())

@@ -1,0 +1,169 @@
+"""Padded geometries: answers about bodies that are larger all around by a length.
+
+The property ``('proximity', 'padding')`` [m] makes a body its Minkowski sum with a ball. What is
+as far as d from a body is as far as d - r from the padded one, and so is whatever convex body
+overlaps it: the Minkowski difference of the two is D + ball, and the depth of a point in a convex
+D grows by the radius. So answers about the bodies themselves, asked far enough out, become those
+about the padded ones by a shift along the normal.
+
+Of a body that is not convex only the bound from one side is so. Say padded bodies overlap, and a
+translation t frees them. On the straight way there is a last place where the bodies themselves
+touch, as far as their depth at least, and from there to t their distance grows by no more than
+the way: the depth grows by the radius, or by more. How much more is bounded by parting the balls
+around both bodies.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
+    DISTANCE,
+    ERROR_BOUND,
+    METHOD,
+    NORMAL,
+    WITNESS_A,
+    WITNESS_B,
+)
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
+    POINT_DISTANCE,
+    POINT_ERROR_BOUND,
+    POINT_GRADIENT,
+    POINT_NEAREST,
+)
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
+    BATCH_WIDTH,
+    DEPTH,
+    OVERLAPS,
+    P_ACA,
+    P_BCB,
+    P_FACA,
+    P_FBCB,
+    PROMISED,
+    PairBatch,
+    PointBatch,
+)
+from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
+from drake_geom_ros.geometry._proximity.world.world import World
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import padding_of
+from drake_geom_ros.geometry.shapes.from_meshes import Mesh
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+_ROUNDED = 8.0  # sums and products, each rounded by EPS of what is added
+
+
+class Paddings(NamedTuple):
+    """The paddings of geometries with the proximity role, by their place."""
+
+    radii: Floats  # (n,) [m]
+    meshes: NDArray[np.bool_]  # (n,) whether points take it for a surface that is not convex
+
+    @property
+    def of_pair(self) -> float:
+        """The most that a pair comes nearer by [m]."""
+        return 2.0 * float(self.radii.max(initial=0.0))
+
+
+def paddings_of(model: Model, ids: Indices) -> Paddings | None:
+    """Return the paddings of geometries by their id values (n,); None where there are none."""
+    by_value = {id.get_value(): record for id, record in model.geometries.items()}
+    records = [by_value[value] for value in ids.tolist()]
+    radii = np.array([padding_of(record) for record in records], dtype=np.float64)
+    if not radii.any():
+        return None
+    return Paddings(radii, np.array([isinstance(r.shape, Mesh) for r in records], dtype=bool))
+
+
+def padded_pairs(
+    batch: tuple[Indices, Floats], paddings: Paddings, world: World, cutoff: float
+) -> PairBatch:
+    """Return answers about padded bodies within ``cutoff`` [m], made of those about the bodies.
+
+    Each row holds that about the bodies themselves behind its own columns.
+    """
+    ids, rows = batch[0], batch[1][:, :BATCH_WIDTH]
+    places = np.searchsorted(world.geometries.ids, ids)
+    padded = padded_rows(rows, places, paddings, world)
+    R_WAs, R_WBs = (world.R_WGs[places[:, side]] for side in range(2))
+    nhat = rows[:, NORMAL : NORMAL + 3]
+    by = paddings.radii[places]
+    padded[:, P_ACA : P_ACA + 3] -= by[:, :1] * np.einsum('kij,ki->kj', R_WAs, nhat)
+    padded[:, P_BCB : P_BCB + 3] += by[:, 1:] * np.einsum('kij,ki->kj', R_WBs, nhat)
+    keep = least_of(padded) <= cutoff
+    return PairBatch(ids[keep], np.hstack((padded, rows))[keep])
+
+
+def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World) -> Floats:
+    """Return rows (k, BATCH_WIDTH) of pairs at ``places`` (k, 2) as those of the padded bodies.
+
+    But for the witness points in A and in B.
+    """
+    radii = paddings.radii[places]
+    total = radii.sum(axis=1)
+    padded, nhat = rows[:, :BATCH_WIDTH].copy(), rows[:, NORMAL : NORMAL + 3]
+    for column, step in (
+        *((WITNESS_A, -radii[:, :1]), (P_FACA, -radii[:, :1])),
+        *((WITNESS_B, radii[:, 1:]), (P_FBCB, radii[:, 1:])),
+    ):
+        padded[:, column : column + 3] += step * nhat
+    distance = padded[:, DISTANCE]
+    slack = _ROUNDED * EPS * (np.abs(distance) + total)
+    distance -= total
+    padded[:, ERROR_BOUND] += slack
+    padded[:, PROMISED] += slack
+    types, outer = world.geometries.types[places], world.outer_radii[places]
+    # With a half space any body makes a half space, which is convex.
+    unknown = (types == SOLID).any(axis=1) & ~(types == HALF_SPACE).any(axis=1)
+    unknown &= (total > 0.0) & (distance - padded[:, ERROR_BOUND] < 0.0)
+    if unknown.any():
+        # No more than it takes to part the balls around both.
+        parting = outer.sum(axis=1) + total
+        bound = np.maximum(padded[:, ERROR_BOUND], distance + parting + slack)
+        padded[unknown, ERROR_BOUND] = bound[unknown]
+        padded[unknown, PROMISED] = math.inf
+    padded[:, DEPTH] = -distance
+    sizes = np.where(types == HALF_SPACE, 0.0, outer + radii).sum(axis=1)
+    padded[:, OVERLAPS] = least_of(padded) < -TOUCHING_DEPTH * sizes
+    return padded
+
+
+def least_of(rows: Floats) -> Floats:
+    """Return what decides whether a pair is near enough: the distance, or its lower bound."""
+    by_bounds = rows[:, METHOD] == BOUND_ONLY
+    least: Floats = rows[:, DISTANCE] - np.where(by_bounds, rows[:, ERROR_BOUND], 0.0)
+    return least
+
+
+def padded_points(
+    batch: PointBatch, paddings: Paddings, world: World, p_WQs: Floats, threshold: float
+) -> PointBatch:
+    """Return distances to padded bodies up to ``threshold`` [m], made of those to the bodies."""
+    places = np.searchsorted(world.geometries.ids, batch.ids)
+    rows, radii = padded_point_rows(batch.rows, places, paddings)
+    grads = rows[:, POINT_GRADIENT : POINT_GRADIENT + 3]
+    steps = np.einsum('kij,ki->kj', world.R_WGs[places], grads)
+    rows[:, POINT_NEAREST : POINT_NEAREST + 3] += radii[:, None] * steps
+    inside = (rows[:, POINT_DISTANCE] < 0.0) & paddings.meshes[places] & (radii > 0.0)
+    if inside.any():
+        # Of what is not convex the way out may be longer: no longer than out of the ball around.
+        away = np.linalg.norm(p_WQs[batch.points] - world.p_WGs[places], axis=1)
+        out = world.outer_radii[places] + radii + away + rows[:, POINT_DISTANCE]
+        rows[inside, POINT_ERROR_BOUND] = np.maximum(rows[:, POINT_ERROR_BOUND], out)[inside]
+    keep = rows[:, POINT_DISTANCE] <= threshold
+    return PointBatch(batch.ids[keep], batch.points[keep], rows[keep])
+
+
+def padded_point_rows(rows: Floats, places: Indices, paddings: Paddings) -> tuple[Floats, Floats]:
+    """Return rows of points with the distances to padded bodies, and the paddings (k,)."""
+    rows, radii = rows.copy(), paddings.radii[places]
+    slack = _ROUNDED * EPS * (np.abs(rows[:, POINT_DISTANCE]) + radii)
+    rows[:, POINT_DISTANCE] -= radii
+    rows[:, POINT_ERROR_BOUND] += slack
+    return rows, radii
