@@ -94,6 +94,7 @@ ROS_ROOMS = {
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
     ),
+    'ros/status': (('common', 'client', 'ros/status'), ('ROS',)),
     'ros/demo': (
         (*_CORE, 'trajectories', 'client', 'ros/conversions', 'ros', 'ros/demo'),
         ('numpy', 'matplotlib', 'mpl_toolkits', 'ROS'),
