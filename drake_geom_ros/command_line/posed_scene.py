@@ -10,6 +10,7 @@ from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryO
 from drake_geom_ros.scene_files import (
     SceneDescription,
     SceneFileError,
+    add_renderers,
     camera_of,
     register,
 )
@@ -53,7 +54,8 @@ class PosedScene:
         Where it has cameras, what these run too, as a part of 'cycle'.
         """
         kernels = self.context.compile_kernels(tell, part)
-        if part != 'kernels':
+        if self.cameras and part != 'kernels':
+            add_renderers(self.scene_graph)
             for frame, camera in list(self.cameras.values())[:1]:
                 self.query.render_images(camera_of(camera), frame, camera.X_FC, camera.images)
         return kernels
