@@ -253,10 +253,33 @@ relocate_exports() {
     -e "s#/opt/python/[^;\"]*/include/python3\.[0-9]+#$include#g"
 }
 
-# Once, and not again with each change of a kernel: whoever edits them compiles what is used.
+# What the demo needs, in two processes. Once, and not again with each change of a kernel: whoever
+# edits them compiles what is used.
 compile_kernels() {
   prepare_environment
-  python -m drake_geom_ros compile
+  local compile=(python -m drake_geom_ros compile "$root/scenes/two_pandas.yaml") cycle
+  "${compile[@]}" --part cycle &
+  cycle=$!
+  "${compile[@]}" --part kernels || { kill "$cycle"; false; }
+  wait "$cycle"
+}
+
+compile_all() {
+  prepare_environment
+  nice python -m drake_geom_ros compile
+}
+
+# others [-n]: the kernels of all other shapes; with -n none, where another ./run compiles them.
+others() {
+  stamped "$venv/.stamp-others" "$packages_key" && return
+  (flock "$@" 9 && step others "$venv/.stamp-others" "$packages_key" compile_all) 9>"$venv/.others"
+}
+
+# While what was asked for runs already: who needs one that is not there yet compiles it.
+others_beside() {
+  stamped "$venv/.stamp-others" "$packages_key" && return
+  say "others: the kernels of other shapes are compiled beside this, log in log/setup/others.log"
+  others -n </dev/null >/dev/null 2>&1 &
 }
 
 build_messages() {

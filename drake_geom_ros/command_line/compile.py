@@ -22,6 +22,12 @@ def add_to(commands: Any) -> None:
         'scene', metavar='SCENE', nargs='?', default='', help='only what this scene file needs'
     )
     add_scene_options(parser)
+    parser.add_argument(
+        '--part',
+        choices=('all', 'cycle', 'kernels'),
+        default='all',
+        help='of a scene, what runs around the kernels or these alone: for two processes at once',
+    )
     parser.set_defaults(run=run)
 
 
@@ -33,10 +39,11 @@ def run(options: argparse.Namespace) -> int:
         seconds = time.monotonic() - start
         print(f'{seconds:5.0f} s  compiling {name} ({number} of {last})', flush=True)
 
+    if options.part != 'all' and not options.scene:
+        raise OSError(f'compile --part {options.part} needs a scene: compile SCENE --part ...')
     if options.scene:
-        kernels = PosedScene(options.scene, options.srdf, options.package_root).compile_kernels(
-            tell
-        )
+        scene = PosedScene(options.scene, options.srdf, options.package_root)
+        kernels = scene.compile_kernels(tell, options.part)
     else:
         kernels = compile_all_kernels(tell)
     seconds, folder = time.monotonic() - start, kernel_cache()

@@ -11,6 +11,8 @@ from drake_geom_ros.geometry import FrameId, FramePoseVector, GeometryId, QueryO
 from drake_geom_ros.scene_files import (
     SceneDescription,
     SceneFileError,
+    add_renderers,
+    camera_of,
     register,
 )
 from drake_geom_ros.scene_files.names import FileNames
@@ -48,9 +50,17 @@ class PosedScene:
         """The query object of the scene as it is posed."""
         return self.scene_graph.get_query_output_port().Eval(self.context)
 
-    def compile_kernels(self, tell: Callable[[str, int, int], None]) -> list[str]:
-        """Compile what queries of the scene run: see ``SceneGraphContext.compile_kernels``."""
-        return self.context.compile_kernels(tell)
+    def compile_kernels(self, tell: Callable[[str, int, int], None], part: str) -> list[str]:
+        """Compile what queries of the scene run: see ``SceneGraphContext.compile_kernels``.
+
+        Where it has cameras, what these run too, as a part of 'cycle'.
+        """
+        kernels = self.context.compile_kernels(tell, part)
+        if self.cameras and part != 'kernels':
+            add_renderers(self.scene_graph)
+            for frame, camera in list(self.cameras.values())[:1]:
+                self.query.render_images(camera_of(camera), frame, camera.X_FC, camera.images)
+        return kernels
 
     def files(self) -> Iterator[Path]:
         """Yield the files that the scene is made of, beside its own."""

@@ -12,7 +12,6 @@ from drake_geom_msgs import msg as messages
 from rclpy.callback_groups import CallbackGroup
 from rclpy.lifecycle import LifecycleNode
 from rclpy.qos import QoSProfile
-from rclpy.subscription import MessageInfo
 from rclpy.timer import Timer
 from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
@@ -60,7 +59,7 @@ from drake_geom_ros.ros.surface import (
     transforms,
 )
 from drake_geom_ros.ros.tf_listening import listen_to_tf
-from drake_geom_ros.ros.together import waited
+from drake_geom_ros.ros.together import MessageInfo, waited
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
@@ -353,6 +352,7 @@ class ConfiguredNode:
                 scene.filter_owners(),
                 scene.unknown_ages(),
                 self._jumps.count,
+                scene.filter_leases(),
             )
         stale_after = self._settings.values.stale_after
         message = self._diagnostics.message(state, stale_after, self._cycle, time.monotonic())

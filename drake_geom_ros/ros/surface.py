@@ -16,11 +16,12 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.subscription import MessageInfo, Subscription
+from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from drake_geom_ros.ros.outputs.answers import Answers
 from drake_geom_ros.ros.parameters import QOS_OVERRIDES
+from drake_geom_ros.ros.together import MessageInfo
 
 
 def sensor_data() -> QoSProfile:

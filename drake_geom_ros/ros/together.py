@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
-from rclpy.subscription import MessageInfo, Subscription
+from rclpy.subscription import Subscription
 
 _LONGEST_READING = 0.03  # [s] of the messages that waited; then what they bring is used
 _LONGEST_WAITING = 60.0  # [s] no message waits that long to be taken
 _MOST = 1000  # messages that are taken from a queue at once, for it fills meanwhile
 
+MessageInfo: TypeAlias = Mapping[str, Any]  # of rclpy, which in Jazzy has no name for it
 Waiting = tuple[bytes, MessageInfo]
 
 

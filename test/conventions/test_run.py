@@ -21,6 +21,7 @@ install_packages() { echo packages >>"$root/calls"; }
 build_messages() { echo messages >>"$root/calls"; mkdir -p "$prefix"; }
 build_tf2_msgs() { echo tf2_msgs >>"$root/calls"; }
 compile_kernels() { echo kernels >>"$root/beside"; }
+compile_all() { echo others >>"$root/others"; }
 """
 
 
@@ -208,6 +209,29 @@ def test_kernels_that_do_not_compile_are_told(folder):
     assert code == 1
     assert "step 'kernels' failed" in errors
     assert calls(folder) == ['venv', 'packages', 'messages']
+
+
+def test_the_kernels_of_other_shapes_are_compiled_once_and_beside_what_runs(folder):
+    slow = 'compile_all() { sleep 3; echo others >>"$root/others"; }\n'
+    script = FAKE_STEPS + slow + 'prepare free_domain'
+    begun = time.monotonic()
+    code, _, errors = shell(folder, script)
+    assert code == 0, errors
+    assert 'compiled beside this' in errors
+    assert not (folder / 'others').exists()
+    assert time.monotonic() - begun < 3.0
+    code, _, errors = shell(folder, script + '; others')  # who measures waits
+    assert code == 0, errors
+    assert (folder / 'others').read_text() == 'others\n'
+    assert 'beside this' not in shell(folder, script)[2]
+
+
+def test_programs_are_found_under_run_though_a_folder_has_their_name(folder):
+    shutil.copytree(ROOT / 'scripts', folder / 'scripts')
+    (folder / 'drake_geom_ros').mkdir()
+    code, out, errors = shell(folder, FAKE_STEPS + 'prepare free_domain; type -p drake_geom_ros')
+    assert code == 0, errors
+    assert out.strip() == str(folder / 'scripts/drake_geom_ros')
 
 
 def test_only_the_tests_ask_for_the_messages_of_tf_and_once(folder):

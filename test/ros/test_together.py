@@ -1,8 +1,10 @@
 """Which of the messages that wait are read where not all of them can be."""
 
+import re
 import time
 
 import pytest
+from conventions.source_tree import ROOT
 
 from drake_geom_ros.ros.together import Together, newest, waited
 
@@ -54,3 +56,10 @@ def test_before_the_subscription_is_known_a_message_is_taken_alone():
     )
     together(*message('x'))
     assert (taken, told) == ([b'x'], [(1, 0)])
+
+
+def test_nothing_is_imported_that_jazzy_does_not_have():
+    """Seen on rclpy 7.1.6: the node did not start, for it names the type of message infos not."""
+    texts = {path: path.read_text() for path in (ROOT / 'drake_geom_ros').rglob('*.py')}
+    pattern = re.compile(r'^from rclpy\.subscription import .*\bMessageInfo\b', re.MULTILINE)
+    assert [path for path, text in texts.items() if pattern.search(text)] == []

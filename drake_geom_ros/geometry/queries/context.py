@@ -137,14 +137,20 @@ class SceneGraphContext:
         """
         self._engine.detailed = detailed
 
-    def compile_kernels(self, tell: Tell | None = None) -> list[str]:
+    def compile_kernels(self, tell: Tell | None = None, part: str = 'all') -> list[str]:
         """Compile what queries of this scene run, or load it from the cache; return the kernels.
 
         Queries compile what they miss; a node does it before its first cycle, and
         ``python -m drake_geom_ros compile`` for all scenes. ``tell(name, number, last)`` is called
-        before each part that the cache does not have.
+        before each part that the cache does not have. Of a ``part`` 'cycle' or 'kernels', two
+        processes may compile one each: what runs around the kernels, or these.
         """
-        warm_up(tell)
+        if part not in ('all', 'cycle', 'kernels'):
+            raise ValueError(f"part '{part}' is none of 'all', 'cycle', 'kernels'")
+        if part != 'kernels':
+            warm_up(tell)
+        if part == 'cycle':
+            return []
         return self._engine.prepare(self._up_to_date_world(), tell)
 
     def SetFramePoses(self, source_id: SourceId, poses: FramePoseVector) -> None:

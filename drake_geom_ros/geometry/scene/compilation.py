@@ -32,11 +32,16 @@ def compile_all_kernels(tell: Tell | None = None) -> list[str]:
     ``SceneGraphContext.compile_kernels`` does it for one scene.
     """
     kernels = compile_everything(tell)
-    with compilation(tell, 'images', 1, 1):
-        _take_an_image()
+    compile_images(tell)
     with compilation(tell, 'batches of states', 1, 1):
         _answer_for_states()
     return kernels
+
+
+def compile_images(tell: Tell | None = None) -> None:
+    """Compile what cameras run, or load it from the cache."""
+    with compilation(tell, 'images', 1, 1):
+        _take_an_image()
 
 
 def _take_an_image() -> None:

@@ -6,7 +6,9 @@ import math
 import resource
 import threading
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -39,6 +41,7 @@ class SceneState(NamedTuple):
     filter_owners: dict[int, str]  # of the active transient filters, by id
     unknown_ages: UnknownAges = UnknownAges([])
     clock_jumps: int = 0
+    filter_leases: Mapping[int, float] = MappingProxyType({})  # [s] that are left, by id
 
 
 class Diagnostics:
@@ -138,7 +141,7 @@ class Diagnostics:
             'frames that never had a pose': len(waiting.frames),
             'names of frames that never had a pose': some_of(waiting.frames, _NAMES_IN_VALUE),
             'pairs left out because of them': waiting.pairs,
-            'transient filters': _owned(scene.filter_owners),
+            'transient filters': _owned(scene.filter_owners, scene.filter_leases),
             'scene version': scene.version,
             'worst error bound [m]': f'{cycle.worst_error_bound:.3g}',
             'memory [MB]': f'{_memory() / 2**20:.1f}',
@@ -194,9 +197,12 @@ def _haste(lags: list[float], passed_over: int) -> list[str]:
     return troubles
 
 
-def _owned(owners: dict[int, str]) -> str:
-    """Return the transient filters and who asked for them in words."""
-    told = [f'{number} ({owner or "no owner given"})' for number, owner in owners.items()]
+def _owned(owners: dict[int, str], leases: Mapping[int, float]) -> str:
+    """Return the transient filters, who asked for them and how long they hold in words."""
+    told = []
+    for number, owner in owners.items():
+        lease = f', lease ends in {leases[number]:.1f} s' if number in leases else ''
+        told.append(f'{number} ({owner or "no owner given"}{lease})')
     return some_of(told, _NAMES_IN_VALUE) or 'none'
 
 

@@ -229,6 +229,10 @@ class HeldScene:
         self._owners = {number: self._owners.get(number, '') for number in active}
         return dict(self._owners)
 
+    def filter_leases(self) -> dict[int, float]:
+        """Return how long each transient filter with a lease still has it [s], by its id."""
+        return {each.get_value(): left for each, left in self._leases.left().items()}
+
     def waiting(self) -> Waiting:
         """Return what waits for its first pose."""
         return waiting(self.query, self.names)

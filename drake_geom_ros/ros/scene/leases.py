@@ -21,6 +21,11 @@ class Leases:
         else:
             self._ends.pop(filter_id, None)
 
+    def left(self) -> dict[FilterId, float]:
+        """Return how long each lease still holds [s]."""
+        now = self._now()
+        return {filter_id: max(0.0, end - now) for filter_id, end in self._ends.items()}
+
     def take_expired(self) -> list[FilterId]:
         """Return the filters whose lease has run out, and forget them."""
         now = self._now()

@@ -54,6 +54,13 @@ def test_transient_filters_are_told_with_their_owners(owners, said):
     assert status_of({}, owners=owners)[1]['transient filters'] == said
 
 
+def test_a_transient_filter_is_told_with_what_is_left_of_its_lease():
+    scene = SceneState(7, {}, NOBODY, {4: 'planner', 9: ''}, filter_leases={4: 2.52})
+    (status,) = Diagnostics('/node').message(scene, 1.0, CYCLE, 1.0).status
+    (said,) = [v.value for v in status.values if v.key == 'transient filters']
+    assert said == '4 (planner, lease ends in 2.5 s), 9 (no owner given)'
+
+
 def test_without_a_descriptor_memory_is_told_as_the_most_it_was(monkeypatch, tmp_path):
     """Seen where no file may be opened any more: there were no diagnostics at all."""
     monkeypatch.setattr(diagnostics, '_STATM', tmp_path)  # a folder cannot be read

@@ -14,7 +14,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import has_each
 from drake_geom_ros.geometry._proximity.near import arrays as list_arrays
 from drake_geom_ros.geometry._proximity.near.arrays import (
     HAS_KERNELS,
-    LACKS_SLOTS,
+    LACKS_GRIDS,
     MADE,
     PAIRS,
     FilterArrays,
@@ -22,7 +22,7 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     filters_of,
     list_of,
 )
-from drake_geom_ros.geometry._proximity.near.grids import Boxes, code_of
+from drake_geom_ros.geometry._proximity.near.grids import code_of
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_answers
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import near_pairs
@@ -61,9 +61,7 @@ CANDIDATES = 1  # its pairs whose boxes are within the cutoff
 CONTACT = 2  # one pair that the query is about
 ANSWERS = 3  # all of them, and their rows
 
-LACKS_KERNELS = (
-    LACKS_SLOTS + 1
-)  # of the pairs of the list; the others are those of ``near.arrays``
+LACKS_KERNELS = LACKS_GRIDS + 1  # of the pairs of the list; the others are those of list_arrays
 
 
 class Hands(NamedTuple):
@@ -85,7 +83,6 @@ LEVEL_GAP, CUTOFF, PENETRATING, MODE, VERSION = range(5)
 ASKED = 5
 
 _hands_of = taker(Hands)
-_boxes_of = taker(Boxes)
 
 
 @compiled
@@ -119,8 +116,7 @@ def run_cycle(
         done = bring_up_to_date(
             near,
             world,
-            _boxes_of(hands.moving),
-            _boxes_of(hands.resting),
+            (hands.near, hands.world, hands.moving, hands.resting),
             filters_of(hands.filters),
             revision,
             int(hands.asked[VERSION]),

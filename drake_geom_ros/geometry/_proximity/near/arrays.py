@@ -23,6 +23,7 @@ MADE = 1
 LACKS_CODES = 2  # there are NEEDED of them
 LACKS_RESTING = 3
 LACKS_SLOTS = 4
+LACKS_GRIDS = 5  # the code for many bodies, which is not compiled yet
 
 # Places of ``ListArrays.numbers``.
 PAIRS = 0  # of the list
@@ -36,7 +37,7 @@ CHECKED_AT = 8  # in which everybody was last seen in the boxes
 SETTLED_AT = 9  # in which those that rest were put into their cells
 ACTIVE_THEN = 10  # how many did not rest
 RESTING = 11  # pairs of bodies that rest
-FOUND = 12  # codes of pairs, before the filters
+FOUND = 12  # codes of pairs, before the filters; minus what is lacking
 NUMBERS = 13
 # Places of ``ListArrays.lengths``.
 LIST_CUTOFF = 0  # [m] the list holds every pair this near; below 0: not made yet
@@ -76,6 +77,7 @@ class ListArrays(NamedTuple):
     new_slots: Integers  # (m,)
     free: Integers  # (m,) slots
     hits: Integers  # (m,) room for numbers of pairs
+    by_grids: Integers  # (1,) an address; 0 where that is not compiled yet
     memory: Rows  # (m, SLOT_WIDTH or more) by slots, see ``pairs.slots.empty_memory``
 
 

@@ -28,6 +28,7 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     FREE,
     HAS_KERNELS,
     LACKS_CODES,
+    LACKS_GRIDS,
     LACKS_RESTING,
     LENGTHS,
     LIST_CUTOFF,
@@ -42,16 +43,15 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     list_of,
 )
 from drake_geom_ros.geometry._proximity.near.box_lanes import empty_sides
-from drake_geom_ros.geometry._proximity.near.grids import Boxes, room_for
+from drake_geom_ros.geometry._proximity.near.by_grids import BY_GRIDS, compile_by_grids
+from drake_geom_ros.geometry._proximity.near.grids import room_for
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
-from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of, taker
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Indices = NDArray[np.int64]
-
-_boxes_of = taker(Boxes)
 
 MOST_REMEMBERED = 128  # geometries, all pairs of which have room to remember a polytope
 
@@ -90,6 +90,7 @@ class NeighbourList:
             new_slots=none,
             free=none,
             hits=none,
+            by_grids=BY_GRIDS,
             memory=np.zeros((0, SLOT_WIDTH + (MEMORY_WIDTH if remembers else 0))),
         )
         self.arrays.lengths[[LIST_CUTOFF, RESTING_CUTOFF]] = -1.0
@@ -105,6 +106,7 @@ class NeighbourList:
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__.update(state)
+        self.arrays = self.arrays._replace(by_grids=BY_GRIDS)  # of this process
         self._hand_over()  # the arrays of a copy are elsewhere
 
     @property
@@ -163,7 +165,10 @@ class NeighbourList:
         self.handles = *self.handles[:3], handle_of(self._filters)
 
     def make_room(self, lacking: int) -> None:
-        """Make room for what ``making`` tells that it lacks; nothing that is held is lost."""
+        """Give what ``making`` tells that it lacks; nothing that is held is lost."""
+        if lacking == LACKS_GRIDS:
+            compile_by_grids()
+            return
         needed = int(self.arrays.numbers[NEEDED])
         capacity = needed + needed // 4
         if lacking == LACKS_CODES:
@@ -206,8 +211,7 @@ def _bring_up_to_date(
     return bring_up_to_date(
         list_of(near),
         world_of(world),
-        _boxes_of(boxes),
-        _boxes_of(resting),
+        (near, world, boxes, resting),
         filters_of(filters),
         revision,
         version,

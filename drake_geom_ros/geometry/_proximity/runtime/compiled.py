@@ -15,14 +15,16 @@ import hashlib
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numba import cfunc, config, from_dtype, njit, types, version_info
 from numba.core import event
+
+from drake_geom_ros.geometry._proximity.runtime.progress import Progress
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
     from drake_geom_ros.geometry._proximity.runtime import pipeline as _intermediate
@@ -110,6 +112,8 @@ class _Compiling(event.Listener):  # type: ignore[misc]
         pass
 
 
+_progress = Progress(CACHE_FOLDER)
+event.register('numba:compile', _progress)
 if CACHE_FOLDER:
     event.register('numba:compile', _Compiling())
 
@@ -136,15 +140,15 @@ class _First(event.Listener):  # type: ignore[misc]
         pass
 
 
-def compilation(
-    tell: Tell | None, name: str, number: int, last: int
-) -> AbstractContextManager[object]:
-    """Return a context that tells, once, when something in it has to be compiled."""
+@contextmanager
+def compilation(tell: Tell | None, name: str, number: int, last: int) -> Iterator[None]:
+    """Tell, once, when something in here has to be compiled; without ``tell``: ``Progress``."""
     if tell is None:
-        return nullcontext()
+        yield
+        return
     listener = _First(lambda: tell(name, number, last))
-    listening: AbstractContextManager[object] = event.install_listener('numba:compile', listener)
-    return listening
+    with event.install_listener('numba:compile', listener), _progress.silent():
+        yield
 
 
 def compiled(function: _F) -> _F:

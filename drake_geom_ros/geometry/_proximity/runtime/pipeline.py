@@ -22,31 +22,72 @@ C; the structure of an array is that of ``make_array``.
 from __future__ import annotations
 
 import functools
+import itertools
 from typing import Any
 
+import numpy as np
 from llvmlite import binding
 from numba import types
-from numba.core import cgutils, compiler, typed_passes
+from numba.core import cgutils, typed_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler_machinery import register_pass
-from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
+from numba.np.numpy_support import from_dtype
+
+from drake_geom_ros.geometry._proximity.runtime.front_end import Called, Lower, Pipeline
 
 
 class _Library(JITCodeLibrary):  # type: ignore[misc]
     """Functions as they were lowered, to be linked into others; no engine ever sees them."""
 
+    _shared_module: Any
+
     def finalize(self) -> None:
         for library in dict.fromkeys(self._linking_libraries):
             self._reload_init.update(library._reload_init)
-            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage == binding.Linkage.external:
                 function.linkage = 'linkonce_odr'  # left out by whoever does not call it
-        self._finalize_dynamic_globals()
-        self._shared_module = self._final_module
         self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """Return these functions with all that they call, for a library that is not ours."""
+        if self._shared_module is None:
+            whole = self._final_module.clone()
+            for library in _called_by(self):
+                whole.link_in(_module_of(library), preserve=True)
+            self._shared_module = whole
+        return self._shared_module
+
+
+def _module_of(library: Any) -> Any:
+    """Return what a library has to be linked beside what ``_called_by`` returns."""
+    if isinstance(library, _Library):
+        return library._final_module
+    return library._get_module_for_linking()
+
+
+def _called_by(library: Any) -> list[Any]:
+    """Return all libraries that a library calls, each once, callers before those that they call.
+
+    Each is linked where code is emitted; linked into each caller, they were copied a dozen times.
+    What nobody calls yet when it is linked LLVM leaves out, hence the order.
+    """
+    seen: set[Any] = set()
+    ordered: list[Any] = []
+
+    def visit(each: Any) -> None:
+        if each in seen:
+            return
+        seen.add(each)
+        if each is library or isinstance(each, _Library):
+            for other in each._linking_libraries:
+                visit(other)
+        ordered.append(each)
+
+    visit(library)
+    return ordered[-2::-1]
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -54,6 +95,7 @@ class _Lowering(typed_passes.NativeLowering):  # type: ignore[misc]
     """Lowers a function into such a library."""
 
     _name = 'lowering_for_compiled_callers'
+    lowering_class = Lower
 
     def run_pass(self, state: Any) -> bool:
         state.library = _Library(state.targetctx.codegen(), state.func_id.func_qualname)
@@ -73,6 +115,20 @@ class _EntryLibrary(JITCodeLibrary):  # type: ignore[misc]
     pairs of mixed shapes 10 %. The second time costs next to nothing.
     """
 
+    _linking_libraries: list[Any]
+
+    def finalize(self) -> None:
+        for library in _called_by(self):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(_module_of(library), preserve=True)
+        self._linking_libraries = []
+        super().finalize()
+
+    def _verify_declare_only_symbols(self) -> None:
+        missing = [f.name for f in self._final_module.functions if f.is_declaration]
+        if any(name.startswith('_ZN') for name in missing):  # a call of it would end the process
+            raise AssertionError(f'{self.name} calls what was not linked: {missing}')
+
     def _optimize_final_module(self) -> None:
         super()._optimize_final_module()
         super()._optimize_final_module()
@@ -83,6 +139,7 @@ class _EntryLowering(typed_passes.NativeLowering):  # type: ignore[misc]
     """Lowers a function into such a library."""
 
     _name = 'lowering_for_python'
+    lowering_class = Lower
 
     def run_pass(self, state: Any) -> bool:
         if state.library is None:
@@ -92,31 +149,14 @@ class _EntryLowering(typed_passes.NativeLowering):  # type: ignore[misc]
         return changed
 
 
-class _Pipeline(compiler.CompilerBase):  # type: ignore[misc]
+class _Pipeline(Pipeline):
     lowering = _Lowering
 
-    def define_pipelines(self) -> list[Any]:
-        manager = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
-        manager.passes = [
-            (self.lowering if each is typed_passes.NativeLowering else each, text)
-            for each, text in manager.passes
-        ]
-        manager._finalized = False
-        manager.finalize()
-        return [manager]
 
-
-class _EntryPipeline(_Pipeline):
+class _EntryPipeline(Pipeline):
     """How functions that Python calls, or an address stands for, are compiled."""
 
     lowering = _EntryLowering
-
-
-class _Called(CPUDispatcher):  # type: ignore[misc]
-    """A function for compiled callers; Python cannot call it."""
-
-    def add_overload(self, cres: Any) -> None:
-        self.overloads[tuple(cres.signature.args)] = cres
 
 
 def options(counted: bool) -> dict[str, Any]:
@@ -139,7 +179,7 @@ def for_compiled_callers(dispatcher: Any, constants: bool) -> Any:
     def called() -> Any:
         wrappers = {'no_cpython_wrapper': True, 'no_cfunc_wrapper': True}
         targeted = {**dispatcher.targetoptions, **wrappers}
-        return _Called(dispatcher.py_func, targetoptions=targeted, pipeline_class=_Pipeline)
+        return Called(dispatcher.py_func, targetoptions=targeted, pipeline_class=_Pipeline)
 
     def get_call_template(args: Any, kws: Any) -> Any:
         if not constants:
@@ -181,6 +221,42 @@ def _array_at(context: Any, builder: Any, kind: Any, data: Any, shape: Any) -> A
     array = make_array(kind)(context, builder)
     populate_array(array, data, shape, strides, itemsize, None)
     return array._getvalue()
+
+
+def taker(record: Any, fields: Any) -> Any:
+    """Return the intrinsic that makes a record of arrays of its handle; see ``handles``.
+
+    Field by field with ``carray``, records of a hundred arrays took a twentieth of all compiling.
+    """
+    kinds = [
+        types.Array(from_dtype(np.dtype(number)), 1 + len(extents), 'C')
+        for _, number, extents in fields
+    ]
+    made = types.NamedTuple(kinds, record)
+
+    @intrinsic
+    def take(typingctx, handle):  # type: ignore[no-untyped-def]
+        def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+            numbers = make_array(handle)(context, builder, values[0]).data
+            place = itertools.count()
+
+            def told() -> Any:
+                at = builder.gep(numbers, [context.get_constant(types.intp, next(place))])
+                return builder.load(at)
+
+            arrays = []
+            for kind, (_, _, extents) in zip(kinds, fields, strict=True):
+                data = builder.inttoptr(told(), context.get_data_type(kind.dtype).as_pointer())
+                shape = [
+                    told() if extent is None else context.get_constant(types.intp, extent)
+                    for extent in (None, *extents)
+                ]
+                arrays.append(_array_at(context, builder, kind, data, shape))
+            return context.make_tuple(builder, made, arrays)
+
+        return made(handle), codegen
+
+    return take
 
 
 def _as_integers(array: Any, number: Any) -> Any:

@@ -1,0 +1,72 @@
+"""A line on standard error while something is compiled, for whoever waits without knowing why.
+
+A first question takes seconds, and the first of a URDF may take a minute: silence looks like a
+program that hangs. Who is told otherwise, by a ``tell`` (a log, the command ``compile``), is not
+told here. On a terminal the line is written over and goes when it is done; elsewhere a line comes
+every ten seconds.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from numba.core import event
+
+_PACKAGE = 'drake_geom_ros.'
+_SOON = 1.0  # [s] of compiling that nobody need be told of
+_PERIOD = 10.0  # [s] between two lines where they stay
+_WIDTH = 100  # letters of a line that is written over
+
+
+class Progress(event.Listener):  # type: ignore[misc]
+    """Counts our functions as they are compiled, and tells how far it is."""
+
+    def __init__(self, folder: str) -> None:
+        """``folder`` keeps what is compiled; empty: nothing is kept."""
+        self._kept = f'kept in {folder}' if folder else 'for this process only: no cache is kept'
+        self._depth, self._count, self._spent = 0, 0, 0.0
+        self._begun, self._next, self._quiet, self._what = 0.0, _SOON, 0, ''
+
+    @contextmanager
+    def silent(self) -> Iterator[None]:
+        """Say nothing meanwhile: somebody else tells."""
+        self._quiet += 1
+        try:
+            yield
+        finally:
+            self._quiet -= 1
+
+    def on_start(self, event: event.Event) -> None:
+        """Take note of a function that begins to be compiled."""
+        function = event.data['dispatcher'].py_func
+        if self._depth == 0:
+            self._begun, self._what = time.monotonic(), function.__name__.strip('_')
+        self._depth += 1
+        if function.__module__.startswith(_PACKAGE):
+            self._count += 1
+        seconds = self._spent + time.monotonic() - self._begun
+        if seconds >= self._next and not self._quiet:
+            self._say(seconds)
+
+    def on_end(self, event: event.Event) -> None:
+        """Take note of its end."""
+        self._depth -= 1
+        if self._depth == 0:
+            self._spent += time.monotonic() - self._begun
+            if self._next > _SOON and sys.stderr.isatty() and not self._quiet:
+                print('\r\033[K', end='', file=sys.stderr, flush=True)
+
+    def _say(self, seconds: float) -> None:
+        line = (
+            f'drake_geom_ros: compiling, once: {self._what}, {self._count} functions so far, '
+            f'{seconds:.0f} s'
+        )
+        if sys.stderr.isatty():
+            self._next = seconds + 0.2
+            print(f'\r\033[K{line[:_WIDTH]}', end='', file=sys.stderr, flush=True)
+        else:
+            self._next = seconds + _PERIOD
+            print(f'{line}; {self._kept}', file=sys.stderr, flush=True)

@@ -1,0 +1,174 @@
+"""Gathers what a node tells of itself: its topics, its scene, its diagnostics and its filters."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from drake_geom_msgs import msg
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from drake_geom_ros.client import SceneGraphClient
+from drake_geom_ros.client.scene_table import WORLD
+
+_LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_ANY = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT)  # meets every publisher
+_LARGE = 'sensor_msgs/msg/Image'  # megabytes a message: not listened to
+_INTERNAL = 'SceneGraphInternal'  # the source of the world frame: nobody's
+_WINDOW = 2.2  # [s] in which messages are counted; diagnostics come once a second
+
+
+@dataclass
+class Topic:
+    """A topic of the node, and how many others read or write it."""
+
+    name: str
+    type: str
+    published: bool  # by the node; else it listens
+    others: int
+    rate: float | None = None  # [Hz] None: not measured
+
+
+@dataclass
+class Status:
+    """What was gathered."""
+
+    node: str
+    topics: list[Topic]
+    scene_version: int
+    sources: list[dict[str, Any]]
+    level: str  # of the diagnostics: ok, warn, error, or 'none' where there are none
+    summary: str
+    waiting_frames: list[str]
+    waiting_pairs: int
+    stale_frames: list[str]
+    refused: dict[str, int]
+    latest_refusal: str
+    filters: dict[str, Any]
+    values: dict[str, str]  # all of the diagnostics
+
+
+class Watcher:
+    """Reads a node, once or again and again."""
+
+    def __init__(self, client: SceneGraphClient, server: str) -> None:
+        """``server`` is the node's full name."""
+        self._client, self._server = client, server
+        self._counts: Counter[str] = Counter()
+        self._counted: dict[str, Any] = {}
+        self._latest: dict[str, Any] = {}
+        listen = client.node.create_subscription
+        listen(msg.Scene, f'{server}/scene', self._keep('scene'), _LATCHED)
+        listen(msg.CycleReport, f'{server}/cycle_report', self._keep('cycle'), 10)
+        listen(DiagnosticArray, '/diagnostics', self._take_diagnostics, 10)
+
+    def status(self, window: float = _WINDOW) -> Status:
+        """Return what the node tells within ``window`` [s]; NoAnswerError where it is silent."""
+        self._client.wait_for(lambda: 'scene' in self._latest, f'{self._server}/scene')
+        topics = self._topics()
+        before, begun = Counter(self._counts), time.monotonic()
+        time.sleep(window)
+        counts, seconds = Counter(self._counts), time.monotonic() - begun
+        for topic in topics:
+            if topic.name in self._counted:
+                topic.rate = (counts[topic.name] - before[topic.name]) / seconds
+        return self._told(topics)
+
+    def _keep(self, name: str) -> Any:
+        return lambda message: self._latest.__setitem__(name, message)
+
+    def _take_diagnostics(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.name == self._server:
+                self._latest['diagnostics'] = status
+
+    def _topics(self) -> list[Topic]:
+        """Return the node's topics; those that others read or write are counted from now on."""
+        node, found = self._client.node, []
+        namespace, _, name = self._server.rpartition('/')
+        for published, of_node in (
+            (True, node.get_publisher_names_and_types_by_node),
+            (False, node.get_subscriber_names_and_types_by_node),
+        ):
+            for topic, (kind, *_) in of_node(name, namespace or '/'):
+                if topic in ('/rosout', '/parameter_events'):
+                    continue
+                listing = (
+                    node.get_subscriptions_info_by_topic
+                    if published
+                    else node.get_publishers_info_by_topic
+                )
+                others = [each for each in listing(topic) if each.node_name != node.get_name()]
+                found.append(Topic(topic, kind, published, len(others)))
+                if others and kind != _LARGE and topic not in self._counted:
+                    self._count(topic, kind)
+        return sorted(found, key=lambda each: (not each.published, each.name))
+
+    def _count(self, topic: str, kind: str) -> None:
+        """Count the messages of a topic, as they are on the wire."""
+        package, _, name = kind.split('/')
+        type_of = getattr(import_module(f'{package}.msg'), name)
+
+        def take(message: bytes) -> None:
+            self._counts[topic] += 1
+
+        self._counted[topic] = self._client.node.create_subscription(
+            type_of, topic, take, _ANY, raw=True
+        )
+
+    def _told(self, topics: list[Topic]) -> Status:
+        scene, cycle = self._latest['scene'], self._latest.get('cycle')
+        told = self._latest.get('diagnostics')
+        values = {each.key: each.value for each in told.values} if told else {}
+        filters = self._client.ask('get_filters')
+        level = {b'\x00': 'ok', b'\x01': 'warn', b'\x02': 'error', b'\x03': 'stale'}
+        return Status(
+            node=self._server,
+            topics=topics,
+            scene_version=scene.scene_version,
+            sources=_sources(scene),
+            level=level.get(told.level, 'unknown') if told else 'none',
+            summary=told.message if told else 'no diagnostics have come: is the node active?',
+            waiting_frames=list(cycle.waiting_frames)
+            if cycle
+            else _names(values, 'names of frames that never had a pose'),
+            waiting_pairs=int(values.get('pairs left out because of them', 0)),
+            stale_frames=_names(values, 'names of stale frames'),
+            refused={
+                key.removeprefix('refused: '): int(value)
+                for key, value in values.items()
+                if key.startswith('refused: ')
+            },
+            latest_refusal=values.get('latest refusal', 'none'),
+            filters={
+                'filtered_pairs': filters.filtered_pairs,
+                'active': values.get('transient filters', 'none'),
+                'ids': list(filters.active_filter_ids),
+                'owners': list(filters.active_filter_owners),
+            },
+            values=values,
+        )
+
+
+def _names(values: dict[str, str], key: str) -> list[str]:
+    return [name for name in values.get(key, '').split(', ') if name]
+
+
+def _sources(scene: msg.Scene) -> list[dict[str, Any]]:
+    """Return the sources with their frames and how many geometries each has."""
+    geometries = Counter(geometry.source_id for geometry in scene.geometries)
+    return [
+        {
+            'name': source.name,
+            'frames': [
+                f.name for f in scene.frames if f.source_id == source.id and f.name != WORLD
+            ],
+            'geometries': geometries[source.id],
+        }
+        for source in scene.sources
+        if source.name != _INTERNAL
+    ]

@@ -1,0 +1,77 @@
+"""`python -m drake_geom_ros.ros.status` beside a real node."""
+
+import json
+import signal
+import time
+
+from drake_geom_msgs import srv
+from ros.harness import Process, run_python
+from ros.scene_calls import accepted, exclude
+
+SCENE = """
+sources: [arm, table]
+frames:
+- {name: hand, source: arm, pose: {position: [0, 0, 1]}}
+- {name: tray, source: table}
+geometries:
+- {name: ball, source: arm, frame: hand, shape: {type: sphere, radius: 0.1}}
+- {name: box, source: table, frame: tray, shape: {type: box, size: [0.1, 0.1, 0.1]}}
+"""
+STATUS = ('-m', 'drake_geom_ros.ros.status')
+
+
+def status(*arguments):
+    told = run_python(*STATUS, *arguments)
+    return told.returncode, told.stdout, told.stderr
+
+
+def test_a_running_node_is_told_whole(client):
+    accepted(client.call(srv.LoadScene, 'load_scene', text=SCENE, replace=True))
+    declaration = exclude('arm::hand/ball', 'table::tray/box')
+    accepted(
+        client.call(
+            srv.ApplyTransientFilter,
+            'apply_transient_filter',
+            declaration=declaration,
+            owner='planner',
+            lease=60.0,
+        )
+    )
+    code, out, errors = status('--json', '--timeout', '20')
+    assert code == 0, errors
+    told = json.loads(out)
+    assert told['node'] == '/scene_graph'
+    assert {s['name']: (s['frames'], s['geometries']) for s in told['sources']} == {
+        'arm': (['hand'], 1),
+        'table': (['tray'], 1),
+    }
+    assert told['waiting_frames'] == ['table::tray']
+    assert told['filters']['owners'] == ['planner']
+    assert 'planner, lease ends in ' in told['filters']['active']
+    topics = {topic['name']: topic for topic in told['topics']}
+    assert topics['/scene_graph/frame_poses']['published'] is False
+    assert topics['/scene_graph/scene']['published'] is True
+    code, out, _ = status('--timeout', '20')
+    assert code == 0
+    assert 'waiting for a first pose: 1: table::tray' in out
+    assert '  arm: 1 frame, 1 geometry: hand' in out
+
+
+def test_without_a_node_it_says_so_and_ends():
+    begun = time.monotonic()
+    code, out, errors = status('--node', '/nobody', '--timeout', '1')
+    assert (code, out) == (1, '')
+    assert 'no answer of /nobody in ROS domain' in errors
+    assert '/nobody/scene' in errors
+    assert time.monotonic() - begun < 30.0
+
+
+def test_watching_goes_on_until_it_is_interrupted(client, tmp_path):
+    watching = Process(
+        tmp_path / 'watch.txt', 'drake_geom_ros.ros.status', '--watch', '--json', '--timeout', '20'
+    )
+    end = time.monotonic() + 40.0
+    while watching.output().count('\n') < 2 and time.monotonic() < end:
+        time.sleep(0.2)
+    assert watching.end(signal.SIGINT) == 130
+    assert len(watching.output().splitlines()) >= 2
