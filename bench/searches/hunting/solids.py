@@ -96,7 +96,8 @@ class SolidHunt:
                 fresh.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
             )
             d, e = rows[level] = pair.distance, pair.error_bound
-            self._keep('certificate', scene, max(d - most, least - d) / e, about)
+            allowed = e + 4.0 * math.ulp(abs(d) + abs(least))  # of the truth as told
+            self._keep('certificate', scene, max(d - most, least - d) / allowed, about)
             asked = scene.query(live, state)
             known = scene.solids_of(
                 asked.ComputeSignedDistancePairwiseClosestPoints(accuracy=level)
