@@ -32,7 +32,7 @@ HOW = (
     'cycles on walks to and fro. Times are median / mean / 99th percentile of poses and query '
     'together, targets hold for means. Paces: `slow` moves a body by a hundredth of its radius a '
     'cycle, `robot` by 10 mm and 0.02 rad (a joint by 0.03 rad), `jump` poses everything anew; '
-    '`100 Hz` is `robot` with one cycle each 10 ms, as a robot has it, and without a target. '
+    '`100 Hz` is `robot` with one cycle each 10 ms, as a robot has it, and is to reach MuJoCo. '
     'Ours has its kernels loaded beforehand, as a node has, and reads all arrays of a result, '
     'pydrake the depth or distance of each record (less than all of it), MuJoCo the arrays of '
     'its contacts (several a pair). python-fcl and Coal know no filters.'

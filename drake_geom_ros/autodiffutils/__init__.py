@@ -1,4 +1,9 @@
-"""Numbers that carry derivatives, with the names of ``pydrake.autodiffutils``."""
+"""Numbers that carry derivatives, with the names of ``pydrake.autodiffutils``.
+
+In: values with gradients (n,).
+Out: numbers that carry both through arithmetic.
+May import: ``math``; numpy.
+"""
 
 from drake_geom_ros.autodiffutils.arrays import (
     ExtractGradient,

@@ -10,6 +10,11 @@
 
 Every answer is, to the bit, that of a query about its state alone, whatever the number of threads
 or workers, the size of the blocks and the order of the states.
+
+In: a scene, states (N, ...), what is wanted of each.
+Out: arrays by state, or a file of them.
+May import: ``math``, ``common``, ``geometry``, ``scene_files``, ``trajectories``; numpy,
+    distributed, matplotlib, pyarrow.
 """
 
 from drake_geom_ros.batch.cluster import cluster_executor

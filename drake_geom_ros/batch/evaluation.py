@@ -91,7 +91,9 @@ def evaluate(
     rows, ids, arms = _states(frame_ids, poses, states, joints)
     job, geometry_ids = Job.of(context, question, ids, arms)
     found = Gathered(want, len(rows), geometry_ids)
-    local = size_for_all(len(rows), threads, LOCAL_BLOCK, LEAST_BLOCK)
+    # Of many points a few states take as long as many of pairs.
+    least = LEAST_BLOCK if question.points is None else LEAST_BLOCK // (1 + len(question.points))
+    local = size_for_all(len(rows), threads, LOCAL_BLOCK, max(1, least))
     size = block_size or (local if executor is None else REMOTE_BLOCK)
     blocks = blocks_of(len(rows), size) or [(0, 0)]
     for block, columns in computed(job, rows, blocks, executor, progress, threads):

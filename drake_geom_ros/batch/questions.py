@@ -113,7 +113,9 @@ class Job:
         ``ids`` (n,) are values of the frames that states pose, those of the arms if there are any.
         Raises PoseError as ``PackedScene.of`` does.
         """
-        scene, geometry_ids = PackedScene.of(context, ids, still_poses(arms, ids))
+        scene, geometry_ids = PackedScene.of(
+            context, ids, still_poses(arms, ids), about_points=question.want == 'points'
+        )
         return cls(scene, question, arms), geometry_ids
 
     @cached_property
@@ -127,21 +129,31 @@ class Job:
         return found.hexdigest()
 
     def answer(
-        self, queries: StateQueries, states: Floats, stop: NDArray[np.int64], first: int = 0
+        self,
+        queries: StateQueries,
+        states: Floats,
+        stop: NDArray[np.int64],
+        first: int = 0,
+        *,
+        shared: bool = False,
     ) -> Columns:
         """Return the answers of states, by column; geometries by their place in the scene.
 
         ``counts`` (N,) are there where states have answers of any number. Raises PoseError for a
-        state that is none, by its number, that of the first being ``first``.
+        state that is none, by its number, that of the first being ``first``. The points of one
+        state may be ``shared`` out to all threads of the process.
         """
         poses = poses_of_arms(self.arms, states) if self.arms else states
         try:
-            return self._answer(queries, np.ascontiguousarray(poses, dtype=np.float64), stop)
+            rows = np.ascontiguousarray(poses, dtype=np.float64)
+            return self._answer(queries, rows, stop, shared)
         except StateError as error:
             number = first + error.number
             raise PoseError(f'State {number} was refused: {error}') from None
 
-    def _answer(self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64]) -> Columns:
+    def _answer(
+        self, queries: StateQueries, poses: Floats, stop: NDArray[np.int64], shared: bool
+    ) -> Columns:
         asked = self.question
         if asked.want == 'collision':
             margin = asked.max_distance if math.isfinite(asked.max_distance) else None
@@ -149,7 +161,8 @@ class Job:
         if asked.want == 'points':
             assert asked.points is not None
             points = np.ascontiguousarray(asked.points, dtype=np.float64)
-            return _columns(queries.points(poses, points, asked.max_distance, stop))
+            limit = asked.max_distance
+            return _columns(queries.points(poses, points, limit, stop, shared=shared))
         if asked.want == 'within':
             return _columns(queries.within(poses, asked.accuracy, asked.max_distance, stop))
         limits = asked.accuracy, asked.max_distance, asked.count

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import IO, Any
 
 import numpy as np
@@ -22,7 +25,6 @@ from drake_geom_ros.batch.questions import Columns
 from drake_geom_ros.batch.running import BatchError
 from drake_geom_ros.common.whole_files import whole_file
 
-Blocks = Callable[[], Iterable[Columns]]  # the columns of each block, in order, as often as asked
 SUFFIXES = ('.npz', '.parquet')
 _ABOUT = ('scene', 'question', 'versions')
 _PLACES = {'id_A': 'geometry_a', 'id_B': 'geometry_b', 'id_G': 'geometry'}
@@ -58,43 +60,75 @@ def _holds_results(path: Path) -> bool:
         return False
 
 
-def write(path: Path, blocks: Blocks, names: Sequence[str], about: Mapping[str, str]) -> None:
-    """Write blocks of columns to a file, which is there only when it is whole."""
+def write(
+    path: Path, blocks: Iterable[Columns], names: Sequence[str], about: Mapping[str, str]
+) -> None:
+    """Write blocks of columns, in order and each taken once, to a file.
+
+    It is there only when it is whole.
+    """
     with whole_file(path, 'wb') as file:
-        (_write_npz if path.suffix == '.npz' else _write_parquet)(file, blocks, names, about)
+        if path.suffix == '.npz':
+            # Where there is room for the results there is for what is kept of them.
+            _write_npz(file, blocks, names, about, path.parent)
+        else:
+            _write_parquet(file, blocks, names, about)
+
+
+class _Column:
+    """One array of an .npz file, which has to be written in one piece, as its blocks come."""
+
+    def __init__(self, first: NDArray[Any], file: IO[bytes]) -> None:
+        """``file`` keeps what has come."""
+        self._header = npy.header_data_from_array_1_0(first)
+        self._shape = first.shape[1:]
+        self._rows = 0
+        self._file = file
+
+    def add(self, values: NDArray[Any]) -> None:
+        self._rows += len(values)
+        self._file.write(np.ascontiguousarray(values).tobytes())
+
+    def move_to(self, file: zipfile.ZipFile, name: str) -> None:
+        """Write the whole array, and let go of what was kept of it."""
+        with self._file, file.open(f'{name}.npy', 'w', force_zip64=True) as stream:
+            shape = (self._rows, *self._shape)
+            npy.write_array_header_2_0(stream, {**self._header, 'shape': shape})
+            self._file.seek(0)
+            shutil.copyfileobj(self._file, stream)
 
 
 def _write_npz(
-    target: IO[bytes], blocks: Blocks, names: Sequence[str], about: Mapping[str, str]
+    target: IO[bytes],
+    blocks: Iterable[Columns],
+    names: Sequence[str],
+    about: Mapping[str, str],
+    folder: Path,
 ) -> None:
-    lengths: dict[str, int] = {}
-    kinds: dict[str, NDArray[Any]] = {}
-    for block in blocks():
-        for name, values in block.items():
-            lengths[name] = lengths.get(name, 0) + len(values)
-            kinds.setdefault(name, values[:0])
-    with zipfile.ZipFile(target, 'w') as file:
-        _put(file, 'geometries', [np.array(names)], len(names))
+    columns: dict[str, _Column] = {}
+    end = np.zeros(1, dtype=np.int64)  # of the rows until now: where the next state's begin
+    with ExitStack() as opened, zipfile.ZipFile(target, 'w') as file:
+
+        def add(name: str, values: NDArray[Any]) -> None:
+            if name not in columns:
+                columns[name] = _Column(values, opened.enter_context(TemporaryFile(dir=folder)))
+            columns[name].add(values)
+
+        add('geometries', np.array(names))
         for key, text in about.items():
-            _put(file, key, [np.array([text])], 1)
-        for name, length in lengths.items():
-            if name == 'counts':
-                counts = [block['counts'] for block in blocks()]
-                offsets = np.concatenate(([0], np.cumsum(np.concatenate(counts))))
-                _put(file, 'offsets', [offsets], len(offsets))
-            else:
-                columns = (block[name] for block in blocks())
-                _put(file, _PLACES.get(name, name), columns, length)
-
-
-def _put(file: zipfile.ZipFile, name: str, pieces: Iterable[NDArray[Any]], length: int) -> None:
-    """Write an array of so many rows that comes in pieces."""
-    with file.open(f'{name}.npy', 'w', force_zip64=True) as stream:
-        for number, piece in enumerate(pieces):
-            if number == 0:
-                header = npy.header_data_from_array_1_0(piece)
-                npy.write_array_header_2_0(stream, {**header, 'shape': (length, *piece.shape[1:])})
-            stream.write(np.ascontiguousarray(piece).tobytes())
+            add(key, np.array([text]))
+        for block in blocks:
+            for name, values in block.items():
+                if name != 'counts':
+                    add(_PLACES.get(name, name), values)
+                    continue
+                if 'offsets' not in columns:
+                    add('offsets', end)
+                ends = end + np.cumsum(values, dtype=np.int64)
+                add('offsets', ends)
+                end = ends[-1:] if len(ends) else end
+        for name, column in columns.items():
+            column.move_to(file, name)
 
 
 def _parquet() -> Any:
@@ -109,11 +143,14 @@ def _parquet() -> Any:
 
 
 def _write_parquet(
-    target: IO[bytes], blocks: Blocks, names: Sequence[str], about: Mapping[str, str]
+    target: IO[bytes],
+    blocks: Iterable[Columns],
+    names: Sequence[str],
+    about: Mapping[str, str],
 ) -> None:
     pyarrow, writer, first = _parquet(), None, 0
     try:
-        for block in blocks():
+        for block in blocks:
             states = len(next(iter(block.values())))
             rows = np.arange(first, first + states)
             if 'counts' in block:

@@ -75,12 +75,13 @@ def by_threads(job: Job, states: Any, blocks: Iterable[Block], threads: int = 0)
     Raises PoseError for a state that is none.
     """
     stop, own = np.zeros(1, dtype=np.int64), threading.local()
+    shared = (threads or cores()) > 1
 
     def answer(block: Block) -> Done:
         if not hasattr(own, 'queries'):
             own.queries = StateQueries(job.scene)
         rows = np.asarray(states[block[0] : block[1]], dtype=np.float64)
-        return block, job.answer(own.queries, rows, stop, block[0])
+        return block, job.answer(own.queries, rows, stop, block[0], shared=shared)
 
     def submit(block: Block) -> Future[Done]:
         return pool.submit(answer, block)

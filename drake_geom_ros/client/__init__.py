@@ -2,6 +2,10 @@
 
 ``SceneGraphClient`` is for scripts: it has its own node, and its calls wait for the answer.
 ``SceneListener``, ``Services`` and ``HeldFilter`` are for nodes that spin themselves.
+
+In: a node's name, and what is asked by names.
+Out: results with names; errors that say who did not answer.
+May import: ``math``, ``common``; numpy, ROS.
 """
 
 from drake_geom_ros.client.blocking import NoAnswerError, SceneGraphClient
@@ -17,7 +21,14 @@ from drake_geom_ros.client.results import (
     SignedDistances,
 )
 from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
-from drake_geom_ros.client.services import RefusedError, Services, exclude_between, frame_poses
+from drake_geom_ros.client.services import (
+    RefusedError,
+    Services,
+    exclude_between,
+    frame_poses,
+    joint_positions,
+)
+from drake_geom_ros.client.states import States
 
 __all__ = [
     'SceneGraphClient',
@@ -36,7 +47,9 @@ __all__ = [
     'NoAnswerError',
     'IncompleteError',
     'UnknownNameError',
+    'States',
     'frame_poses',
+    'joint_positions',
     'exclude_between',
     'sleep',
 ]

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -29,7 +30,15 @@ from drake_geom_ros.client.results import (
     SignedDistances,
 )
 from drake_geom_ros.client.scene_table import SceneTable
-from drake_geom_ros.client.services import Poses, Services, accepted, frame_poses
+from drake_geom_ros.client.services import (
+    JointValues,
+    Poses,
+    Services,
+    accepted,
+    frame_poses,
+    joint_positions,
+)
+from drake_geom_ros.client.states import Progress, States, StatesRequest
 from drake_geom_ros.math import RigidTransform
 
 _Results = TypeVar('_Results', bound=Results[Any])
@@ -47,7 +56,9 @@ class SceneGraphClient:
     """Calls the services of a node and waits for each answer; it spins a node of its own.
 
     ``poses`` are "what if" poses: X_PF by frame, as RigidTransform or as seven numbers x y z [m]
-    qx qy qz qw. Frames that are not named keep their poses, and the live scene does not change.
+    qx qy qz qw. ``joints`` are "what if" values [rad] or [m] by joint, ``name`` or
+    ``robot::name``, and the links that these move stand accordingly. Frames that are not named
+    keep their poses, joints their values, and the live scene does not change.
     Each call raises RefusedError with the node's reason where the node refuses it, and
     NoAnswerError where no answer arrives within ``patience`` [s]. An answer that leaves something
     out, for a frame never had a pose, raises IncompleteError, unless ``allow_incomplete``.
@@ -141,6 +152,7 @@ class SceneGraphClient:
         poses: Poses | None = None,
         accuracy: str = '',
         allow_incomplete: bool = False,
+        joints: JointValues | None = None,
     ) -> SignedDistances:
         """Return the signed distances of the unfiltered pairs up to ``max_distance`` [m]."""
         found = self._named(
@@ -148,12 +160,18 @@ class SceneGraphClient:
             'compute_signed_distance_pairwise',
             max_distance=_limit(max_distance),
             poses=frame_poses(poses or {}),
+            joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
         return found if allow_incomplete else found.whole('signed_distances')
 
     def signed_distance(
-        self, geometry_a: str, geometry_b: str, poses: Poses | None = None, accuracy: str = ''
+        self,
+        geometry_a: str,
+        geometry_b: str,
+        poses: Poses | None = None,
+        accuracy: str = '',
+        joints: JointValues | None = None,
     ) -> SignedDistance:
         """Return the signed distance of one pair, which must not be filtered."""
         found = self._named(
@@ -162,18 +180,24 @@ class SceneGraphClient:
             geometry_a=geometry_a,
             geometry_b=geometry_b,
             poses=frame_poses(poses or {}),
+            joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
         return next(iter(found))
 
     def penetrations(
-        self, poses: Poses | None = None, accuracy: str = '', allow_incomplete: bool = False
+        self,
+        poses: Poses | None = None,
+        accuracy: str = '',
+        allow_incomplete: bool = False,
+        joints: JointValues | None = None,
     ) -> Penetrations:
         """Return the unfiltered pairs that overlap."""
         found = self._named(
             Penetrations,
             'compute_point_pair_penetration',
             poses=frame_poses(poses or {}),
+            joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
         return found if allow_incomplete else found.whole('penetrations')
@@ -185,6 +209,7 @@ class SceneGraphClient:
         poses: Poses | None = None,
         accuracy: str = '',
         allow_incomplete: bool = False,
+        joints: JointValues | None = None,
     ) -> PointDistances:
         """Return the distances of ``points`` (n, 3) [m] to geometries within ``threshold`` [m]."""
         found = self._named(
@@ -193,20 +218,68 @@ class SceneGraphClient:
             points=np.asarray(points, dtype=np.float64).ravel().tolist(),
             threshold=_limit(threshold),
             poses=frame_poses(poses or {}),
+            joints=joint_positions(joints or {}),
             accuracy=accuracy,
         )
         return found if allow_incomplete else found.whole('point_distances')
 
-    def has_collisions(self, poses: Poses | None = None, allow_incomplete: bool = False) -> bool:
+    def has_collisions(
+        self,
+        poses: Poses | None = None,
+        allow_incomplete: bool = False,
+        joints: JointValues | None = None,
+    ) -> bool:
         """Return whether any unfiltered pair overlaps.
 
         One that does is an answer whatever is left out.
         """
-        answer = self.ask('has_collisions', poses=frame_poses(poses or {}))
+        answer = self.ask(
+            'has_collisions',
+            poses=frame_poses(poses or {}),
+            joints=joint_positions(joints or {}),
+        )
         left_out = LeftOut.of_pairs(answer)
         if left_out.number and not (answer.has_collisions or allow_incomplete):
             left_out.refuse('has_collisions')
         return bool(answer.has_collisions)
+
+    def evaluate_states(
+        self,
+        joint_names: Sequence[str],
+        positions: ArrayLike,
+        want: str = 'collision',
+        *,
+        clearance: float = 0.0,
+        max_distance: float = math.inf,
+        poses: Poses | None = None,
+        stop_at_first: bool = False,
+        ignore_limits: bool = False,
+        accuracy: str = '',
+        progress: Progress | None = None,
+    ) -> States:
+        """Return what is wanted of each of n states of joints, ``positions`` (n, q) [rad] or [m].
+
+        A state is free where every pair is certified to be farther apart than ``clearance`` [m];
+        joints that are not named keep the values of now. ``want`` is ``collision``, ``least`` or
+        ``near`` (all pairs up to ``max_distance`` [m]). More states than an answer holds are asked
+        about in parts, after each of which ``progress`` is called with the states done and all.
+        Raises RuntimeError where the scene changed meanwhile, for its answers would be of two.
+        """
+        asked = StatesRequest(
+            list(joint_names),
+            np.atleast_2d(np.asarray(positions, dtype=np.float64)),
+            {
+                'want': want,
+                'clearance': clearance,
+                'max_distance': 0.0 if want != 'near' else _limit(max_distance),
+                'poses': frame_poses(poses or {}),
+                'stop_at_first': stop_at_first,
+                'ignore_limits': ignore_limits,
+                'accuracy': accuracy,
+            },
+        )
+        answers = asked.ask(partial(self.ask, 'evaluate_states'), progress)
+        return States.of(answers, self.scene(answers[0].scene_version))
 
     def explain_filter(self, geometry_a: str, geometry_b: str) -> list[str]:
         """Return the reasons why a pair is filtered; empty where it is not."""

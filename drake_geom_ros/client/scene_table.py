@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from drake_geom_msgs.msg import Role
@@ -101,6 +101,21 @@ class Geometry:
         return any(fnmatchcase(name, pattern) for name in self.names)
 
 
+class Joint(NamedTuple):
+    """A joint of a robot that has a value of its own."""
+
+    robot: str
+    name: str
+    type: str  # as in the URDF
+    limits: tuple[float, float]  # [rad] or [m]; infinite where there is none
+    frame: Frame | None  # of the link that it moves, by source and name; None: it is no frame
+
+    @property
+    def full_name(self) -> str:
+        """The name that services take where two robots have the joint: ``robot::name``."""
+        return f'{self.robot}::{self.name}'
+
+
 class SceneTable:
     """The geometries of one version of the scene, and the parents of its frames."""
 
@@ -111,6 +126,7 @@ class SceneTable:
         parents: Mapping[Frame, Frame | None] | None = None,
         names_version: int = 0,
         frame_names: Mapping[int, str] | None = None,
+        joints: Sequence[Joint] = (),
     ) -> None:
         """``parents`` of frames by source and own name, parents first; None is the world.
 
@@ -119,6 +135,7 @@ class SceneTable:
         """
         self.geometries = {geometry.id: geometry for geometry in geometries}
         self.version = version
+        self.joints = tuple(joints)
         self.names_version = names_version
         self.parents = dict(parents or {})
         self._frame_names = dict(frame_names or {})
@@ -157,8 +174,15 @@ class SceneTable:
             for entry, X_FG in zip(message.geometries, X_FGs, strict=True)
         ]
         parents = {line[0]: line[1] if line[1:] else None for line in lines.values() if line}
+        frames = {id: line[0] for id, line in lines.items() if line}
+        joints = [
+            Joint(j.robot, j.name, j.type, (j.lower, j.upper), frames.get(j.frame_id))
+            for j in message.joints
+        ]
         names = {id: full_name(line[0]) if line else WORLD for id, line in lines.items()}
-        return cls(geometries, message.scene_version, parents, message.names_version, names)
+        return cls(
+            geometries, message.scene_version, parents, message.names_version, names, joints
+        )
 
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]

@@ -16,6 +16,7 @@ from std_srvs.srv import Trigger
 from drake_geom_ros.math import RigidTransform
 
 Poses = Mapping[str, RigidTransform | ArrayLike]
+JointValues = Mapping[str, float]
 # DDS delivers every answer of a service to all of its clients, and each keeps the last ones until
 # its node spins. Of rclpy's ten, a burst of other callers leaves nothing.
 _DEPTH = 200
@@ -78,6 +79,11 @@ def frame_poses(poses: Poses, source: str = '') -> msg.FramePoses:
     message = msg.FramePoses(source=source, frame_names=list(poses))
     message.poses = np.concatenate(rows).tolist() if rows else []
     return message
+
+
+def joint_positions(joints: Mapping[str, float]) -> msg.JointPositions:
+    """Return a JointPositions message of values [rad] or [m] by joint or ``robot::joint``."""
+    return msg.JointPositions(names=list(joints), positions=list(map(float, joints.values())))
 
 
 def exclude_between(

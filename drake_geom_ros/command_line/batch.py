@@ -119,8 +119,8 @@ def run(options: argparse.Namespace) -> int:
             return INTERRUPTED
     said = about(job.scene.digest, question.words, {'drake_geom_ros': version()})
     check_place(output)  # once more: hours may have passed
-    write(output, lambda: map(parts.get, parts.blocks), names, said)
-    summary = Summary(map(parts.get, parts.blocks))
+    summary = Summary()
+    write(output, summary.of(map(parts.get, parts.blocks)), names, said)
     if options.picture:
         summary.draw(Path(options.picture), f'{Path(options.scene).stem}: {question.want}')
     if not parts.remove():

@@ -1,4 +1,9 @@
-"""Small values of general use, with the public names of ``pydrake.common`` that geometry needs."""
+"""Small values of general use, with the public names of ``pydrake.common`` that geometry needs.
+
+In: files, bytes and names.
+Out: checked values, and errors that say what was wrong with them.
+May import: ``math``; numpy.
+"""
 
 from typing import TYPE_CHECKING
 

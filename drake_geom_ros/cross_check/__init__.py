@@ -12,4 +12,8 @@
 ============================  ==================================================================
 
 The node imports the first two alone. ``bench/evidence`` builds on the last three lines.
+
+In: pairs as they were answered, from a node or a program.
+Out: verdicts, counted, and those that disagree.
+May import: ``math``, ``common``, ``geometry``, ``replay``; numpy, scipy, fcl.
 """

@@ -1,4 +1,9 @@
-"""Scene model and geometry queries, with the public names of ``pydrake.geometry``."""
+"""Scene model and geometry queries, with the public names of ``pydrake.geometry``.
+
+In: registrations, poses and questions, by public names.
+Out: the public names of all rooms below.
+May import: ``math``; numpy.
+"""
 
 from typing import TYPE_CHECKING
 

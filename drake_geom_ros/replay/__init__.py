@@ -2,6 +2,10 @@
 
 ``recorded`` makes a Replay of a result, ``write`` and ``read`` keep it in a file, and
 ``reproduce`` rebuilds the scene and asks for the pair once more.
+
+In: an answer that broke a promise, or a file.
+Out: all that it takes to ask again, as a file or rebuilt.
+May import: ``math``, ``common``, ``geometry``, ``scene_files``.
 """
 
 from drake_geom_ros.replay.file import read, write

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from drake_geom_msgs import msg as messages
@@ -18,6 +18,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import String
 
 from drake_geom_ros.common.counting import counted
+from drake_geom_ros.ros.callback_groups import LONGEST_FAREWELL, CallbackGroups
 from drake_geom_ros.ros.clock_jumps import THRESHOLD, ClockJumps
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.inputs.point_queries import PointQueries
@@ -40,7 +41,14 @@ from drake_geom_ros.ros.outputs.scene_topic import SceneTopic
 from drake_geom_ros.ros.parameters import NodeParameters, ParameterStore, file_access
 from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.services.table import BESIDE, CHANGES, IMAGES, LOADING, Change
+from drake_geom_ros.ros.services.table import (
+    BESIDE,
+    CHANGES,
+    IMAGES,
+    LOADING,
+    PLANNING,
+    Change,
+)
 from drake_geom_ros.ros.shown import Shown
 from drake_geom_ros.ros.surface import (
     Surface,
@@ -56,23 +64,11 @@ from drake_geom_ros.ros.together import waited
 
 _HOUSEKEEPING_PERIOD = 0.1  # [s] leases, changes of the scene that were not told yet
 _DIAGNOSTICS_PERIOD = 1.0  # [s]
-# Cleanup is answered in time for clients that wait 10 s, and a load may compile for longer.
-_LONGEST_FAREWELL = 5.0  # [s]
-_LOOKS = 0.01  # [s] between two looks whether services are at work
 _NO_CLOCK = (
     'use_sim_time is set, but no message of /clock has arrived: ages are unknown, and with a '
     'rate no cycle runs'
 )
 _NOT_DUE = 'no {} since the last report'
-
-
-class CallbackGroups(NamedTuple):
-    """The groups of callbacks that have a thread each; the others share the main one."""
-
-    stream: CallbackGroup  # poses and cycles
-    beside: CallbackGroup  # queries, and what is drawn
-    loading: CallbackGroup  # what may read files and compile
-    images: CallbackGroup  # what cameras see
 
 
 class ConfiguredNode:
@@ -157,24 +153,15 @@ class ConfiguredNode:
         """Stop, and close everything; who waits for an answer gets it first, if it comes soon."""
         self._stream.stop()
         self.live.close()
-        self._let_answers_go()
+        if not self._groups.let_answers_go():
+            self._node.get_logger().warning(
+                f'closed after waiting {LONGEST_FAREWELL:g} s for service calls at work: their '
+                'callers get no answer, and nothing was changed'
+            )
         with self.live.reading():
             self._set_rate(0.0)
             self._surface.close()
         self.set_cross_check(0.0)
-
-    def _let_answers_go(self) -> None:
-        """Wait until no service is at work in another thread: closed before, it cannot answer."""
-        end = time.monotonic() + _LONGEST_FAREWELL
-        groups = (self._groups.loading, self._groups.beside, self._groups.images)
-        while any(map(_at_work, groups)):
-            if time.monotonic() > end:
-                self._node.get_logger().warning(
-                    f'closed after waiting {_LONGEST_FAREWELL:g} s for service calls at work: '
-                    'their callers get no answer, and nothing was changed'
-                )
-                return
-            time.sleep(_LOOKS)
 
     def follow(self, old: NodeParameters, new: NodeParameters) -> None:
         """Do as changed parameters say."""
@@ -267,8 +254,11 @@ class ConfiguredNode:
         """Open all services."""
         for name, kind, change in CHANGES:
             self._surface.service(kind, f'~/{name}', partial(self._change, change), profile)
-        groups = self._groups.beside, self._groups.loading, self._groups.images
-        for services, group in zip((BESIDE, LOADING, IMAGES), groups, strict=True):
+        groups = self._groups
+        for services, group in (
+            *((BESIDE, groups.beside), (LOADING, groups.loading)),
+            *((IMAGES, groups.images), (PLANNING, groups.planning)),
+        ):
             for name, kind, handler in services:
                 serve = partial(self._guard.answer, handler, self.live)
                 self._surface.service(kind, f'~/{name}', serve, profile, group)
@@ -387,12 +377,6 @@ class ConfiguredNode:
             self._node.get_logger().warning(_NO_CLOCK, once=True)
         message.header.stamp = now.to_msg()
         self._diagnostics_publisher.publish(message)
-
-
-def _at_work(group: CallbackGroup) -> bool:
-    """Return whether a callback of a group runs, the sending of its answer included."""
-    entities = [entity for each in list(group.entities) if (entity := each()) is not None]
-    return bool(entities) and not group.can_execute(entities[0])
 
 
 def seconds_now(node: LifecycleNode) -> float:

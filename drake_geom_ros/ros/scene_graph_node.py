@@ -4,10 +4,10 @@ A managed life-cycle node: configure loads the scene and compiles its kernels, a
 deactivate stops publishing and keeps the scene, cleanup forgets it. It configures and activates
 itself unless the parameter ``autostart`` is false.
 
-Five threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
+Six threads share the work (see ``spinning``): one takes poses and runs the cycles, one answers
 queries on snapshots of the scene and draws, one reads what may take long (meshes, scene files,
-robot descriptions) and compiles for it, one takes images, and the main one does the rest: other
-changes of the scene, parameters, the life cycle, diagnostics.
+robot descriptions) and compiles for it, one takes images, one answers for many states at once, and
+the main one does the rest: other changes of the scene, parameters, the life cycle, diagnostics.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry.ids import begin_ids_at
-from drake_geom_ros.ros.configured_node import CallbackGroups, ConfiguredNode, seconds_now
+from drake_geom_ros.ros.callback_groups import CallbackGroups
+from drake_geom_ros.ros.configured_node import ConfiguredNode, seconds_now
 from drake_geom_ros.ros.guard import Guard
 from drake_geom_ros.ros.memory import give_back_large_blocks, settle
 from drake_geom_ros.ros.outputs.diagnostics import Diagnostics
@@ -54,7 +55,8 @@ class SceneGraphNode(LifecycleNode):
         self.threaded_groups = CallbackGroups(
             *(MutuallyExclusiveCallbackGroup() for _ in CallbackGroups._fields)
         )
-        self.patient_groups = (self.threaded_groups.loading, self.threaded_groups.images)
+        groups = self.threaded_groups
+        self.patient_groups = (groups.loading, groups.images, groups.planning)
         self._configured: ConfiguredNode | None = None
         self._settings = ParameterStore(self, self._parameters_changed)
         values = self._settings.values

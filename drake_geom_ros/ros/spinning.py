@@ -14,6 +14,7 @@ EventsExecutor, which runs everything in one thread).
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import signal
@@ -30,10 +31,12 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ShutdownException, SingleThreadedExecutor, TimeoutException
 from rclpy.node import Node
+from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
+from drake_geom_ros.ros.outputs.answers import Calls
 from drake_geom_ros.ros.watchdog import Watchdog
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -112,6 +115,24 @@ class _Executor(SingleThreadedExecutor):
             entity.callback_group.ending_execution(entity)
         if self._failed is not None and not untold:
             self._failed(error)
+
+    def _take_service(self, srv: Service[Any, Any]) -> Any:
+        """Return what answers the next request of a service: see ``outputs.answers``."""
+        calls = srv.send_response
+        if not (isinstance(calls, Calls) and calls.is_there):
+            return super()._take_service(srv)
+        try:
+            taken = calls.take()
+        except InvalidHandle:  # it was closed
+            return None
+
+        async def answer() -> None:
+            if taken is not None:
+                request, asked = taken
+                response = srv.callback(request, srv.srv_type.Response())
+                calls(await response if inspect.isawaitable(response) else response, asked)
+
+        return answer
 
     def busy(self) -> float:
         """Return for how long [s] the callback that runs has run; 0 where none does."""

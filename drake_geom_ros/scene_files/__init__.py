@@ -8,6 +8,10 @@
 
 ``read_scene`` returns the description alone (robots with their URDF and base pose, frames with
 their first poses), ``register`` registers one, ``save_scene`` writes a scene graph as text.
+
+In: YAML, URDF and SRDF.
+Out: registrations, and a scene back to YAML; errors name file and line.
+May import: ``math``, ``common``, ``sensors``, ``geometry``; numpy, yaml, lxml, jsonschema, xacro.
 """
 
 from drake_geom_ros.scene_files.cameras import add_renderers, camera_of, check_camera

@@ -1,1 +1,6 @@
-"""What people look at: scenes, answers and filters as a page shows them. No ROS."""
+"""What people look at: scenes, answers and filters as a page shows them. No ROS.
+
+In: a scene, its poses and the answers.
+Out: what a page shows, as plain data.
+May import: ``math``, ``common``, ``geometry``, ``scene_files``, ``trajectories``; numpy, yaml.
+"""

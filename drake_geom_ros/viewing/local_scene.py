@@ -21,8 +21,8 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     SceneGraphContext,
 )
+from drake_geom_ros.geometry.queries.fixed_geometries import FixedGeometries
 from drake_geom_ros.math import RigidTransform
-from drake_geom_ros.math.batched import compose
 from drake_geom_ros.scene_files import poses_in_parents
 from drake_geom_ros.viewing.looks import geometry_name, looks_of
 from drake_geom_ros.viewing.pairs import Pairs
@@ -52,14 +52,9 @@ class LocalScene:
         inspector = scene_graph.model_inspector()
         self._inspector = inspector
         geometries = inspector.GetAllGeometryIds()
-        self._ids = np.array([g.get_value() for g in geometries], dtype=np.int64)
         frames = np.array([f.get_value() for f in inspector.GetAllFrameIds()], dtype=np.int64)
         self._frame_ids = frames
-        own = [inspector.GetFrameId(g).get_value() for g in geometries]
-        self._frame_rows = np.searchsorted(frames, np.array(own, dtype=np.int64))
-        X_FGs = [inspector.GetPoseInFrame(g) for g in geometries]
-        self._R_FGs = np.array([X.rotation().matrix() for X in X_FGs]).reshape(-1, 3, 3)
-        self._p_FGs = np.array([X.translation() for X in X_FGs]).reshape(-1, 3)
+        self._fixed = FixedGeometries(inspector)
         self._looks = looks_of(inspector)
         self._names = {g.get_value(): geometry_name(inspector, g) for g in geometries}
         self.frames: Mapping[Frame, FrameId] = {
@@ -82,12 +77,8 @@ class LocalScene:
             results = self._query.ComputeSignedDistancePairwiseClosestPoints(
                 max_distance, accuracy=accuracy
             )
-            placed = there[self._frame_rows]
+            R_WGs, p_WGs, placed = self._fixed.X_WGs(self._context)
             cast = self._cast_of(placed)
-        rows = self._frame_rows[placed]
-        R_WGs, p_WGs = compose(
-            *(R_WFs[rows], p_WFs[rows]), *(self._R_FGs[placed], self._p_FGs[placed])
-        )
         return Moment(cast, R_WGs, p_WGs, Pairs.of(results), R_WFs[there], p_WFs[there])
 
     def explain(self, pair: tuple[int, int]) -> list[str]:
@@ -96,7 +87,7 @@ class LocalScene:
             return self._filters.explain(*map(GeometryId, pair))
 
     def _cast_of(self, placed: NDArray[np.bool_]) -> Cast:
-        ids = self._ids[placed]
+        ids = self._fixed.ids[placed]
         if self._cast is None or not np.array_equal(self._cast.ids, ids):
             shown = set(ids.tolist())
             looks = [look for look in self._looks if look.geometry.get_value() in shown]

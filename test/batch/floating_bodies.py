@@ -18,15 +18,17 @@ from drake_geom_ros.math import RigidTransform
 
 
 class Floating:
-    """A scene of bodies, and the ids of their frames."""
+    """A scene of bodies, meshes as solids, and the ids of their frames."""
 
     def __init__(self, shapes):
+        properties = ProximityProperties()
+        properties.AddProperty('mesh', 'solid', True)
         self.graph, self.ids = SceneGraph(), []
         source = self.graph.RegisterSource('floating')
         for k, shape in enumerate(shapes):
             frame = self.graph.RegisterFrame(source, GeometryFrame(f'f{k}'))
             body = GeometryInstance(RigidTransform(), shape, 'body')
-            body.set_proximity_properties(ProximityProperties())
+            body.set_proximity_properties(properties)
             self.graph.RegisterGeometry(source, frame, body)
             self.ids.append(frame)
 

@@ -65,6 +65,23 @@ def test_the_file_holds_what_evaluate_returns(ask, tmp_path, loaded, states, cap
     assert not (tmp_path / 'out.npz.parts').exists()
 
 
+@pytest.mark.parametrize('what', ['least', 'within', 'points'])
+def test_each_part_is_read_once_however_many_columns_there_are(ask, tmp_path, monkeypatch, what):
+    read, get = [], Parts.get
+    monkeypatch.setattr(Parts, 'get', lambda self, block: read.append(block) or get(self, block))
+    options = ['--what', what, '--max-distance', '0.3']
+    if what == 'points':
+        (tmp_path / 'points.csv').write_text('x,y,z\n0,0,1\n')
+        options += ['--points', str(tmp_path / 'points.csv')]
+    assert ask(*options) == 0
+    assert len(read) == len(set(read)) > 1
+    written = np.load(tmp_path / 'out.npz')
+    assert len(written.files) >= 7
+    if what != 'least':
+        assert written['offsets'][0] == 0
+        assert written['offsets'][-1] == len(written['distance'])
+
+
 def test_states_come_as_csv_and_npz_too(ask, tmp_path, loaded, states):
     joints = Joints.of(loaded[1])
     with (tmp_path / 'states.csv').open('w') as file:

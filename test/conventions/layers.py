@@ -24,9 +24,12 @@ PROXIMITY_ROOMS = {
     f'{_K}/closed_forms': ((*_CALLING, f'{_K}/closed_forms'), ('numpy',)),
     f'{_K}/cores': (_CORES, ('numpy',)),
     f'{_K}/revolution': ((*_CORES, f'{_K}/revolution'), ('numpy',)),
-    f'{_K}/solids': ((*_CORES, f'{_K}/trees', f'{_K}/solids'), ('numpy',)),
+    f'{_K}/solids': (
+        (*_CORES, f'{_K}/trees', f'{_K}/solids'),
+        ('numpy', 'numba', 'llvmlite'),
+    ),
     f'{_K}/convex': ((*_CORES, f'{_K}/revolution', f'{_K}/convex'), ('numpy',)),
-    'geometry/_proximity/world': (_WORLD, ('numpy',)),
+    'geometry/_proximity/world': (_WORLD, ('numpy', 'numba')),
     'geometry/_proximity/near': ((*_NEAR, f'{_K}/calling'), ('numpy', 'numba', 'llvmlite')),
     'geometry/_proximity/report': (_REPORT, ('numpy',)),
     'geometry/_proximity/pairs': (_PAIRS, ('numpy',)),
@@ -83,13 +86,13 @@ _CORE = ('math', 'common', 'sensors', 'geometry', 'scene_files')
 _HELD = (*_CORE, 'geometry/queries', 'ros/conversions', 'ros/scene')
 ROS_ROOMS = {
     'ros/conversions': ((*_CORE, 'ros/conversions'), ('numpy',)),
-    'ros/scene': ((*_HELD, 'geometry/render'), ('numpy',)),
-    'ros/inputs': ((*_HELD, 'trajectories', 'ros/inputs'), ('numpy',)),
+    'ros/scene': ((*_HELD, 'geometry/render', 'trajectories'), ('numpy',)),
+    'ros/inputs': ((*_HELD, 'ros/inputs'), ('numpy',)),
     'ros/outputs': (
         (*_HELD, 'geometry/visualizer', 'replay', 'cross_check', 'viewing', 'ros/outputs'),
         ('numpy', 'ROS'),
     ),
-    'ros/services': ((*_HELD, 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
+    'ros/services': ((*_HELD, 'batch', 'ros/inputs', 'ros/services'), ('numpy', 'ROS')),
     'ros/viewer': (
         (*_CORE, 'client', 'viewing', 'viewing/page', 'ros/conversions', 'ros', 'ros/viewer'),
         ('numpy', 'ROS'),
@@ -131,7 +134,15 @@ LAYERS = {
     ),
     # What is shown, without a library that shows it; and the page, which one draws.
     'viewing': (
-        ('math', 'common', 'geometry', 'scene_files', 'trajectories', 'viewing'),
+        (
+            'math',
+            'common',
+            'geometry',
+            'geometry/queries',
+            'scene_files',
+            'trajectories',
+            'viewing',
+        ),
         ('numpy', 'yaml'),
     ),
     'viewing/page': (

@@ -355,3 +355,73 @@ def test_folders_of_packages_are_kept(folder):
     code, output, errors = shell(folder, script, **given)
     assert code == 0, errors
     assert output == f'{folder.resolve()}/.venv:/my/arms|/my/src\n'
+
+
+def python_of(folder, version):
+    """Write an interpreter that says that it is of a version, and return its folder."""
+    path = folder / f'bin-{version}' / f'python{version}'
+    path.parent.mkdir()
+    path.write_text(f'#!/bin/sh\necho {version}.1 /nowhere\n')
+    path.chmod(0o755)
+    return path.parent
+
+
+# A main environment of 3.11, steps that only say what they would do, and checks that pass.
+FAKE_ENDS = """
+mkdir -p "$venv/bin" "$root/home"; HOME=$root/home; unset PYENV_ROOT
+printf '#!/bin/sh\\necho 3.11.9 /nowhere\\n' >"$venv/bin/python"; chmod +x "$venv/bin/python"
+step() { echo "$1" >>"$root/steps"; }
+python() { echo "$2" >>"$root/checks"; }
+test_core() { echo "core $1" >>"$root/checks"; [[ $1 != "${breaks:-}" ]]; }
+prepare_ends; run_tests
+"""
+
+
+def test_the_core_is_tested_under_the_ends_of_the_supported_range(folder):
+    found = [python_of(folder, version) for version in ('3.10', '3.13')]
+    path = ':'.join([*map(str, found), os.environ['PATH']])
+    code, _, errors = shell(folder, FAKE_ENDS, PATH=path)
+    assert code == 0, errors
+    assert 'core on Python 3.10 ok, core on Python 3.13 ok, pytest ok' in errors
+    assert (folder / 'steps').read_text().split() == ['core-3.10', 'core-3.13']
+    code, _, errors = shell(folder, 'breaks=3.13\n' + FAKE_ENDS, PATH=path)
+    assert code == 1
+    assert 'core on Python 3.10 ok, core on Python 3.13 FAILED, pytest ok' in errors
+
+
+def test_an_interpreter_that_is_missing_is_named_in_the_closing_line(folder):
+    path = f'{python_of(folder, "3.10")}:/usr/bin:/bin'
+    code, _, errors = shell(folder, 'ends_of_range=(3.10 3.99)' + FAKE_ENDS, PATH=path)
+    assert code == 0, errors
+    last = errors.rstrip().splitlines()[-1]
+    assert 'core on Python 3.99 NOT RUN (no such interpreter here)' in last
+
+
+def test_what_only_bears_the_name_of_a_version_is_no_interpreter_of_it(folder):
+    """As the shims of a version manager, which end with an error."""
+    shim = python_of(folder, '3.13') / 'python3.13'
+    shim.write_text('#!/bin/sh\nexit 127\n')
+    (folder / 'home/.pyenv/versions/3.13.0/bin').mkdir(parents=True)
+    real = python_of(folder / 'home', '3.13') / 'python3.13'
+    real.rename(folder / 'home/.pyenv/versions/3.13.0/bin/python3.13')
+    script = 'HOME=$root/home; unset PYENV_ROOT; find_version 3.13'
+    code, output, errors = shell(folder, script, PATH=f'{shim.parent}:/usr/bin:/bin')
+    assert code == 0, errors
+    assert output.strip().endswith('.pyenv/versions/3.13.0/bin/python3.13')
+
+
+def test_the_quick_tests_hold_a_file_of_each_room_of_the_core():
+    lines = (ROOT / 'test/quick_core.txt').read_text().splitlines()
+    files = [line for line in lines if not line.startswith('#')]
+    assert [name for name in files if not (ROOT / name).is_file()] == []
+    rooms = {'math', 'autodiffutils', 'sensors', 'common', 'scene_files', 'trajectories', 'batch'}
+    rooms |= {'replay', 'command_line', 'geometry'}
+    assert {name.split('/')[1] for name in files} >= rooms
+
+
+def test_what_setup_supports_are_the_ends_that_are_tested():
+    text = (ROOT / 'requirements/other_pythons.sh').read_text()
+    oldest, newest = re.search(r'ends_of_range=\((\S+) (\S+)\)', text).groups()
+    asked = re.search(r"python_requires='>=(\S+),<(\S+)'", (ROOT / 'setup.py').read_text())
+    major, minor = newest.split('.')
+    assert asked.groups() == (oldest, f'{major}.{int(minor) + 1}')

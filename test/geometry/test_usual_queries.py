@@ -1,6 +1,8 @@
 """What is usually asked is prepared once; whatever changes in between, answers are of now."""
 
 import copy
+import gc
+import weakref
 
 import numpy as np
 import pytest
@@ -16,6 +18,8 @@ from drake_geom_ros.geometry import (
     SceneGraph,
     Sphere,
 )
+from drake_geom_ros.geometry._proximity.engine import prepared
+from drake_geom_ros.geometry.queries import context as contexts
 from drake_geom_ros.math import RigidTransform
 
 COUNT = 8
@@ -107,6 +111,39 @@ def test_answers_are_those_of_who_asks_for_the_first_time(seed):
         fresh = copy.copy(scene.query)
         for found, expected in zip(answers(scene.query), answers(fresh), strict=True):
             np.testing.assert_array_equal(found, expected, err_msg=str(step))
+
+
+def test_a_list_that_is_too_long_to_be_kept_is_gone_though_the_query_is_usual(monkeypatch):
+    """What context and engine prepared for the query holds it no longer, and is prepared anew."""
+    lists = []
+
+    class Listed(prepared.NeighbourList):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            lists.append(weakref.ref(self))
+
+    monkeypatch.setattr(prepared, '_LONG', 10)
+    monkeypatch.setattr(prepared, 'NeighbourList', Listed)
+    scene = Balls(3)
+    for turn in range(3):
+        scene.moved()
+        every = scene.query.ComputeSignedDistancePairwiseClosestPoints()
+        assert len(every) == COUNT * (COUNT - 1) // 2
+        gc.collect()
+        assert [there() for there in lists] == [None] * (turn + 1)
+
+
+def test_queries_without_end_are_answered_as_of_now():
+    """More of them than are kept, in a row and again."""
+    scene = Balls(4)
+    for _ in range(2):
+        scene.moved()
+        for reach in np.linspace(0.0, 1.0, 40):
+            near = scene.query.ComputeSignedDistancePairwiseClosestPoints(float(reach))
+            fresh = copy.copy(scene.query)
+            expected = fresh.ComputeSignedDistancePairwiseClosestPoints(float(reach))
+            np.testing.assert_array_equal(near.distance, expected.distance)
+    assert len(scene.context._usual) <= contexts._MOST_USUAL
 
 
 def held(scene):

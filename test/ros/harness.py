@@ -113,6 +113,11 @@ class Client:
         self.node.destroy_node()
         self._context.try_shutdown()
 
+    def serve_by(self, executor) -> None:
+        """Have another executor serve the node's callbacks."""
+        self._executor.shutdown()
+        self._executor = executor
+
     def forget_topics(self) -> None:
         """Close what a test listened to and published on; the services that it found stay."""
         for subscription in set(self.node.subscriptions).difference(self._own):

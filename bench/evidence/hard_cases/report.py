@@ -52,6 +52,7 @@ FAMILIES = {
     'same': 'a body and its copy, at the same pose or next to it',
     'slivers': 'plates, wires and pancakes, down to a ten-thousandth of their size',
     'solids': 'meshes as solids: holes, cavities, walls, and what fits into them',
+    'interlocked': 'solids in slots and in line with others, to the last bits; polycubes',
     'touching': 'faces, edges and vertices at contact, or within a millimetre of it',
 }
 REPRODUCE = """    ./run hard-cases                  # everything; also writes this page

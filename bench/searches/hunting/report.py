@@ -11,6 +11,8 @@ from bench.evidence.truth.convex import of_any_size
 from bench.searches.hunting.judge import LAWS
 from bench.searches.hunting.minimising import minimised
 from bench.searches.hunting.search import CHAIN, WAYS, Hunt
+from bench.searches.hunting.solids import LAWS as LAWS_OF_SOLIDS
+from bench.searches.hunting.solids import SolidHunt
 from drake_geom_ros.cross_check.bodies import Pair
 
 SHOWN = 2  # pairs of shapes, the worst of each law and way, that are minimised
@@ -95,3 +97,36 @@ def page(hunt: Hunt, command: str) -> str:
     told = f'`{command}`: {hunt.judged} pairs judged, laws broken {broken} times.\n\n'
     laws = table(['law', 'what must hold'], [(f'`{law}`', IN_WORDS[law]) for law in LAWS])
     return f'{NOTE}{told}{table(("shapes", *LAWS), rows)}\n\n## The laws\n\n{laws}'
+
+
+SOLIDS = """
+
+## Solids
+
+Solids of up to nine cells of a lattice, with cut walls, T-junctions or vertices in map
+coordinates, are put on the lattice, a little off it, or in between; fractions tell the truth.
+Again above 1 a law was broken.
+
+"""
+
+
+def summary_of_solids(hunt: SolidHunt) -> list[str]:
+    """Return the worst of each law among solids, in lines, with a placement that broke it."""
+    lines = [f'{hunt.judged} placements of solids, {hunt.refused} meshes refused']
+    for (law, about), worst in sorted(hunt.worst.items()):
+        broken, example = hunt.broken.get((law, about), 0), hunt.examples.get((law, about), '')
+        lines.append(f'{law:12} {worst:9.3g}  {about}, broken {broken} times {example}'.rstrip())
+    return lines
+
+
+def page_of_solids(hunt: SolidHunt) -> str:
+    """Return the part of the page about solids: a row for each kind, a column for each law."""
+    kinds = sorted({about for _, about in hunt.worst})
+    rows = [
+        [about, *(f'{hunt.worst.get((law, about), 0.0):.2g}' for law in LAWS_OF_SOLIDS)]
+        for about in kinds
+    ]
+    broken = sum(hunt.broken.values())
+    told = f'{hunt.judged} placements judged, laws broken {broken} times.\n\n'
+    laws = table(['law', 'what must hold'], [(f'`{k}`', v) for k, v in LAWS_OF_SOLIDS.items()])
+    return f'{SOLIDS}{told}{table(("solids", *LAWS_OF_SOLIDS), rows)}\n\n{laws}'

@@ -24,6 +24,7 @@ class Method(IntEnum):
     ITERATIVE = 2
     MESH = 3
     BOUND_ONLY = 4
+    OPEN = 5  # a solid's overlap: a way out, and how much shorter another may be
 
     @property
     def words(self) -> str:
@@ -36,7 +37,7 @@ class Method(IntEnum):
 SPHERE, BOX, CAPSULE, CYLINDER, ELLIPSOID, HALF_SPACE, CONVEX, SOLID, TRIANGLE = (
     kind.value for kind in ShapeKind
 )
-CLOSED_FORM, ITERATIVE, MESH, BOUND_ONLY = (method.value for method in Method)
+CLOSED_FORM, ITERATIVE, MESH, BOUND_ONLY, OPEN = (method.value for method in Method)
 
 # Where the parameters of a shape stand (see ``kernels``): of a sphere, capsule or cylinder, and of
 # a hull or solid. Those of a box and an ellipsoid are a vector.

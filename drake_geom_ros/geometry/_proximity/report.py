@@ -7,10 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels import addresses as kernel_table
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY
+from drake_geom_ros.geometry._proximity.kinds import OPEN
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
-from drake_geom_ros.geometry._proximity.runtime.handles import Flags, Integers, Reals, taker
+from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Flags,
+    Handle,
+    Integers,
+    Reals,
+    taker,
+)
+from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
 
 # Places of ``ReportArrays.told``.
@@ -53,14 +62,20 @@ def empty_report() -> ReportArrays:
 
 
 @inlined
-def pose_world(world, report, stale, revision, posed_rows, X_PFs):  # type: ignore[no-untyped-def]
+def pose_world(
+    world: Handle,
+    report: ReportArrays,
+    stale: bool,
+    revision: int,
+    X_PFs: Floats,
+) -> None:
     """Give a world its poses, as ``run_cycle`` does, and report so."""
     told, moments = report.told, report.moments
     moments[BEGUN] = now()
     told[FRAMES_MOVED], told[BODIES_MOVED] = 0, 0
     if stale:
         if X_PFs.shape[0] > 0:
-            set_poses(posed_rows, X_PFs, world)
+            set_poses(part(world_of(world).named, 0, X_PFs.shape[0]), X_PFs, world)
         told[FRAMES_MOVED], told[BODIES_MOVED] = update(world, revision)
     moments[POSED], moments[KNOWING] = now(), 0.0
 
@@ -71,4 +86,4 @@ CACHED = 1
 POSTPONED = 2
 WIDE = 3
 BY_METHOD = 4
-COUNTS = BY_METHOD + BOUND_ONLY + 1
+COUNTS = BY_METHOD + OPEN + 1

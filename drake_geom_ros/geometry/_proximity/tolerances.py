@@ -149,9 +149,9 @@ SHARPER = 1e-3
 # vertices, and a pair that touches has its bounds on either side of zero.
 SHARPER_DEPTH = 0.1
 
-# A mesh whose least extent is below this [-], relative to the largest, is flat: the convex hull
-# has no volume, and its faces no sides.
-FLAT_HULL = 1e-9
+# A mesh whose least extent is below this [-], relative to the largest, is flat: of its thickness
+# rounding leaves fewer than four digits, and its faces have no sides.
+FLAT_HULL = 1e-12
 
 # Squares of lengths [m^2] between these have lost no digit to underflow, and none to overflow.
 SMALL_SQUARE = 2.0**-900
@@ -191,6 +191,14 @@ SAME_VOLUME = 1e-9
 # does not.
 CROSSING = 1e-6
 
-# A point this far [-] beneath a triangle, relative to the pair's size, is in the body that the
-# triangle bounds, and its winding number keeps seven digits there.
-BENEATH = 1e-9
+# How far off [-] the gap of a point and a triangle may be, relative to where the triangle is, as
+# it is computed of eight at once: the place on one that is NEEDLE wide is off by 1000 roundings.
+LANE_ERROR = 2.0**-36
+
+# Square of a triangle's width over its longest side [-] below which its normal says little.
+NEEDLE = 1e-6
+
+# Of boxes within solids: the sine of two axes below which their product is no axis, and three unit
+# vectors' determinant squared from which on they tell a point.
+PARALLEL = 1e-6
+INDEPENDENT = 1e-4

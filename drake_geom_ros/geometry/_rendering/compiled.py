@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from numba import config, njit
 
@@ -30,16 +30,19 @@ def cache_folder() -> str:
 
 
 _FOLDER = cache_folder()
+_F = TypeVar('_F', bound=Callable[..., Any])
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def compiled(function: _F) -> _F:
     """Return the function compiled on its first call, without the GIL; it makes no arrays."""
-    return _compiled(function, forceinline=False)
+    dispatcher: _F = _compiled(function, forceinline=False)
+    return dispatcher
 
 
-def inlined(function: Callable[..., Any]) -> Any:
+def inlined(function: _F) -> _F:
     """Return the function compiled into whoever calls it: for what each pixel needs."""
-    return _compiled(function, forceinline=True)
+    dispatcher: _F = _compiled(function, forceinline=True)
+    return dispatcher
 
 
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Any:

@@ -11,7 +11,7 @@ from drake_geom_ros.autodiffutils import AutoDiffXd
 from drake_geom_ros.geometry._proximity.world.world import World
 from drake_geom_ros.geometry.autodiff.poses import FramePoseVectorAutoDiffXd
 from drake_geom_ros.geometry.errors import PoseError
-from drake_geom_ros.geometry.ids import SourceId
+from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.model.scene_graph_inspector import SceneGraphInspector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
@@ -25,13 +25,13 @@ class SceneGraphContextAutoDiffXd(SceneGraphContext):
 
     scalar = 'AutoDiffXd'
     _velocities: dict[int, Floats] | None = None  # V_PF (6, n) by the frame's id value
-    _number: Any = AutoDiffXd  # the type of the numbers that poses came in
+    number: Any = AutoDiffXd  # the type of the numbers that poses came in
 
     def copy(self) -> SceneGraphContextAutoDiffXd:
         """Return a context that shares nothing that either could change."""
         other = super().copy()
         assert isinstance(other, SceneGraphContextAutoDiffXd)
-        other._velocities, other._number = self._velocities, self._number
+        other._velocities, other.number = self._velocities, self.number
         return other
 
     def SetFramePoses(self, source_id: SourceId, poses: Poses) -> None:
@@ -51,9 +51,13 @@ class SceneGraphContextAutoDiffXd(SceneGraphContext):
         kept = {id: V for id, V in (self._velocities or {}).items() if id not in frames}
         self._velocities = {**kept, **velocities}
         if isinstance(poses, FramePoseVectorAutoDiffXd):
-            self._number = poses._scalar()
+            self.number = poses.scalar()
 
-    def _spatial_velocities(self, world: World) -> Floats:
+    def velocity_in_parent(self, id: FrameId) -> Floats:
+        """Return V_PF (6, n) of a frame for the n variables; (6, 0) of a constant pose."""
+        return (self._velocities or {}).get(id.get_value(), np.zeros((6, 0)))
+
+    def spatial_velocities(self, world: World) -> Floats:
         """Return V_WF (nf, 6, n) of all frames, each by its row, for the n variables.
 
         Raises PoseError where poses are of different variables.
@@ -81,7 +85,7 @@ class SceneGraphContextAutoDiffXd(SceneGraphContext):
 
 def _taken_apart(poses: Poses) -> tuple[FramePoseVector, dict[int, Floats]]:
     if isinstance(poses, FramePoseVectorAutoDiffXd):
-        return poses._taken_apart()
+        return poses.taken_apart()
     return poses, {}
 
 

@@ -72,11 +72,11 @@ class FramePoseVectorAutoDiffXd:
     def __len__(self) -> int:
         return len(self._poses)
 
-    def _scalar(self) -> Any:
+    def scalar(self) -> Any:
         """Return the type of the numbers: that of the first that carries derivatives."""
         return scalar_type(*(X.GetAsMatrix34() for X in self._poses.values()))
 
-    def _taken_apart(self) -> tuple[FramePoseVector, dict[int, Floats]]:
+    def taken_apart(self) -> tuple[FramePoseVector, dict[int, Floats]]:
         """Return the poses, and V_PF (6, n) by id value: spatial velocities for each variable."""
         poses, velocities = {}, {}
         for frame, X in self._poses.items():

@@ -79,13 +79,13 @@ class QueryObjectAutoDiffXd:
         """Return the pose of a frame in the world; raises for an id that is not here."""
         X_WF = self._values.X_WF(id)
         world, row = self._context._placed_frame(id)
-        V_WF = self._context._spatial_velocities(world)[row]
-        return with_derivatives(X_WF, V_WF, self._context._number)
+        V_WF = self._context.spatial_velocities(world)[row]
+        return with_derivatives(X_WF, V_WF, self._context.number)
 
     def X_PF(self, id: FrameId) -> RigidTransformAutoDiffXd:
         """Return the pose of a frame in its parent; raises for an id that is not here."""
-        V_PF = (self._context._velocities or {}).get(id.get_value(), np.zeros((6, 0)))
-        return with_derivatives(self._values.X_PF(id), V_PF, self._context._number)
+        V_PF = self._context.velocity_in_parent(id)
+        return with_derivatives(self._values.X_PF(id), V_PF, self._context.number)
 
     def X_WG(self, id: GeometryId) -> RigidTransformAutoDiffXd:
         """Return the pose of a geometry in the world; raises for an id that is not here."""
@@ -109,7 +109,7 @@ class QueryObjectAutoDiffXd:
                 is_gradient_unique=bool(found.is_gradient_unique[k]),
                 error_bound=float(found.error_bound[k]),
                 method=int(found.method[k]),
-            )._completed_by(partial(witnesses.in_world, k))
+            ).completed_by(partial(witnesses.in_world, k))
             for k in range(len(found))
         ]
 
@@ -155,7 +155,7 @@ class QueryObjectAutoDiffXd:
                 is_gradient_unique=bool(found.is_gradient_unique[k]),
                 error_bound=float(found.error_bound[k]),
                 method=int(found.method[k]),
-            )._completed_by(partial(witnesses.in_bodies, k))
+            ).completed_by(partial(witnesses.in_bodies, k))
             for k in range(len(found))
         ]
 
@@ -163,11 +163,11 @@ class QueryObjectAutoDiffXd:
         self, found: SignedDistanceResults | PenetrationResults, values: Floats
     ) -> tuple[Any, PairWitnesses]:
         """Return what is reported as numbers with derivatives, and who knows of the points."""
-        V_WFs = self._context._spatial_velocities(self._context._up_to_date_world())
-        witnesses = PairWitnesses(found, V_WFs, self._context._number)
+        V_WFs = self._context.spatial_velocities(self._context._up_to_date_world())
+        witnesses = PairWitnesses(found, V_WFs, self._context.number)
         J_As, J_Bs = witnesses.velocities
         rates = found._jacobian(J_As, J_Bs)
-        return autodiff_array(values, rates, self._context._number), witnesses
+        return autodiff_array(values, rates, self._context.number), witnesses
 
     # Points.
 
@@ -181,11 +181,11 @@ class QueryObjectAutoDiffXd:
         points = np.asarray(p_WQ)
         asked = self._values.ComputeSignedDistanceToPoint
         found = asked(values_of(points), threshold, accuracy=accuracy)
-        V_WFs = self._context._spatial_velocities(self._context._up_to_date_world())
+        V_WFs = self._context.spatial_velocities(self._context._up_to_date_world())
         v_Qs = derivatives_of(points.reshape(-1, 3))
         V_WFs, v_Qs = _of_the_same(V_WFs, v_Qs)
         moving = any(map(is_autodiff, points.astype(object).ravel()))
-        number = scalar_type(points) if moving else self._context._number
+        number = scalar_type(points) if moving else self._context.number
         witnesses = PointWitnesses(found, V_WFs, v_Qs, number)
         rates = found.distance_jacobian(witnesses.velocities, witnesses.of_points)
         distances = autodiff_array(found.distance, rates, number)
@@ -197,7 +197,7 @@ class QueryObjectAutoDiffXd:
                 error_bound=float(found.error_bound[k]),
                 method=int(found.method[k]),
                 point_index=int(found.point_index[k]),
-            )._completed_by(partial(witnesses.nearest, k))
+            ).completed_by(partial(witnesses.nearest, k))
             for k in range(len(found))
         ]
 

@@ -168,6 +168,11 @@ class Facet:
         return f'{type(self).__name__}{self._vertices}'
 
 
+def vertices_of(triangles: Sequence[Facet]) -> Indices:
+    """Return the indices (n, 3) of the vertices of triangles."""
+    return np.array([each._vertices for each in triangles], dtype=np.int64).reshape(-1, 3)
+
+
 def positions(vertices: ArrayLike, what: str) -> Floats:
     """Return positions (n, 3) [m] as an array of our own; ArgumentError where they are none."""
     p_MVs = np.array(vertices, dtype=np.float64)

@@ -84,7 +84,11 @@ def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
     noise = COPLANAR * EPS * float(np.ptp(vertices, axis=0).max())
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    areas = np.linalg.norm(normals, axis=1)
+    # Of a triangle without area, which hulls have where corners are in a line, it is zero.
+    normals = np.divide(
+        normals, areas[:, None], out=np.zeros_like(normals), where=areas[:, None] > 0.0
+    )
     owners = triangles.ravel()
     order = np.argsort(owners, kind='stable')
     ends = np.searchsorted(owners[order], np.arange(len(vertices) + 1))
@@ -95,7 +99,8 @@ def _corners(vertices: Floats, triangles: Indices) -> NDArray[np.bool_]:
         if not keep[ring].all():
             continue  # of two that need each other one stays until the next hull
         arms = vertices[ring] - vertices[vertex]
-        flat = np.abs(arms @ normals[around[0]]).max() <= noise
+        largest = around[np.argmax(areas[around])]
+        flat = np.abs(arms @ normals[largest]).max() <= noise
         keep[vertex] = not (flat or _is_between(arms, noise))
     return keep
 

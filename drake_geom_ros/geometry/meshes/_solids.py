@@ -4,7 +4,8 @@ A surface is taken for the boundary of a solid if every edge of a triangle is ma
 runs the other way, no two triangles cross, and its pieces bound a body together: one within
 another is a cavity and turned the other way. Vertices in the same place are one; triangles that
 have two corners in one place are left out, and so are two that lie back to back; a mesh that is
-turned inside out as a whole is turned back.
+turned inside out as a whole is turned back. Triangles without area belong to no surface: they tell
+that edges match which others have cut up (T-junctions), and are left out then.
 """
 
 from __future__ import annotations
@@ -19,15 +20,20 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import (
     unlisted_parameters,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.crossings import first_crossing
-from drake_geom_ros.geometry._proximity.kernels.solids.packing import solid_parameters
+from drake_geom_ros.geometry._proximity.kernels.solids.packing import (
+    solid_parameters,
+    with_boxes,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, tree_of
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import find_astray
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
     EPS,
+    LARGE_SIZE,
     NO_VOLUME,
     SAME_VOLUME,
+    SMALL_SIZE,
 )
 from drake_geom_ros.geometry.errors import MeshFileError
 from drake_geom_ros.geometry.meshes._library import connected_pieces
@@ -61,6 +67,7 @@ def solid_of(mesh: MeshGiven, scale: tuple[float, ...]) -> tuple[int, Floats]:
 def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     name = name_of(source)
     factors = np.array(scale)
+    check_size(triangles_of(source).vertices, factors, name)
     hull_vertices, hull_triangles = hull_of(source)
     hull_vertices, hull_triangles = hull_vertices * factors, turned(hull_triangles, factors)
     vertices, triangles = triangles_of(source)
@@ -73,18 +80,40 @@ def _solid(source: MeshKey, scale: tuple[float, ...]) -> tuple[int, Floats]:
     size = float(np.ptp(vertices, axis=0).max())
     if volume(corners) <= NO_VOLUME * size**3:
         raise MeshFileError(f'{name}: its surface encloses no volume; {_ADVICE}')
-    pieces = connected_pieces(triangles, len(vertices))
+    live = have_area(corners)
+    pieces = [
+        piece[live[piece]]
+        for piece in connected_pieces(triangles, len(vertices))
+        if live[piece].any()
+    ]
     full = volume(hull_vertices[hull_triangles])
     same = len(pieces) == 1 and abs(volume(corners) - full) <= SAME_VOLUME * full
-    if same and is_convex(vertices, triangles, size):
+    if same and is_convex(vertices, triangles, live, size):
         return CONVEX, hull_parameters(hull_vertices, hull_triangles)
     hull = unlisted_parameters(hull_vertices, hull_triangles)
     planes = planes_of(hull_vertices, hull_triangles)
-    largest = largest_triangles(corners, pieces)
-    parameters, numbers = solid_parameters(hull, corners, largest, planes)
-    check_simple(parameters, numbers[largest], numbers[at_crowded_edges(triangles)], name)
+    kept = np.cumsum(live) - 1  # the number of each among those that are kept
+    largest = kept[largest_triangles(corners, pieces)]
+    crowded = at_crowded_edges(triangles)
+    crowded = kept[crowded[live[crowded]]]
+    parameters, numbers = solid_parameters(hull, corners[live], largest, planes)
+    check_simple(parameters, numbers[largest], numbers[crowded], name)
+    parameters = with_boxes(parameters)
     parameters.flags.writeable = False
     return SOLID, parameters
+
+
+def check_size(vertices: Floats, factors: Floats, name: str) -> None:
+    """Raise MeshFileError for a scaled mesh of which products of three lengths leave float64."""
+    with np.errstate(over='ignore', under='ignore'):
+        farthest = float(np.abs(vertices * factors).max(initial=0.0))
+        size = float((np.ptp(vertices, axis=0) * np.abs(factors)).max()) if len(vertices) else 1.0
+    if farthest > LARGE_SIZE or size < SMALL_SIZE:
+        raise MeshFileError(
+            f'{name}: scaled by {factors.tolist()}, it reaches to {farthest:g} m and is '
+            f'{size:g} m large; a solid is at least {SMALL_SIZE:.3g} m large, and no coordinate '
+            f'of it is beyond {LARGE_SIZE:.3g} m. {_ADVICE}'
+        )
 
 
 def merged(vertices: Floats, triangles: Indices) -> tuple[Floats, Indices]:
@@ -143,11 +172,25 @@ def volume(corners: Floats) -> float:
     return float((a * np.cross(b, c)).sum()) / 6.0
 
 
-def is_convex(vertices: Floats, triangles: Indices, size: float) -> bool:
+def have_area(corners: Floats) -> NDArray[np.bool_]:
+    """Return which triangles (n, 3, 3) have an area: corners in a line, to rounding, have none.
+
+    A corner that belongs on a line may be beside it by as much as its coordinates are rounded.
+    """
+    sides = corners - np.roll(corners, 1, axis=1)
+    longest = np.linalg.norm(sides, axis=2).max(axis=1)
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    enough: NDArray[np.bool_] = areas > EPS * np.abs(corners).max(axis=(1, 2)) * longest
+    return enough
+
+
+def is_convex(vertices: Floats, triangles: Indices, live: NDArray[np.bool_], size: float) -> bool:
     """Return whether a closed surface of one piece is convex: at every edge, to rounding.
 
     A closed surface that is convex everywhere about its points bounds a convex body (van
-    Heijenoort, Communications on Pure and Applied Mathematics 5 (3), 1952).
+    Heijenoort, Communications on Pure and Applied Mathematics 5 (3), 1952). ``live`` (n,) tells
+    which triangles have an area. The edges of those that have none hide which triangles meet
+    there, so beside them all vertices have to be beneath a triangle.
     """
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     codes = np.sort(edges, axis=1) @ np.array([len(vertices), 1])
@@ -164,7 +207,15 @@ def is_convex(vertices: Floats, triangles: Indices, size: float) -> bool:
     # Two flat sides back to back are level at their edges too: their normals differ.
     folded = (normals[first // 3] * normals[second // 3]).sum(axis=1) <= -0.5
     level = np.abs(rises) <= COPLANAR * EPS * size
-    return bool((rises <= COPLANAR * EPS * size).all() and not (folded & level).any())
+    if (rises > COPLANAR * EPS * size).any() or (folded & level).any():
+        return False
+    first, second = first // 3, second // 3
+    beside = np.unique(np.concatenate((first[~live[second]], second[~live[first]])))
+    for k in beside[live[beside]].tolist():
+        heights = (vertices - corners[k, 0]) @ normals[k]
+        if heights.max() > COPLANAR * EPS * size:
+            return False
+    return True
 
 
 def planes_of(vertices: Floats, triangles: Indices) -> Floats:
@@ -173,6 +224,7 @@ def planes_of(vertices: Floats, triangles: Indices) -> Floats:
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1, keepdims=True)
     largest = np.argsort(-areas[:, 0], kind='stable')[:MOST_PLANES]
+    largest = largest[areas[largest, 0] > 0.0]
     normals, a = (normals / areas)[largest], a[largest]
     return np.hstack((normals, (normals * a).sum(axis=1, keepdims=True)))
 

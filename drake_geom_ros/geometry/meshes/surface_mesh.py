@@ -12,7 +12,14 @@ from numpy.typing import ArrayLike
 
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError
-from drake_geom_ros.geometry.meshes._facet_mesh import Facet, FacetMesh, Floats, Indices, positions
+from drake_geom_ros.geometry.meshes._facet_mesh import (
+    Facet,
+    FacetMesh,
+    Floats,
+    Indices,
+    positions,
+    vertices_of,
+)
 from drake_geom_ros.geometry.meshes._obj_file import read_obj
 from drake_geom_ros.math.arrays import as_vector
 
@@ -91,9 +98,8 @@ class TriangleSurfaceMesh(_TriangleMesh):
     def __init__(self, triangles: Sequence[SurfaceTriangle], vertices: ArrayLike) -> None:
         for triangle in triangles:
             checked_type(triangle, SurfaceTriangle, 'TriangleSurfaceMesh: triangle')
-        indices = [triangle._vertices for triangle in triangles]
         self._set_triangles(
-            np.array(indices, dtype=np.int64).reshape(-1, 3),
+            vertices_of(triangles),
             positions(vertices, 'TriangleSurfaceMesh: vertices'),
         )
 
@@ -161,7 +167,7 @@ class SurfaceMesh(_TriangleMesh):
         for vertex in vertices:
             checked_type(vertex, SurfaceVertex, 'SurfaceMesh: vertex')
         self._set_triangles(
-            np.array([face._vertices for face in faces], dtype=np.int64).reshape(-1, 3),
+            vertices_of(faces),
             np.array([vertex.r_MV() for vertex in vertices]).reshape(-1, 3),
         )
 

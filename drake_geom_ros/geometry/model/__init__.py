@@ -1,5 +1,6 @@
 """What there is: sources, frames, geometries, properties, sets and filter declarations.
 
-Enters: what is registered. Leaves: records by id, and versions that tell what has changed. No
-poses of now, no queries: those stand in ``queries``. Imports ``shapes`` and ``meshes``.
+In: what is registered.
+Out: records by id, and versions that tell what has changed; no poses of now, no queries.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``_proximity``; numpy.
 """

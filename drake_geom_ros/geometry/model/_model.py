@@ -33,10 +33,10 @@ from drake_geom_ros.geometry.model._records import (
     check_for_queries,
     named,
 )
-from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 from drake_geom_ros.geometry.model.geometry_version import fresh_number
 from drake_geom_ros.geometry.model.instances import GeometryFrame, GeometryInstance
-from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign
+from drake_geom_ros.geometry.model.properties import GeometryProperties, Role, RoleAssign, frozen
 from drake_geom_ros.geometry.shapes.primitives import Shape
 from drake_geom_ros.math import RigidTransform
 
@@ -136,8 +136,9 @@ class Model:
         Only those with ``role``, when that is given; an id that is not here raises UnknownIdError.
         """
         checked_type(geometry_set, GeometrySet, 'geometry_set')
-        records = [self.geometry(id) for id in geometry_set._geometry_ids]
-        for frame_id in geometry_set._frame_ids:
+        geometry_ids, frame_ids = members_of(geometry_set)
+        records = [self.geometry(id) for id in geometry_ids]
+        for frame_id in frame_ids:
             records += self.geometries_on(frame_id)
         return sorted({r.id for r in records if role is None or r.has_role(role)})
 
@@ -206,9 +207,9 @@ class Model:
             X_PG=instance.pose(),
             X_FG=X_FG,
             shape=instance.shape(),
-            proximity=proximity and proximity._frozen(),
-            illustration=illustration and illustration._frozen(),
-            perception=perception and perception._frozen(),
+            proximity=proximity and frozen(proximity),
+            illustration=illustration and frozen(illustration),
+            perception=perception and frozen(perception),
         )
         self._check_geometry_name(record, record.name, record.roles(), 'RegisterGeometry')
         check_for_queries(record)
@@ -259,7 +260,7 @@ class Model:
             )
         if assign is RoleAssign.kNew:
             self._check_geometry_name(record, record.name, [role], 'AssignRole')
-        changed: dict[str, GeometryProperties] = {ROLE_FIELDS[role]: properties._frozen()}
+        changed: dict[str, GeometryProperties] = {ROLE_FIELDS[role]: frozen(properties)}
         record = record.changed(**changed)
         if role is Role.kProximity:
             check_for_queries(record)

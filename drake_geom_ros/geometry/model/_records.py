@@ -169,6 +169,9 @@ def padding_of(record: GeometryRecord) -> float:
 
 def check_for_queries(record: GeometryRecord) -> None:
     """Raise GeometryError where queries could not answer for a geometry of the proximity role."""
-    if record.proximity is not None:
-        padding_of(record)
-        _ = record.queried_shape
+    if record.proximity is None:
+        return
+    padding_of(record)
+    _ = record.queried_shape
+    if isinstance(record.shape, Mesh) and not is_solid(record):
+        record.shape._tell_if_open()

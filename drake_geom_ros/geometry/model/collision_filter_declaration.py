@@ -13,7 +13,7 @@ from drake_geom_ros.geometry._proximity.filters.log import (
 )
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.ids import FrameId
-from drake_geom_ros.geometry.model.geometry_set import GeometrySet
+from drake_geom_ros.geometry.model.geometry_set import GeometrySet, members_of
 
 
 class CollisionFilterScope(enum.Enum):
@@ -33,8 +33,8 @@ class Given(NamedTuple):
     def of(geometry_set: GeometrySet, argument: str) -> Given:
         """Return what a set holds; ArgumentTypeError for what is no GeometrySet."""
         checked_type(geometry_set, GeometrySet, f'CollisionFilterDeclaration: {argument}')
-        values = sorted([geometry_id._value for geometry_id in geometry_set._geometry_ids])
-        return Given(tuple(values), tuple(geometry_set._frame_ids))
+        geometry_ids, frame_ids = members_of(geometry_set)
+        return Given(tuple(sorted([id.get_value() for id in geometry_ids])), tuple(frame_ids))
 
 
 class CollisionFilterDeclaration:

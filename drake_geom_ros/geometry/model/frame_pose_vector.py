@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.geometry._proximity.world.pose_rows import (
+    FRAME_POSES,
+    KNOWN,
     POSE_WIDTH,
     REFUSED,
     RISING,
     packed_poses,
     positions_of,
-    read_frame_poses,
     rotations_of,
 )
 from drake_geom_ros.geometry.checks import checked_pose, checked_type
@@ -28,6 +29,11 @@ from drake_geom_ros.math.tolerances import FARTHEST
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 _INT64, _FLOAT64 = np.dtype(np.int64), np.dtype(np.float64)
+# Names of a call that has to be short: see ``FromArrays``.
+_new, _empty, _Array = object.__new__, np.empty, np.ndarray
+# Ids that rose strictly when they were given last, which nobody changes: who gives the same ones
+# again shares them, and they need not be copied.
+_rising = [np.zeros(0, dtype=np.int64)]
 
 # Id values (n,) of frames, and their poses (n, POSE_WIDTH): see ``_proximity.poses``.
 _Arrays: TypeAlias = tuple[Indices, Floats]
@@ -64,13 +70,28 @@ class FramePoseVector:
         off unit length by more than 1e-3, a coordinate beyond 1e302 m, or a frame that is named
         twice.
         """
-        vector = cls.__new__(cls)
+        # In the first cycle after other work code comes from memory, so every step counts here:
+        # what more there is to be known of such arrays compiled code sees.
+        vector: FramePoseVector = _new(cls)
         vector._values = None
-        if _are_numbers(frame_ids, poses):
-            ids: Indices = frame_ids.copy()  # type: ignore[union-attr,assignment]
-            X_PFs = np.empty((len(ids), POSE_WIDTH))
-            if read_frame_poses(ids, poses, X_PFs) == RISING:
-                vector._arrays = ids, X_PFs
+        if (
+            type(frame_ids) is _Array
+            and type(poses) is _Array
+            and frame_ids.dtype is _INT64
+            and poses.dtype is _FLOAT64
+        ):
+            known = _rising[0]
+            try:
+                X_PFs = _empty((len(frame_ids), POSE_WIDTH))
+                told = FRAME_POSES.call(frame_ids, known, poses, X_PFs)
+            except TypeError:  # of another number of dimensions
+                told = REFUSED
+            if told == KNOWN:
+                vector._arrays = known, X_PFs
+                return vector
+            if told == RISING:
+                _rising[0] = known = frame_ids.astype(_INT64)  # a copy
+                vector._arrays = known, X_PFs
                 return vector
         ids = _id_values(frame_ids)
         vector._arrays = ids, _poses_of(ids, poses)
@@ -158,19 +179,6 @@ class FramePoseVector:
         return self._arrays
 
 
-def _are_numbers(frame_ids: object, poses: object) -> bool:
-    """Tell whether ids (n,) and poses (n, 7) are arrays that compiled code takes as they are."""
-    return (
-        type(frame_ids) is np.ndarray
-        and frame_ids.dtype is _INT64
-        and frame_ids.ndim == 1
-        and type(poses) is np.ndarray
-        and poses.dtype is _FLOAT64
-        and poses.shape == (len(frame_ids), 7)
-        and poses.flags.carray
-    )
-
-
 def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:
     """Return the rows (n, POSE_WIDTH) of the poses (n, 7) of as many different frames.
 
@@ -178,7 +186,7 @@ def _poses_of(ids: Indices, poses: ArrayLike) -> Floats:
     """
     told, X_PFs = REFUSED, np.empty((len(ids), POSE_WIDTH))
     if isinstance(poses, np.ndarray) and poses.shape == (len(ids), 7) and poses.dtype.kind == 'f':
-        told = read_frame_poses(ids, np.array(poses, dtype=np.float64, order='C'), X_PFs)
+        told = FRAME_POSES.call(ids, ids[:0], poses.astype(np.float64), X_PFs)
     if told == REFUSED:  # whatever the compiled code does not take is named
         X_PFs = packed_poses(*_read_slowly(poses))
     if len(ids) != len(X_PFs):

@@ -67,6 +67,11 @@ class GeometrySet:
         return f'GeometrySet(geometry_ids={geometries}, frame_ids={frames})'
 
 
+def members_of(geometry_set: GeometrySet) -> tuple[set[GeometryId], set[FrameId]]:
+    """Return the ids that a set holds; they are its own."""
+    return geometry_set._geometry_ids, geometry_set._frame_ids
+
+
 def _listed(ids: Any) -> list[Any]:
     """Return the ids as a list; RuntimeError if they cannot be listed."""
     try:

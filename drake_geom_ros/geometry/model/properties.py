@@ -157,12 +157,6 @@ class GeometryProperties:
                 'assign it with AssignRole(..., RoleAssign.kReplace)'
             )
 
-    def _frozen(self: _P) -> _P:
-        """Return a read-only copy for a scene to hold, and to share between its contexts."""
-        frozen = type(self)(self)
-        frozen._read_only = True
-        return frozen
-
     def __copy__(self: _P) -> _P:
         return type(self)(self)
 
@@ -210,6 +204,13 @@ def MakePhongIllustrationProperties(diffuse: ArrayLike) -> IllustrationPropertie
     properties = IllustrationProperties()
     properties.AddProperty('phong', 'diffuse', Rgba(*values.tolist()))
     return properties
+
+
+def frozen(properties: _P) -> _P:
+    """Return a read-only copy for a scene to hold, and to share between its contexts."""
+    copy = type(properties)(properties)
+    copy._read_only = True
+    return copy
 
 
 def _equal(a: Any, b: Any) -> bool:

@@ -1,5 +1,7 @@
 """Questions about a posed scene, and their answers.
 
-Enters: a model, filters, poses. Leaves: results over arrays, with records when indexed, gradients,
-images. Imports ``model``, ``render``, and the rooms of ``_proximity`` that answer.
+In: a model, filters, poses.
+Out: results over arrays, records when indexed, gradients, images.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+    ``render``, ``_proximity``; numpy.
 """

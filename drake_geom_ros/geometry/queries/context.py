@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,14 +14,18 @@ from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pair
 from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell
-from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
-from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, Named, World
+from drake_geom_ros.geometry._proximity.world.world import (
+    GeometryTable,
+    Named,
+    World,
+)
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
-from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
+from drake_geom_ros.geometry.queries.tables import tables_of
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
@@ -35,6 +40,7 @@ class _Built(NamedTuple):
 
 
 _MOST_SENDERS = 64  # who poses ever other frames must not fill the memory
+_MOST_USUAL = 16  # queries that are usual: distances may come without end
 
 
 class _WaitingPairs(NamedTuple):
@@ -66,8 +72,9 @@ class SceneGraphContext:
         # Who poses frames names the same ones each time: all lists of them, by the bytes of their
         # ids, and those of sources by the values of theirs.
         self._named: dict[bytes, Named] = {}
-        self._own: dict[int, bytes] = {}
-        self._world = World(*_tables(model))
+        self._own: dict[int, Named] = {}
+        self._usual: dict[Hashable, Prepared] = {}
+        self._world = World(*tables_of(model))
         self._snapshot: Model | None = None
         self._padded: tuple[GeometryTable | None, Paddings | None] = None, None
         self._waiting_pairs = _WaitingPairs(None, 0)
@@ -85,12 +92,15 @@ class SceneGraphContext:
         other._partial = self._partial
         other._engine = Engine()
         other._built, other._seen = other._versions(), other._model.versions.any
-        other._named, other._own = {}, {}
+        other._named, other._own, other._usual = {}, {}, {}
         other._world = self._up_to_date_world().copy()
         other._snapshot, other._padded = None, (None, None)
         other._waiting_pairs = _WaitingPairs(None, 0)
         other._packed_scenes = dict(self._packed_scenes)
         return other
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**self.__dict__, '_usual': {}}  # the arrays of a copy are elsewhere
 
     def Clone(self) -> SceneGraphContext:
         """Return ``copy()``, by pydrake's name."""
@@ -108,7 +118,7 @@ class SceneGraphContext:
         other.__dict__.update(self.__dict__)
         other._model = self._snapshot
         other._filters = self._filters.copy()
-        other._engine = Engine()
+        other._engine, other._usual = Engine(), {}
         other._world = world.copy()
         other._named, other._own = dict(self._named), dict(self._own)
         return other
@@ -116,6 +126,7 @@ class SceneGraphContext:
     def set_default_accuracy(self, accuracy: str) -> None:
         """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
         self._accuracy = checked_accuracy(accuracy)
+        self._usual.clear()
 
     def set_detailed_effects(self, detailed: bool) -> None:
         """Set whether ``QueryObject.effects()`` gives the seconds of cache and kernels separately.
@@ -140,20 +151,22 @@ class SceneGraphContext:
         Raises PoseError when ``poses`` lacks a frame of the source or holds one that is not
         its own; nothing changes then. Values are checked when ``poses`` is made.
         """
-        world = self._up_to_date_world()
+        # Once more what ``_up_to_date_world`` does first: see ``FramePoseVector.FromArrays``.
+        is_known = self._seen == self._model.versions.any
+        world = self._world if is_known else self._up_to_date_world()
         own = self._own.get(source_id._value) or self._source_frames(source_id)
-        given, X_PFs = poses._as_arrays()
+        given, X_PFs = poses._arrays or poses._as_arrays()
         # Mostly the frames come in the order of their ids.
-        if given.tobytes() == own:
-            self._look_after_welds(given, X_PFs)
-            world.pose(self._frames_named(own, given), X_PFs)
+        if given is own.ids or own.is_of(given):
+            if self._filters.welded:
+                self._look_after_welds(given, X_PFs)
+            world.pose(own, X_PFs)
             return
-        own_ids = np.frombuffer(own, dtype=np.int64)
-        if not np.array_equal(given := np.sort(given), own_ids):
+        if not np.array_equal(given := np.sort(given), own.ids):
             problems = []
-            if missing := np.setdiff1d(own_ids, given).tolist():
+            if missing := np.setdiff1d(own.ids, given).tolist():
                 problems.append(f'these frames of it have no pose: {self._describe(missing)}')
-            if foreign := np.setdiff1d(given, own_ids).tolist():
+            if foreign := np.setdiff1d(given, own.ids).tolist():
                 problems.append(f'these frames are not its own: {self._describe(foreign)}')
             raise PoseError(
                 f"Poses for source '{self._model.source_name(source_id)}' were refused, nothing "
@@ -176,10 +189,11 @@ class SceneGraphContext:
         rows = world.frame_rows(values)
         return world.R_WFs[rows], world.p_WFs[rows], world.placed[rows]
 
-    def _source_frames(self, source_id: SourceId) -> bytes:
-        """Return the ascending ids of a source's frames, and note them."""
+    def _source_frames(self, source_id: SourceId) -> Named:
+        """Return a source's frames by ascending ids, and note them."""
         values = [frame.get_value() for frame in self._model.frames_of_source(source_id)]
-        own = self._own[source_id.get_value()] = np.array(sorted(values), dtype=np.int64).tobytes()
+        ids = np.array(sorted(values), dtype=np.int64)
+        own = self._own[source_id.get_value()] = self._frames_named(ids.tobytes(), ids)
         return own
 
     def _frames_named(self, key: bytes, ids: Indices) -> Named:
@@ -210,14 +224,13 @@ class SceneGraphContext:
         world = self._up_to_date_world()
         ids, X_PFs = poses._as_arrays()
         named = self._frames_named(ids.tobytes(), ids)
-        self._look_after_welds(ids, X_PFs)
+        if self._filters.welded:
+            self._look_after_welds(ids, X_PFs)
         world.pose(named, X_PFs)
 
     def _look_after_welds(self, ids: Indices, X_PFs: Floats) -> None:
         """Undo the weld of a frame that is posed elsewhere than where its first pose put it."""
         welded = self._filters.welded
-        if not welded:
-            return
         for frame, X_WF in zip(ids.tolist(), X_PFs, strict=True):
             if frame not in welded:
                 continue
@@ -252,16 +265,35 @@ class SceneGraphContext:
             )
         return world
 
+    def _pointed_world(self) -> World:
+        """Return the world for a query about points, which knows what shapes are to them."""
+        world = self._posed_world()
+        know_point_shapes(world, self._model)
+        return world
+
     def _query(
-        self, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
+        self, usual: Hashable, accuracy: str | None, cutoff: float, penetrating: bool, mode: int
     ) -> Prepared:
         """Return a query as the engine takes it: see ``Engine.prepared``.
 
-        Raises PoseError if there are no poses that it must have.
+        Those at the default accuracy are kept by what is ``usual`` to be asked. Raises PoseError
+        if there are no poses that it must have.
         """
+        if accuracy is None:
+            known = self._usual.get(usual)
+            # Either number only grows.
+            scene = self._model.versions.any + self._filters.version
+            if known is not None and known.scene == scene and known.handles is known.near.handles:
+                return known
         level = self._accuracy if accuracy is None else checked_accuracy(accuracy)
         world = self._posed_world()
-        return self._engine.prepared(world, self._filters, level, cutoff, penetrating, mode)
+        query = self._engine.prepared(world, self._filters, level, cutoff, penetrating, mode)
+        if accuracy is None:
+            if len(self._usual) == _MOST_USUAL:
+                self._usual.clear()
+            self._usual[usual] = query
+            query.scene = self._model.versions.any + self._filters.version
+        return query
 
     def _placed_frame(self, id: FrameId, *, in_world: bool = True) -> tuple[World, int]:
         """Return the world and the row of a frame in it.
@@ -305,7 +337,7 @@ class SceneGraphContext:
         if self._seen != seen:
             built = self._versions()
             if built != self._built:
-                self._world = self._world.rebuilt(*_tables(self._model))
+                self._world = self._world.rebuilt(*tables_of(self._model))
             if built.frames != self._built.frames:
                 self._named, self._own = {}, {}
             self._built, self._seen = built, seen
@@ -318,58 +350,3 @@ def checked_accuracy(accuracy: str) -> str:
         allowed = ', '.join(ACCURACY_LEVELS)
         raise ArgumentError(f'accuracy={accuracy!r} was asked for; it must be one of {allowed}.')
     return accuracy
-
-
-def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
-    """Pack a model: frames with parents first, proximity geometry by ascending id."""
-    # Registration order puts a parent before its children, for it must exist by then.
-    rows = {frame: row for row, frame in enumerate(model.frames)}
-    records = list(model.frames.values())
-    frames = FrameTable(
-        ids=np.array([f.id.get_value() for f in records], dtype=np.int64),
-        parents=np.array([rows[f.parent_id] for f in records], dtype=np.int64),
-    )
-    geometries = sorted(
-        (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
-    )
-    packed = [g.queried_shape.in_pairs for g in geometries]
-    parameters = [numbers for _, numbers in packed]
-    table = GeometryTable(
-        ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
-        frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
-        R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
-        p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
-        roundings=_roundings(model, geometries),
-        types=np.array([kind for kind, _ in packed], dtype=np.int64),
-        starts=np.cumsum([0, *map(len, parameters)], dtype=np.int64),
-        pool=np.concatenate([np.zeros(0), *parameters]),
-    )
-    return frames, table
-
-
-def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
-    """Return turn [-] and shift [m] (n, 2) of X_FG; that of a geometry on a geometry is a product.
-
-    See ``_proximity/pose_rounding``.
-    """
-    rotations = np.array([g.X_PG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3)
-    roundings = taken_roundings(rotations)
-    for row, geometry in zip(roundings, geometries, strict=True):
-        # From the geometry on the frame to the one that is asked for.
-        line = [geometry]
-        while line[0].parent_id is not None:
-            line.insert(0, model.geometries[line[0].parent_id])
-        if len(line) > 1:
-            row[:] = _rounding_of_line(line)
-    return roundings
-
-
-def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
-    """Return turn [-] and shift [m] of X_FG of the last of geometries, each on the one before."""
-    turn = shift = reach = 0.0
-    for geometry in line:
-        p_PG, p_FG = geometry.X_PG.translation(), geometry.X_FG.translation()
-        shift = shift_of(turn, shift, reach, float(np.abs(p_PG).sum()))
-        turn += float(taken_roundings(geometry.X_PG.rotation().matrix()[None])[0, TURN])
-        reach = float(np.abs(p_FG).sum())
-    return turn, shift

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from drake_geom_ros.geometry._proximity.effects import Effects
 from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDIDATES, CONTACT
 from drake_geom_ros.geometry._proximity.kernels.pair_table import unsupported
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import PairBatch
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import batch_of
 from drake_geom_ros.geometry._proximity.pairs.level_costs import seconds_a_pair
 from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry.errors import ArgumentError, FilterError, GeometryError, RoleError
@@ -170,15 +170,13 @@ class QueryObject(ImageQueries):
         context = self._context
         if paddings := context._paddings():
             return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
-        query = context._query(accuracy, 0.0, True, ANSWERS)
-        world = context._world
+        query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
         budget = 0.0 if time_budget is None else _checked_budget(time_budget)
-        batch = context._engine.answer_of(query, world, budget)
+        answers = context._engine.answer_of(query, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
-        unsure = query.is_bound or budget > 0.0
-        if unsure:
-            batch = PairBatch(*batch).penetrating()
-        return PenetrationResults(batch, world.kept_poses())
+        if query.is_bound or budget > 0.0:
+            return PenetrationResults(batch_of(answers).penetrating(), query.world.kept_poses())
+        return PenetrationResults(answers, query.world.kept_poses())
 
     def HasCollisions(self, *, accuracy: str | None = None) -> bool:
         """Return whether ComputePointPairPenetration would report a pair; stops at the first.
@@ -190,8 +188,8 @@ class QueryObject(ImageQueries):
         context = self._context
         if paddings := context._paddings():
             return len(self._padded(paddings, 0.0, accuracy).penetrations()) > 0
-        query = context._query(accuracy, 0.0, True, CONTACT)
-        return context._engine.finds_overlap(query, context._world)
+        query = context._query('contact', accuracy, 0.0, True, CONTACT)
+        return context._engine.finds_overlap(query)
 
     def ComputeSignedDistancePairwiseClosestPoints(
         self,
@@ -219,20 +217,20 @@ class QueryObject(ImageQueries):
         context = self._context
         if paddings := context._paddings():
             return self._padded(paddings, reach, accuracy, time_budget)
-        query = context._query(accuracy, reach, False, ANSWERS)
-        world = context._world
-        batch = context._engine.answer_of(query, world, _checked_budget(time_budget))
-        return SignedDistanceResults(batch, world.kept_poses())
+        query = context._query(reach, accuracy, reach, False, ANSWERS)
+        answers = context._engine.answer_of(query, _checked_budget(time_budget))
+        return SignedDistanceResults(answers, query.world.kept_poses())
 
     def _padded(
         self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
     ) -> SignedDistanceResults:
         """Return the pairs within ``reach`` [m] where geometries have paddings."""
         context = self._context
-        query = context._query(accuracy, reach + paddings.of_pair, False, ANSWERS)
-        batch = context._engine.answer_of(query, context._world, _checked_budget(budget))
-        padded = padded_pairs(batch, paddings, context._world, reach)
-        return SignedDistanceResults(padded, context._world.kept_poses())
+        farthest = reach + paddings.of_pair
+        query = context._query(farthest, accuracy, farthest, False, ANSWERS)
+        batch = batch_of(context._engine.answer_of(query, _checked_budget(budget)))
+        padded = padded_pairs(batch, paddings, query.world, reach)
+        return SignedDistanceResults(padded, query.world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
         self,
@@ -312,9 +310,8 @@ class QueryObject(ImageQueries):
         """Return FindCollisionCandidates as an array of id values (k, 2)."""
         context = self._context
         reach = paddings.of_pair if (paddings := context._paddings()) else 0.0
-        query = context._query('bound', reach, False, CANDIDATES)
-        world = context._world
-        return world.geometries.ids[context._engine.candidates_of(query, world)]
+        query = context._query(('candidates', reach), 'bound', reach, False, CANDIDATES)
+        return query.world.geometries.ids[context._engine.candidates_of(query)]
 
     # Points.
 
@@ -344,7 +341,7 @@ class QueryObject(ImageQueries):
         if not are_allowed(p_WQs):
             raise ArgumentError(_why_refused(p_WQs))
         context = self._context
-        world = context._posed_world()
+        world = context._pointed_world()
         paddings = context._paddings()
         farthest = reach + (paddings.of_pair if paddings else 0.0)
         batch = context._engine.point_distances(world, p_WQs, farthest)

@@ -34,6 +34,7 @@ from drake_geom_ros.geometry._proximity.kernels.calling.points import (
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     BATCH_WIDTH,
     DEPTH,
+    IDS,
     P_ACA,
     P_BCB,
     P_FACA,
@@ -52,7 +53,8 @@ from drake_geom_ros.geometry.queries.query_records import (
 )
 
 # Of columns, made once: to write them as slices takes a third of the time of a view.
-_FIRST, _SECOND = np.s_[:, 0], np.s_[:, 1]
+_FIRST, _SECOND, _IDS = np.s_[:, 0], np.s_[:, 1], np.s_[:, IDS:]
+_INT64, _Array = np.dtype(np.int64), np.ndarray
 _NORMALS = np.s_[:, NORMAL : NORMAL + 3]
 _POINTS_A, _POINTS_B = np.s_[:, WITNESS_A : WITNESS_A + 3], np.s_[:, WITNESS_B : WITNESS_B + 3]
 _IN_A, _IN_B = np.s_[:, P_ACA : P_ACA + 3], np.s_[:, P_BCB : P_BCB + 3]
@@ -136,12 +138,15 @@ def _vector(row: Floats, column: int) -> Floats:
 class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     """What both pair results share: ids, normals, bounds, methods and derivatives."""
 
-    def __init__(self, batch: tuple[Ids, Floats], kept_poses: KeptPoses | None = None) -> None:
-        """Have the arrays of a ``PairBatch``, which needs not be one.
+    def __init__(self, answers: Floats | PairBatch, kept_poses: KeptPoses | None = None) -> None:
+        """Have answers (k, ANSWER_WIDTH), which nobody changes, or a batch.
 
         Without a ``kept_poses``, of pairs of many states, there are no derivatives.
         """
-        self._ids, self._rows = batch
+        if type(answers) is _Array:
+            self._ids, self._rows = answers.view(_INT64)[_IDS], answers
+        else:
+            self._ids, self._rows = answers
         self._kept_poses = kept_poses
 
     @property
@@ -154,7 +159,7 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
     @property
     def is_padded(self) -> bool:
         """Whether paddings are in the answers: see ``queries.padding``."""
-        return bool(self._rows.shape[1] > BATCH_WIDTH)
+        return bool(self._rows.shape[1] == 2 * BATCH_WIDTH)
 
     @property
     def _surface_rows(self) -> Floats:
@@ -163,7 +168,7 @@ class _PairSequence(PairGradients, ResultSequence[Record, PairBatch]):
 
     def without_padding(self) -> SignedDistanceResults:
         """Return the same pairs with the distances and witness points of the bodies themselves."""
-        return SignedDistanceResults((self._ids, self._surface_rows), self._kept_poses)
+        return SignedDistanceResults(PairBatch(self._ids, self._surface_rows), self._kept_poses)
 
     @property
     def id_A(self) -> NDArray[np.int64]:

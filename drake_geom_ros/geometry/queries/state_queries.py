@@ -15,10 +15,15 @@ from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
 from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_DISTANCE
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import OVERLAPS, PointBatch
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import OVERLAPS, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
 from drake_geom_ros.geometry._proximity.tolerances import LEVEL_GAPS
-from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, World
+from drake_geom_ros.geometry._proximity.world.world import (
+    FrameTable,
+    GeometryTable,
+    PointShapes,
+    World,
+)
 from drake_geom_ros.geometry.errors import PoseError
 from drake_geom_ros.geometry.ids import FrameId
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
@@ -29,6 +34,7 @@ from drake_geom_ros.geometry.queries.padding import (
     padded_point_rows,
     padded_rows,
 )
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
 from drake_geom_ros.geometry.queries.query_results import (
     PointDistanceResults,
     SignedDistanceResults,
@@ -59,6 +65,10 @@ class PackedScene:
     types: Indices  # (n,)
     starts: Indices  # (n + 1,) of the shapes' parameters
     pool: Floats
+    # What they are to points; of those who ask about none the same.
+    point_types: Indices
+    point_starts: Indices
+    point_pool: Floats
     pairs: Indices  # (k, 2) that no filter leaves out
     moved: Indices  # the frames whose poses make a state
     paddings: Floats  # (n,) [m] of the geometries, and of which points take a mesh's surface
@@ -70,15 +80,21 @@ class PackedScene:
         context: SceneGraphContext,
         frame_ids: Indices,
         still: Mapping[int, Floats] | None = None,
+        *,
+        about_points: bool = True,
     ) -> tuple[PackedScene, Indices]:
         """Return a context's scene of now, and its geometries' id values (n,) by their place.
 
         ``frame_ids`` are values of the frames that states pose, ``still`` the poses X_PF (7,) of
         those among them that have the same in each state: what is welded to the world stays so
-        there, and nowhere else. Raises PoseError for one that is
+        there, and nowhere else. Only who asks ``about_points`` has to pack what meshes are to
+        these. Raises PoseError for one that is
         not there or is there twice, and for other frames that never had a pose.
         """
-        world = context._up_to_date_world().copy()
+        world = context._up_to_date_world()
+        if about_points:
+            know_point_shapes(world, context._model)
+        world = world.copy()
         named = world.named(frame_ids)
         if named is None or len(np.unique(frame_ids)) < len(frame_ids):
             known = world.has_frames(frame_ids)
@@ -112,6 +128,9 @@ class PackedScene:
             types=table.types,
             starts=table.starts,
             pool=table.pool,
+            point_types=world.point_shapes.types,
+            point_starts=world.point_shapes.starts,
+            point_pool=world.point_shapes.pool,
             pairs=near.pairs,
             moved=rows,
             paddings=paddings.radii,
@@ -145,6 +164,9 @@ class PackedScene:
                 pool=self.pool.copy(),
             ),
         )
+        types, starts = self.point_types.copy(), self.point_starts.copy()
+        kinds = frozenset(types.tolist())
+        world.point_shapes = PointShapes(types, starts, self.point_pool.copy(), kinds)
         rows = np.arange(1, count)
         world.set_poses(rows, self.R_PFs[1:].copy(), self.p_PFs[1:].copy())
         return world
@@ -218,8 +240,19 @@ class StateQueries:
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)
 
-    def points(self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices) -> Found:
-        """Return ComputeSignedDistanceToPoint of points (m, 3) in each state (N, n, 7)."""
+    def points(
+        self,
+        poses: Floats,
+        p_WQs: Floats,
+        threshold: float,
+        stop: Indices,
+        *,
+        shared: bool = False,
+    ) -> Found:
+        """Return ComputeSignedDistanceToPoint of points (m, 3) in each state (N, n, 7).
+
+        The points of a single state may be ``shared`` out to all threads.
+        """
         if (
             self._paddings is not None
             and (self._paddings.meshes & (self._paddings.radii > 0)).any()
@@ -229,7 +262,7 @@ class StateQueries:
                 'knows where the mesh is'
             )
         reach = threshold + (0.0 if self._paddings is None else self._paddings.of_pair)
-        done, counts, batch = self._loops.points(poses, p_WQs, reach, stop)
+        done, counts, batch = self._loops.points(poses, p_WQs, reach, stop, shared=shared)
         _check_done(done, poses, stop)
         if self._paddings is None:
             return counts, PointDistanceResults(batch)
@@ -259,7 +292,9 @@ class StateQueries:
     ) -> Found:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
         keep = least_of(rows) <= max_distance
-        return _count_of_each(counts, keep), SignedDistanceResults((ids[keep], rows[keep]))
+        return _count_of_each(counts, keep), SignedDistanceResults(
+            PairBatch(ids[keep], rows[keep])
+        )
 
     def _padded_nearest(
         self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
@@ -271,7 +306,7 @@ class StateQueries:
         ranks = np.arange(len(order)) - np.repeat(np.cumsum(counts) - counts, counts)
         order = order[(ranks < most) & (lower[order] <= max_distance)]
         kept = np.bincount(state[order], minlength=len(counts))
-        return kept, SignedDistanceResults((ids[order], rows[order]))
+        return kept, SignedDistanceResults(PairBatch(ids[order], rows[order]))
 
 
 def _count_of_each(counts: Indices, keep: NDArray[np.bool_]) -> Indices:

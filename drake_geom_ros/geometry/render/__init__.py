@@ -1,4 +1,10 @@
-"""Cameras, labels and renderers: the names of ``pydrake.geometry.render``."""
+"""Cameras, labels and renderers: the names of ``pydrake.geometry.render``.
+
+In: cameras and a packed scene.
+Out: images, by the renderer that was asked for.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+    ``_proximity``, ``_rendering``; numpy.
+"""
 
 from drake_geom_ros.geometry.render.camera_properties import (
     CameraProperties,

@@ -21,6 +21,7 @@ from drake_geom_ros.geometry.model.rgba import Rgba
 from drake_geom_ros.geometry.render.render_label import RenderLabel
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
 from drake_geom_ros.geometry.shapes.primitives import MeshcatCone, Shape
+from drake_geom_ros.math.batched import compose
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.render.exact_params import RenderEngineExactParams
@@ -64,7 +65,7 @@ class Packed(NamedTuple):
         """
         world.update()
         R_WFs, p_WFs = world.R_WFs[self.frames], world.p_WFs[self.frames]
-        p_WGs = p_WFs + np.einsum('nij,nj->ni', R_WFs, self.p_FGs)
+        R_WGs, p_WGs = compose(R_WFs, p_WFs, self.R_FGs, self.p_FGs)
         placed = world.placed[self.frames]
         reach = np.abs(p_WGs).max(axis=1, initial=0.0)
         for row in np.flatnonzero((reach > LARGEST_SIZE) & placed)[:1].tolist():
@@ -72,7 +73,7 @@ class Packed(NamedTuple):
                 f'{self.names[row]} lies at {p_WGs[row].tolist()} m; images show what is within '
                 f'{LARGEST_SIZE:g} m'
             )
-        return PlacedBodies(R_WFs @ self.R_FGs, p_WGs, placed)
+        return PlacedBodies(R_WGs, p_WGs, placed)
 
 
 def packed_of(model: Model, params: RenderEngineExactParams, renderer_name: str) -> Packed:

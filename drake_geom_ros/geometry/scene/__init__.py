@@ -1,5 +1,7 @@
 """SceneGraph: where sources register what there is, and where queries start.
 
-Enters: registrations and contexts. Leaves: ports that take poses and give query objects, and
-compiled kernels before anybody waits for them. Imports ``model``, ``queries`` and ``render``.
+In: registrations and contexts.
+Out: ports that take poses and give query objects; kernels compiled before anybody waits.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+    ``render``, ``queries``, ``autodiffutils``, ``_proximity``; numpy.
 """

@@ -1,5 +1,6 @@
 """Shapes: immutable values with pydrake's names; their measures and boxes.
 
-Enters: sizes [m] or meshes. Leaves: shapes, and what each of them is to queries. Imports
-``meshes``.
+In: sizes [m] or meshes.
+Out: shapes, and what each of them is to queries.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``_proximity``; numpy.
 """

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import os
+import warnings
 from typing import TypeVar
 
 import numpy as np
@@ -12,7 +14,12 @@ from drake_geom_ros.common import MemoryFile
 from drake_geom_ros.geometry._proximity.kernels.shapes.hull_packing import hull_parameters
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry._proximity.tolerances import SMALLEST_SCALE
-from drake_geom_ros.geometry.errors import ArgumentError, ArgumentTypeError, GeometryError
+from drake_geom_ros.geometry.errors import (
+    ArgumentError,
+    ArgumentTypeError,
+    GeometryError,
+    MeshFileError,
+)
 from drake_geom_ros.geometry.meshes._obj_file import obj_text
 from drake_geom_ros.geometry.meshes.in_memory import InMemoryMesh, MeshSource
 from drake_geom_ros.geometry.meshes.polygon_mesh import PolygonSurfaceMesh
@@ -22,8 +29,11 @@ from drake_geom_ros.geometry.meshes.source import (
     check_extension,
     hull_polygons,
     hull_surface,
+    mesh_source,
+    name_of,
     numbers_of,
     surface,
+    triangles_of,
 )
 from drake_geom_ros.geometry.shapes.primitives import PackedShape, QueriedShape, Shape
 
@@ -136,8 +146,7 @@ class _FromMesh(Shape):
         return PolygonSurfaceMesh.FromPolygons(polygons, vertices)
 
     def _for_queries(self, is_solid: bool = False) -> QueriedShape:
-        packed = PackedShape(CONVEX, hull_parameters(*self.hull_surface()))
-        return QueriedShape(packed, packed)
+        return QueriedShape(PackedShape(CONVEX, hull_parameters(*self.hull_surface())))
 
 
 class Convex(_FromMesh):
@@ -181,7 +190,8 @@ class Mesh(_FromMesh):
 
     The mesh is a file, or one in memory (``mesh_data``), or either as a ``source``. In proximity
     queries it counts as its convex hull, or, with the property ('mesh', 'solid'), as the body that
-    its surface encloses.
+    its surface encloses. To points it is that body either way, if it bounds one; else it is its
+    hull to them too, and a warning says so when it is registered.
     """
 
     __slots__ = ()
@@ -196,13 +206,40 @@ class Mesh(_FromMesh):
         return surface(self._mesh, self.scale3())
 
     def _for_queries(self, is_solid: bool = False) -> QueriedShape:
-        if not is_solid:
-            return super()._for_queries()
-        # Only scenes that have solids load what packs them.
+        if is_solid:
+            return QueriedShape(self._as_solid())
+        hull = super()._for_queries().in_pairs
+        return QueriedShape(hull, functools.partial(self._to_points, hull))
+
+    def _as_solid(self) -> PackedShape:
+        # Only scenes that have solids, or ask points of meshes, load what packs them.
         from drake_geom_ros.geometry.meshes._solids import solid_of
 
-        packed = PackedShape(*solid_of(self._mesh, self._scales))
-        return QueriedShape(packed, packed)
+        return PackedShape(*solid_of(self._mesh, self._scales))
+
+    def _tell_if_open(self) -> None:
+        """Warn of a mesh that is not closed: it is no solid to points either."""
+        from drake_geom_ros.geometry.meshes._solids import check_closed, merged
+
+        source = mesh_source(self._mesh)
+        try:
+            check_closed(merged(*triangles_of(source))[1], name_of(source))
+        except MeshFileError as problem:
+            _warn_of_points(problem)
+
+    def _to_points(self, hull: PackedShape) -> PackedShape:
+        """Return the solid that the surface bounds, else the hull, and warn of that."""
+        try:
+            return self._as_solid()
+        except MeshFileError as problem:
+            _warn_of_points(problem)
+            return hull
+
+
+def _warn_of_points(problem: MeshFileError) -> None:
+    warnings.warn(
+        f'To points this mesh is its convex hull, as it is in pairs: {problem}', stacklevel=3
+    )
 
 
 def _mesh_of(kind: str, given: object) -> MeshGiven:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry.errors import MeshFileError
-from drake_geom_ros.geometry.meshes._solids import check_closed, merged
+from drake_geom_ros.geometry.meshes._solids import check_closed, have_area, merged
 from drake_geom_ros.geometry.meshes.source import remarks_on, surface
 from drake_geom_ros.geometry.shapes.from_meshes import Convex, Mesh
 
@@ -18,7 +18,8 @@ Floats = NDArray[np.float64]
 class MeshFacts(NamedTuple):
     """Facts of a mesh as scaled: the corners (3,) [m] of the box around it, and more.
 
-    It is closed if its triangles meet along every edge; ``remarks`` are those of its file.
+    It is closed if its triangles meet along every edge; ``remarks`` are those of its file, and
+    how many of its triangles have no area.
     """
 
     low: Floats
@@ -40,4 +41,8 @@ def mesh_facts(shape: Convex | Mesh) -> MeshFacts:
     except MeshFileError:
         is_closed = False
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    return MeshFacts(low, high, len(triangles), is_closed, remarks_on(shape._mesh))
+    remarks = remarks_on(shape._mesh)
+    flat = int((~have_area(vertices[triangles])).sum()) if len(triangles) else 0
+    if flat:
+        remarks += (f'{flat} of its triangles have no area: they belong to no surface',)
+    return MeshFacts(low, high, len(triangles), is_closed, remarks)

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
@@ -36,11 +38,23 @@ class PackedShape(NamedTuple):
     parameters: Floats
 
 
-class QueriedShape(NamedTuple):
-    """What a shape is to proximity queries: in pairs of geometries, and to points."""
+class QueriedShape:
+    """What a shape is to proximity queries: in pairs of geometries, and to points.
 
-    in_pairs: PackedShape
-    to_points: PackedShape
+    What it is to points may take long to pack, and is packed when somebody asks about points.
+    """
+
+    def __init__(
+        self, in_pairs: PackedShape, to_points: Callable[[], PackedShape] | None = None
+    ) -> None:
+        """Without ``to_points`` it is the same to them."""
+        self.in_pairs = in_pairs
+        self._pack = to_points
+
+    @cached_property
+    def to_points(self) -> PackedShape:
+        """The shape that points are about."""
+        return self.in_pairs if self._pack is None else self._pack()
 
 
 class Shape:
@@ -65,8 +79,7 @@ class Shape:
         ``is_solid`` is the property ('mesh', 'solid'), which only a Mesh minds. Raises
         GeometryError for what cannot have the proximity role.
         """
-        packed = PackedShape(self._TYPE, self._lengths())
-        return QueriedShape(packed, packed)
+        return QueriedShape(PackedShape(self._TYPE, self._lengths()))
 
     def _lengths(self) -> Floats:
         """Return the lengths [m] that kernels work with, half of those that people measure."""

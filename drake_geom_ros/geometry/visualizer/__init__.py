@@ -1,5 +1,7 @@
 """Drake's visualiser, spoken to by LCM.
 
-Enters: a scene and its poses. Leaves: load and draw messages. Imports ``scene``, ``queries`` and
-``model``, and lcm in ``drake_visualizer``.
+In: a scene and its poses.
+Out: load and draw messages.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+    ``render``, ``queries``, ``autodiffutils``, ``scene``; numpy.
 """

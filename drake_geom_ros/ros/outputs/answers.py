@@ -1,9 +1,13 @@
-"""Sends the answers of services without the interpreter's lock, and counts what has no answer.
+"""Takes the requests of services and sends the answers without the interpreter's lock.
 
 With the lock, as rclpy sends it, an answer of 67 MB lets nothing else of the process run for 33 to
 93 ms, and where the middleware never returns, as from a mutex in shared memory that a killed
 client held, nothing ever runs again. So it is turned into a message as rclpy does it (which lets
 other threads in between two fields, after at most 9 ms for 67 MB), and sent as ``unlocked`` does.
+
+Whom an answer is for is told by the number that rcl gives with the request. rclpy keeps that to
+itself, so the request is taken here, too, by the executors of ``spinning``; under another executor
+rclpy takes it, and sends the answer. What has no answer is counted by these numbers.
 """
 
 from __future__ import annotations
@@ -11,24 +15,20 @@ from __future__ import annotations
 import ctypes
 import threading
 from collections import OrderedDict
-from functools import partial
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.service import Service
 
 from drake_geom_ros.ros.outputs.unlocked import CMessage, of_rcl
 
-_OK, _TIMEOUT = 0, 2  # RCL_RET_OK, RCL_RET_TIMEOUT
+_OK, _TIMEOUT, _NOTHING_THERE = 0, 2, 601  # RCL_RET_OK, _TIMEOUT, _SERVICE_TAKE_FAILED
 # A client may be found after its first request came; rcl waits for it 0.1 s at a time.
 _ATTEMPTS = 10
 _MOST_CLIENTS = 10_000  # that are remembered; 24 bytes are known of each
-# An instance of a class that pybind11 wraps is a PyObject whose next word is the address of the
-# wrapped value. It is used only where the value found there has the number that rclpy shows.
-_OFFSET_OF_VALUE = object.__basicsize__
 
 
-class _RequestId(ctypes.Structure):
+class RequestId(ctypes.Structure):
     """rmw_request_id_t: who asked, and the number of the request among that client's."""
 
     _fields_ = (('writer_guid', ctypes.c_ubyte * 16), ('sequence_number', ctypes.c_int64))
@@ -43,45 +43,80 @@ class CallCounts(NamedTuple):
     before_first: int
 
 
+class Calls:
+    """The calls of one service: called with an answer and whose it is, it sends that."""
+
+    def __init__(self, service: Service[Any, Any], note: Callable[..., None]) -> None:
+        self._service, self._note = service, note
+        self._send_by_rclpy = service.send_response
+        self._send, self._take = of_rcl('rcl_send_response'), of_rcl('rcl_take_request')
+
+    @property
+    def is_there(self) -> bool:
+        """Whether rcl's functions were found; else rclpy does all."""
+        return self._send is not None and self._take is not None
+
+    def take(self) -> tuple[Any, RequestId] | None:
+        """Take a request and whose it is; None where none is there.
+
+        Raises RuntimeError where rcl refuses, and rclpy's InvalidHandle of a service that was
+        closed.
+        """
+        service = self._service
+        message, request_id = CMessage.room_for(service.srv_type.Request), RequestId()
+        with service.handle:
+            address = service.handle.pointer
+            result = self._take(address, ctypes.byref(request_id), message.address)
+        if result == _NOTHING_THERE:
+            return None
+        if result != _OK:
+            raise RuntimeError(
+                f'a request of {service.srv_name} was not taken: rcl returned {result}'
+            )
+        return message.to_python(), request_id
+
+    def __call__(self, answer: Any, asked: Any) -> None:
+        """Send an answer; ``asked`` is what ``take`` told, or, if it was taken by rclpy, a header.
+
+        Raises RuntimeError where rcl refuses it.
+        """
+        if not isinstance(asked, RequestId):
+            self._send_by_rclpy(answer, asked)
+            self._note(None, sent=True)
+            return
+        service = self._service
+        with service.handle:
+            message = CMessage(answer)
+            for _ in range(_ATTEMPTS):
+                address = service.handle.pointer
+                result = self._send(address, ctypes.byref(asked), message.address)
+                if result != _TIMEOUT:
+                    break
+        self._note(asked, sent=result == _OK)
+        if result not in (_OK, _TIMEOUT):
+            raise RuntimeError(
+                f'an answer of {service.srv_name} was not sent: rcl returned {result}'
+            )
+
+
 class Answers:
-    """Sends the answers of services that it is given, from any thread."""
+    """Sends the answers of services that it is given, from any thread, and counts them."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._numbers: OrderedDict[bytes, int] = OrderedDict()  # the last one of each client
         self._answered = self._unanswered = self._before_first = 0
-        self._rcl = of_rcl('rcl_send_response')
 
     def send_for(self, service: Service[Any, Any]) -> None:
-        """Send what a service answers from now on."""
-        service.send_response = partial(self._send, service, service.send_response)
+        """Take what a service is asked, and send what it answers, from now on."""
+        service.send_response = Calls(service, self._note)
 
     def counts(self) -> CallCounts:
         """Return the counts of now."""
         with self._lock:
             return CallCounts(self._answered, self._unanswered, self._before_first)
 
-    def _send(self, service: Service[Any, Any], send: Any, answer: Any, header: Any) -> None:
-        """Send an answer; ``send`` is rclpy's way, for where this one does not fit."""
-        request_id = _request_id(header)
-        if request_id is None or self._rcl is None:
-            send(answer, header)
-            self._note(None, sent=True)
-            return
-        with service.handle:
-            message = CMessage(answer)
-            for _ in range(_ATTEMPTS):
-                address = service.handle.pointer
-                result = self._rcl(address, ctypes.byref(request_id), message.address)
-                if result != _TIMEOUT:
-                    break
-        self._note(request_id, sent=result == _OK)
-        if result not in (_OK, _TIMEOUT):
-            raise RuntimeError(
-                f'an answer of {service.srv_name} was not sent: rcl returned {result}'
-            )
-
-    def _note(self, request_id: _RequestId | None, *, sent: bool) -> None:
+    def _note(self, request_id: RequestId | None, *, sent: bool) -> None:
         """Count an answer, and the requests of the same client that were never seen."""
         with self._lock:
             self._answered += sent
@@ -97,15 +132,3 @@ class Answers:
             self._numbers[client] = max(number, last or 0)
             if len(self._numbers) > _MOST_CLIENTS:
                 self._numbers.popitem(last=False)
-
-
-def _request_id(header: Any) -> _RequestId | None:
-    """Return what rclpy's header wraps; None where it is not found."""
-    wrapped = getattr(header, 'request_id', header)
-    if not isinstance(wrapped, _rclpy.rmw_request_id_t):
-        return None
-    address = ctypes.c_void_p.from_address(id(wrapped) + _OFFSET_OF_VALUE).value
-    if address is None:
-        return None
-    found = _RequestId.from_address(address)
-    return found if found.sequence_number == wrapped.sequence_number else None

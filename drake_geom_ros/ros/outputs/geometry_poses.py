@@ -6,10 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from drake_geom_ros.geometry import SceneGraphInspector
-from drake_geom_ros.math.batched import compose, poses_from_matrices
+from drake_geom_ros.geometry.queries.fixed_geometries import FixedGeometries
+from drake_geom_ros.math.batched import poses_from_matrices
 from drake_geom_ros.ros.conversions.fields import floats, unsigned
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 
@@ -32,7 +30,8 @@ class GeometryPoses:
         self._live = live
         self._publisher = publisher
         self._message = message
-        self._fixed: _Fixed | None = None
+        self._fixed: FixedGeometries | None = None
+        self._version = -1  # of the scene, whose geometries these are
 
     def publish(self) -> None:
         """Publish, if somebody listens."""
@@ -40,13 +39,11 @@ class GeometryPoses:
             return
         start = time.perf_counter()
         view = self._live.view()
-        if self._fixed is None or self._fixed.version != view.moment.version:
-            self._fixed = _Fixed(view.query.inspector(), view.moment.version)
+        if self._fixed is None or self._version != view.moment.version:
+            self._fixed = FixedGeometries(view.query.inspector())
+            self._version = view.moment.version
         fixed = self._fixed
-        R_WFs, p_WFs, placed = view.context.X_WFs(fixed.frames)
-        R_WGs, p_WGs = compose(
-            *(R_WFs[placed], p_WFs[placed]), *(fixed.R_FGs[placed], fixed.p_FGs[placed])
-        )
+        R_WGs, p_WGs, placed = fixed.X_WGs(view.context)
         message = self._message()
         message.header.frame_id = view.moment.world_frame
         if view.moment.newest_stamp is not None:
@@ -57,17 +54,3 @@ class GeometryPoses:
         message.poses = floats(poses_from_matrices(R_WGs, p_WGs).ravel())
         self._publisher.publish(message)
         self._did(len(message.ids), time.perf_counter() - start)
-
-
-class _Fixed:
-    """What does not move: the geometries of a version of the scene, and X_FG of each."""
-
-    def __init__(self, inspector: SceneGraphInspector, version: int) -> None:
-        self.version = version
-        ids = inspector.GetAllGeometryIds()
-        self.ids = np.array([id.get_value() for id in ids], dtype=np.int64)
-        frames = [inspector.GetFrameId(id).get_value() for id in ids]
-        self.frames = np.array(frames, dtype=np.int64)
-        X_FGs = [inspector.GetPoseInFrame(id) for id in ids]
-        self.R_FGs = np.array([X.rotation().matrix() for X in X_FGs]).reshape(-1, 3, 3)
-        self.p_FGs = np.array([X.translation() for X in X_FGs]).reshape(-1, 3)

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any
 
 from drake_geom_ros.ros.conversions.scene import fill_scene
+from drake_geom_ros.ros.scene.driven_robot import JointEntry
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
 from drake_geom_ros.ros.scene.scene_view import SceneView
@@ -91,8 +92,21 @@ class SceneTopic:
         message.header.frame_id = moment.world_frame
         message.header.stamp = self._now()
         fill_scene(message, view.query.inspector(), self._types)
+        message.joints = [_joint(entry, self._types) for entry in view.joints]
         self._publisher.publish(message)
         self._version, self._names = moment.version, moment.names_version
         now = time.monotonic()
         self._next = now + _PAUSE * (now - start)
         self._did(len(message.geometries), now - start)
+
+
+def _joint(entry: JointEntry, types: Any) -> Any:
+    """Return the SceneJoint message of a joint."""
+    return types.SceneJoint(
+        robot=entry.robot,
+        name=entry.name,
+        type=entry.type,
+        lower=entry.lower,
+        upper=entry.upper,
+        frame_id=0 if entry.frame is None else entry.frame.get_value(),
+    )

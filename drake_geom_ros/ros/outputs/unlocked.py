@@ -33,18 +33,36 @@ def publish(publisher: Publisher, message: Any) -> None:
 
 
 class CMessage:
-    """A message as the C message that rcl takes; freed with this object."""
+    """A message as the C message that rcl takes and fills; freed with this object."""
 
     def __init__(self, message: Any) -> None:
-        support = type(type(message))
+        self._make(type(message))
+        convert = self._of_python('_CONVERT_FROM_PY', ctypes.c_bool, ctypes.py_object)
+        convert(message, self.address)
+
+    @classmethod
+    def room_for(cls, kind: type[Any]) -> CMessage:
+        """Return an empty message of a type, for rcl to fill."""
+        room = cls.__new__(cls)
+        room._make(kind)
+        return room
+
+    def to_python(self) -> Any:
+        """Return the message as rclpy has it."""
+        return self._of_python('_CONVERT_TO_PY', ctypes.py_object)(self.address)
+
+    def _make(self, kind: type[Any]) -> None:
+        self._support = support = type(kind)
         self._destroy = _function(support, '_DESTROY_ROS_MESSAGE', None, ctypes.c_void_p)
         self.address = _function(support, '_CREATE_ROS_MESSAGE', ctypes.c_void_p)()
-        # Works on Python's objects: it keeps the lock, and raises what it raises.
-        convert = _function(
-            *(support, '_CONVERT_FROM_PY', ctypes.c_bool, ctypes.py_object, ctypes.c_void_p),
-            of_python=True,
-        )
-        convert(message, self.address)
+
+    def _of_python(self, name: str, result: Any, *arguments: Any) -> Any:
+        """Return a function that works on Python's objects.
+
+        It keeps the lock, raises what it raises, and its last argument is the C message.
+        """
+        given = *arguments, ctypes.c_void_p
+        return _function(self._support, name, result, *given, of_python=True)
 
     def __del__(self) -> None:
         self._destroy(self.address)

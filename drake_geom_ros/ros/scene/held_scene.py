@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -31,6 +31,7 @@ from drake_geom_ros.ros.scene.clocks import Clocks, Since
 from drake_geom_ros.ros.scene.feeders import JOINTS, MESSAGES, TF, Feeders
 from drake_geom_ros.ros.scene.leases import Leases
 from drake_geom_ros.ros.scene.pose_ages import PoseAges, UnknownAges
+from drake_geom_ros.ros.scene.robot_joints import RobotJoints
 from drake_geom_ros.ros.scene.scene_view import SceneStamp, SceneView
 from drake_geom_ros.ros.scene.twists import FrameTwists
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
@@ -60,6 +61,7 @@ class HeldScene:
         self.world_frame = world_frame
         self._clocks = clocks
         self._longest_gap: float | None = None
+        self._joints = RobotJoints((), {})
         self._adopt(scene_graph, version)
         self.told: list[str] = []  # what is to be logged, by who has a logger
         self.warned: list[str] = []  # what is to be logged as a warning, each once
@@ -158,6 +160,8 @@ class HeldScene:
             prefixes = {robot.name: robot.frame_prefix for robot in self._robots}
             self._names = NameTable(self.inspector, self.world_frame, prefixes)
             self._reader = FramePosesReader(self._names)
+            frames = {label: frame for frame, label in self._names.labels.items()}
+            self._joints = RobotJoints(self._robots, frames, self._joints)
             self._named_version = self.version
 
     def pose_ages(self) -> dict[str, float]:
@@ -184,9 +188,10 @@ class HeldScene:
         return SceneStamp(self.version, self.names_version, stamp, oldest, self.world_frame)
 
     @property
-    def robots(self) -> Sequence[RobotDescription]:
-        """The robots of the scene."""
-        return tuple(self._robots)
+    def joints(self) -> RobotJoints:
+        """The joints of the robots of this version of the scene, and what is known of them."""
+        self._refresh()
+        return self._joints
 
     @property
     def newest_stamp(self) -> Any:
@@ -261,7 +266,7 @@ class HeldScene:
         filters = self._scene_graph.collision_filter_manager(context)
         owners = self.filter_owners()
         twists = self.twists() if moving else None
-        told = self.moment(), owners, self.unknown_ages(), twists
+        told = self.moment(), owners, self.unknown_ages(), self.joints.entries, twists
         return SceneView(context, filters, self.names, *told)
 
     def copy(self) -> SceneGraphContext:

@@ -16,11 +16,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from drake_geom_ros.geometry import GeometryError, SceneGraph, SceneGraphContext
+import numpy as np
+
+from drake_geom_ros.geometry import (
+    ArgumentError,
+    GeometryError,
+    SceneGraph,
+    SceneGraphContext,
+)
 from drake_geom_ros.geometry.render import CameraProperties
 from drake_geom_ros.math import RigidTransform
 from drake_geom_ros.ros.conversions.file_access import ALL_PACKAGES, FileAccess
-from drake_geom_ros.ros.conversions.names import WORLD
+from drake_geom_ros.ros.conversions.names import WORLD, some_of
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.held_scene import HeldScene
@@ -86,18 +93,28 @@ class LiveScene:
         with self._lock:
             yield self._scene
 
-    def view(self, message: Any = None) -> SceneView:
-        """Return the scene of now, with other poses for the frames that a FramePoses names.
+    def view(self, poses: Any = None, joints: Any = None) -> SceneView:
+        """Return the scene of now, with other poses and joint values where these are given.
 
-        Frames that are not named keep their live poses; where none is named, the view knows how
-        all move, if anybody watches that. Raises RuntimeError for a message that
-        ``take_poses`` would refuse.
+        ``poses`` is a FramePoses, ``joints`` a JointPositions. Frames that are not named, nor
+        moved by a joint that is, keep their live poses; where nothing is named, the view knows how
+        all move, if anybody watches that. Raises RuntimeError for a message that ``take_poses``
+        would refuse, for joints that are none, and for a frame that both pose.
         """
         with self.reading() as scene:
-            poses = None if message is None else scene.read_poses(message).poses
-            view = scene.view(moving=poses is not None and not len(poses))
-        if poses is not None and len(poses):
-            view.context.UpdateFramePoses(poses)
+            asked = None if poses is None else scene.read_poses(poses).poses
+            by_joints = joints is not None and (len(joints.names) or len(joints.positions))
+            is_now = not (asked or by_joints)
+            view = scene.view(moving=poses is not None and is_now)
+            if asked:
+                view.context.UpdateFramePoses(asked)
+            if by_joints:
+                positions = np.asarray(joints.positions, dtype=np.float64)
+                moved = scene.joints.moved(joints.names, positions, view.query)
+                if asked is not None:
+                    both = set(asked.id_values().tolist()) & set(moved.id_values().tolist())
+                    refuse_twice_posed(scene, both)
+                view.context.UpdateFramePoses(moved)
         return view
 
     def compile_kernels(self) -> list[str]:
@@ -125,3 +142,13 @@ class LiveScene:
             context = scene.copy()
         change(SceneGraph(), context)
         context.compile_kernels(self.tell_compiling)
+
+
+def refuse_twice_posed(scene: HeldScene, frames: set[int]) -> None:
+    """Raise ArgumentError for frames, by the values of their ids, that are posed in two ways."""
+    if frames:
+        known = scene.names.frame_names.items()
+        names = [name for frame, name in known if frame.get_value() in frames]
+        raise ArgumentError(
+            f'joints move {some_of(names)}, and poses pose them, too; leave them out of one'
+        )

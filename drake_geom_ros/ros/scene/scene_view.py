@@ -20,6 +20,7 @@ from drake_geom_ros.geometry import (
     closing_speeds,
 )
 from drake_geom_ros.ros.conversions.names import NameTable
+from drake_geom_ros.ros.scene.driven_robot import JointEntry
 from drake_geom_ros.ros.scene.pose_ages import Oldest, UnknownAges
 from drake_geom_ros.ros.scene.waiting import Waiting, waiting
 
@@ -68,6 +69,7 @@ class SceneView:
     moment: SceneStamp
     filter_owners: Mapping[int, str]  # of the active transient filters, by id
     unknown_ages: UnknownAges
+    joints: tuple[JointEntry, ...] = ()  # of the robots
     twists: Mapping[FrameId, NDArray[np.float64]] | None = None  # V_WF (6,); None: nobody watches
 
     @property

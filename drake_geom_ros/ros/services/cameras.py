@@ -44,7 +44,7 @@ def list_cameras(live: LiveScene, request: Any, response: Any) -> None:
 
 def render_image(live: LiveScene, request: Any, response: Any) -> None:
     """Take images of a camera, for poses that are assumed or for the live state."""
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     if request.camera:
         with live.reading() as scene:
             frame, camera = scene.camera(request.camera)

@@ -88,7 +88,7 @@ def _pairs_at_least(view: SceneView) -> int:
 
 def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any) -> None:
     """Report the pairs that overlap."""
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     results = view.query.ComputePointPairPenetration(accuracy=_accuracy(request))
     _require_room(live, len(results), PENETRATION_SIZE, 'filter pairs that always overlap')
     fill_penetrations(response.result, results)
@@ -101,7 +101,7 @@ def compute_point_pair_penetration(live: LiveScene, request: Any, response: Any)
 def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: Any) -> None:
     """Report the signed distances up to a limit."""
     limit = _limit('max_distance', request.max_distance)
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     instead = 'ask with a smaller max_distance, or by compute_signed_distance_pair'
     count = view.query.inspector().NumGeometriesWithRole(Role.kProximity)
     if limit == math.inf and _may_be_large(live, comb(count, 2), SIGNED_DISTANCE_SIZE):
@@ -119,7 +119,7 @@ def compute_signed_distance_pairwise(live: LiveScene, request: Any, response: An
 
 def compute_signed_distance_pair(live: LiveScene, request: Any, response: Any) -> None:
     """Report the signed distance of one pair."""
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     a, b = view.names.geometry(request.geometry_a), view.names.geometry(request.geometry_b)
     results = view.query.signed_distance_of_pair(a, b, accuracy=_accuracy(request))
     fill_signed_distances(response.result, results, math.inf)
@@ -135,7 +135,7 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
         raise ArgumentError(
             f'points holds {points.size} numbers; it must hold x y z for each point'
         )
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     instead = 'ask for fewer points, or with a smaller threshold'
     count, geometries = points.size // 3, view.query.inspector().GetAllGeometryIds(Role.kProximity)
     if limit == math.inf and _may_be_large(live, count * len(geometries), POINT_DISTANCE_SIZE):
@@ -157,7 +157,7 @@ def compute_signed_distance_to_point(live: LiveScene, request: Any, response: An
 
 def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> None:
     """Report the pairs that bounds alone do not keep apart."""
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     ids = view.query.collision_candidates()
     _require_room(live, len(ids), CANDIDATE_SIZE, 'filter pairs that never matter')
     response.id_a, response.id_b = unsigned(ids[:, 0]), unsigned(ids[:, 1])
@@ -166,7 +166,7 @@ def find_collision_candidates(live: LiveScene, request: Any, response: Any) -> N
 
 def has_collisions(live: LiveScene, request: Any, response: Any) -> None:
     """Tell whether any pair overlaps."""
-    view = live.view(request.poses)
+    view = live.view(request.poses, request.joints)
     response.has_collisions = view.query.HasCollisions()
     _tell(view, response)
 

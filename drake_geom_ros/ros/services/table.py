@@ -10,7 +10,16 @@ from std_srvs.srv import Trigger
 
 from drake_geom_ros.ros.scene.editable_scene import EditableScene
 from drake_geom_ros.ros.scene.live_scene import LiveScene
-from drake_geom_ros.ros.services import ages, cameras, files, filters, queries, scene, shapes
+from drake_geom_ros.ros.services import (
+    ages,
+    cameras,
+    files,
+    filters,
+    queries,
+    scene,
+    shapes,
+    states,
+)
 
 Handler = Callable[[LiveScene, Any, Any], None]
 Change = Callable[[EditableScene, Any, Any], None]
@@ -86,4 +95,9 @@ IMAGES: tuple[tuple[str, Any, Handler], ...] = (
     ('render_image', srv.RenderImage, cameras.render_image),
 )
 
-SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES)
+# What asks for many states at once, for seconds: beside all of these.
+PLANNING: tuple[tuple[str, Any, Handler], ...] = (
+    ('evaluate_states', srv.EvaluateStates, states.evaluate_states),
+)
+
+SERVICES = (*CHANGES, *LOADING, *BESIDE, *IMAGES, *PLANNING)

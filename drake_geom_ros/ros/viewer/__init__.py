@@ -1,1 +1,7 @@
-"""The page in the browser for a running node: learns all from topics, asks by services."""
+"""The page in the browser for a running node: learns all from topics, asks by services.
+
+In: topics and services of a node in another process.
+Out: a scene as ``viewing`` shows it.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``scene_files``, ``client``,
+    ``viewing``, ``conversions``, ``ros``; numpy, ROS.
+"""

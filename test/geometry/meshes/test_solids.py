@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 import trimesh
+from oracles.forms import row_of
 from oracles.solids import surface_of
 
 from bench.evidence.bodies.grids import surface
+from drake_geom_ros.cross_check.bodies import Body
 from drake_geom_ros.geometry import (
     Box,
     GeometryInstance,
@@ -15,8 +17,10 @@ from drake_geom_ros.geometry import (
     ProximityProperties,
     SceneGraph,
 )
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import tree_of
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID
 from drake_geom_ros.geometry.meshes._solids import solid_of
+from drake_geom_ros.geometry.shapes.mesh_facts import mesh_facts
 from drake_geom_ros.math import RigidTransform
 
 ONES = (1.0, 1.0, 1.0)
@@ -137,6 +141,95 @@ def test_the_smallest_dent_makes_a_solid(depth):
     assert solid_of(dented(depth), ONES)[0] == SOLID
 
 
+def with_junctions(mesh, edges):
+    """The same surface, some edges with a vertex more on one side: no area closes the rest."""
+    vertices, triangles = mesh.vertices.tolist(), mesh.triangles.tolist()
+    for a, b in edges:
+        (t,) = (t for t in triangles if (a, b) in zip(t, t[1:] + t[:1], strict=True))
+        (c,) = set(t) - {a, b}
+        m = len(vertices)
+        vertices.append(np.mean([vertices[a], vertices[b]], axis=0).tolist())
+        triangles.remove(t)
+        triangles += [[a, m, c], [m, b, c], [a, b, m]]
+    return MeshData(vertices, triangles)
+
+
+def edges_of(mesh, count, seed):
+    """Some edges, no two of a triangle."""
+    rng, found, used = np.random.default_rng(seed), [], set()
+    for k in rng.permutation(len(mesh.triangles)).tolist():
+        t = mesh.triangles[k].tolist()
+        edges = list(zip(t, t[1:] + t[:1], strict=True))
+        a, b = edges[rng.integers(3)]
+        if not used & set(t):
+            used |= set(t)
+            found.append((a, b))
+    return found[:count]
+
+
+def hidden_dent(width, depth):
+    """A cube with a pit, around whose rim all edges meet triangles without area."""
+    mesh = dented(depth)
+    vertices = mesh.vertices.copy()
+    vertices[8:12, :2] = 0.5 + (vertices[8:12, :2] - 0.5) * (width / 0.2)
+    rim = [(8 + k, 8 + (k + 1) % 4) for k in range(4)]
+    return with_junctions(MeshData(vertices, mesh.triangles), rim)
+
+
+@pytest.mark.parametrize(('width', 'depth'), [(6e-5, 0.5), (0.2, 0.5), (0.2, 1e-9), (1e-3, 1e-4)])
+def test_a_dent_behind_triangles_without_area_makes_a_solid(width, depth):
+    """Across such a triangle no edge rises or falls."""
+    kind, parameters = solid_of(hidden_dent(width, depth), ONES)
+    assert kind == SOLID
+    assert tree_of(SOLID, parameters).triangles == 10 + 8 + 8
+
+
+def test_a_ball_in_a_hidden_pit_is_out_of_the_cube():
+    width, depth, radius, deep = 6e-5, 0.5, 1e-6, 0.25
+    pit = hidden_dent(width, depth)
+    half, slope = 0.5 * width * (1.0 - deep / depth), 0.5 * width / depth
+    truth = half / np.hypot(1.0, slope) - radius  # from the pit's nearest wall
+    A = Body('Sphere', (radius,), p=np.array([0.5, 0.5, 1.0 - deep]))
+    out = row_of(A, Body('Solid', pit.vertices, triangles=pit.triangles))
+    assert abs(out[0] - truth) <= out[10]
+    assert 0.0 < out[10] < 1e-12
+
+
+def test_a_cube_with_junctions_counts_as_its_hull():
+    for seed in range(6):
+        cube = MeshData(CORNERS, CUBE)
+        assert solid_of(with_junctions(cube, edges_of(cube, 3, seed)), ONES)[0] == CONVEX
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_triangles_without_area_belong_to_no_surface(seed):
+    """A cube that touches walls of an L, with such triangles in any of its edges, touches it."""
+    bare = np.array(L.triangles)
+    edges = edges_of(L, 4, seed)
+    mesh = with_junctions(L, edges)
+    kind, parameters = solid_of(mesh, ONES)
+    assert kind == SOLID
+    assert len(edges) >= 2
+    assert tree_of(SOLID, parameters).triangles == len(bare) + len(edges)
+    B = Body('Solid', mesh.vertices, triangles=mesh.triangles)
+    for corner in ([1.0, 1.0, 0.0], [1.0, 1.0, 0.5], [2.0, 0.0, 0.0], [0.25, 0.25, 1.0]):
+        at = np.array(corner)
+        for A in (
+            Body('Box', (1.0, 1.0, 1.0), p=at + 0.5),
+            Body('Solid', np.array(L.vertices), p=at, triangles=bare),
+            Body('Solid', mesh.vertices, p=at, triangles=mesh.triangles),
+        ):
+            out = row_of(A, B)
+            assert out[0] == pytest.approx(0.0, abs=1e-13), (corner, A.kind)
+            assert out[10] <= 1e-12
+
+
+def test_how_many_triangles_have_no_area_is_told():
+    shape = Mesh.FromMeshData(with_junctions(L, edges_of(L, 4, 1)))
+    assert any('4 of its triangles have no area' in text for text in mesh_facts(shape).remarks)
+    assert mesh_facts(Mesh.FromMeshData(L)).remarks == ()
+
+
 @pytest.mark.parametrize(
     'mesh',
     [
@@ -157,3 +250,29 @@ def test_scales_and_mirror_images():
     for scale in ((2.0, 3.0, 0.5), (-1.0, 1.0, 1.0), (-1.0, -2.0, -3.0)):
         assert solid_of(MeshData(L.vertices, L.triangles), scale)[0] == SOLID
     assert solid_of(L, ONES)[1] is solid_of(surface_of('L'), ONES)[1]  # by content
+
+
+@pytest.mark.parametrize('scale', [1e150, 1e250, 1e60])
+def test_a_solid_too_large_for_products_of_lengths_is_refused_with_the_reason(scale):
+    with pytest.raises(MeshFileError, match='no coordinate of it is beyond'):
+        solid_of(L, (scale, 1.0, scale))
+    with pytest.raises(MeshFileError, match='at least'):
+        solid_of(MeshData(np.array(L.vertices) / scale, L.triangles), ONES)
+
+
+@pytest.mark.parametrize('scale', [1e40, 1e-40])
+def test_solids_of_any_other_size_are_taken(scale):
+    kind, _ = solid_of(MeshData(np.array(L.vertices) * scale, L.triangles), ONES)
+    assert kind == SOLID
+
+
+@pytest.mark.parametrize('thick', [1e-8, 1e-9, 1e-11])
+def test_a_prism_may_be_thin(thick):
+    """A plate is a cube, an L an L, however thin."""
+    assert solid_of(MeshData(CORNERS, CUBE), (1.0, 0.7, thick))[0] == CONVEX
+    assert solid_of(MeshData(CORNERS * [1, 0.7, thick], CUBE), ONES)[0] == CONVEX
+    assert solid_of(MeshData(np.array(L.vertices) * [1, 1, thick], L.triangles), ONES)[0] == SOLID
+    plate = Body('Solid', CORNERS * [1, 0.7, thick], triangles=CUBE)
+    ball = Body('Sphere', (0.1,), p=np.array([0.3, 0.3, 0.2]))
+    out = row_of(ball, plate)
+    assert abs(out[0] - (0.1 - thick)) <= out[10] <= 1e-12

@@ -90,6 +90,17 @@ def test_ids_are_copies_though_the_same_ones_come_again():
         FramePoseVector.FromArrays(mine, refused)
 
 
+def test_another_number_of_dimensions_is_refused_where_the_frames_are_known():
+    known = np.sort(VALUES)
+    FramePoseVector.FromArrays(known, POSES)
+    for ids, poses in ((known[:, None], POSES), (known, POSES.ravel()), (known[0], POSES[0])):
+        with pytest.raises(PoseError):
+            FramePoseVector.FromArrays(np.array(ids), poses)
+    for poses in (POSES[:-1], POSES[:, :6]):
+        with pytest.raises(PoseError):
+            FramePoseVector.FromArrays(known, poses)
+
+
 def unwritable(array):
     array.flags.writeable = False
     return array

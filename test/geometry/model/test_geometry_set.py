@@ -3,6 +3,7 @@
 import pytest
 
 from drake_geom_ros.geometry import FrameId, GeometryId, GeometrySet, SourceId
+from drake_geom_ros.geometry.model.geometry_set import members_of
 
 F1, F2, G1, G2 = FrameId(1), FrameId(2), GeometryId(1), GeometryId(2)
 
@@ -27,8 +28,7 @@ def test_the_ways_to_fill_one(arguments, keywords, geometries, frames):
     added = GeometrySet()
     added.Add(*arguments, **keywords)
     for geometry_set in (made, added):
-        assert geometry_set._geometry_ids == geometries
-        assert geometry_set._frame_ids == frames
+        assert members_of(geometry_set) == (geometries, frames)
 
 
 @pytest.mark.parametrize(
@@ -46,8 +46,7 @@ def test_another_kind_is_refused_and_nothing_is_added(arguments, keywords):
     geometry_set = GeometrySet(G1)
     with pytest.raises(RuntimeError, match=r'GeometrySet: .* must be'):
         geometry_set.Add(*arguments, **keywords)
-    assert geometry_set._geometry_ids == {G1}
-    assert not geometry_set._frame_ids
+    assert members_of(geometry_set) == ({G1}, set())
 
 
 def test_prints_in_order():

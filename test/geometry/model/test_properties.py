@@ -17,6 +17,7 @@ from drake_geom_ros.geometry import (
     Role,
     RoleAssign,
 )
+from drake_geom_ros.geometry.model.properties import frozen as frozen_copy
 
 KINDS = [ProximityProperties, IllustrationProperties, PerceptionProperties]
 names = st.sampled_from(['a', 'b', 'c'])
@@ -141,7 +142,7 @@ def test_those_of_a_role_are_made_of_those_of_another():
 def test_frozen_ones_cannot_be_changed_but_their_copies_can():
     original = ProximityProperties()
     original.AddProperty('g', 'n', 1)
-    frozen = original._frozen()
+    frozen = frozen_copy(original)
     original.UpdateProperty('g', 'n', 2)
     for change in (
         lambda: frozen.AddProperty('g', 'm', 1),

@@ -26,6 +26,7 @@ from oracles.hard_cases.construct import (
     turned,
     unit,
 )
+from oracles.hard_cases.interlocked import interlocked
 from oracles.hard_cases.solids import solids
 
 from bench.evidence.bodies.random_bodies import random_rotation
@@ -193,7 +194,8 @@ FAMILIES = {
     function.__name__: function
     for function in (
         touching, flush, parallel, concentric, same, nested, rotations, lattice, half_spaces,
-        points, hulls, solids, scales.slivers, scales.ratios, scales.far, scales.extremes,
+        points, hulls, solids, interlocked, scales.slivers, scales.ratios, scales.far,
+        scales.extremes,
     )
 }  # fmt: skip
 

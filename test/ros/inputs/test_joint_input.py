@@ -154,7 +154,7 @@ def test_two_robots_of_one_kind_need_their_names(folder, clock):
     text = scene_text(folder, f'name: left, {AT}', f'name: right, {AT}')
     live, joints = opened(text, clock)
     with live.editing() as scene:
-        with pytest.raises(RuntimeError, match="one of 2 robots: send it as 'left::shoulder'"):
+        with pytest.raises(RuntimeError, match="one of 2 robots: name it as 'left::shoulder'"):
             joints.take(scene, state(JOINTS_OF_ARM, (0, 0, 0)), 0.0)
         names = [f'{robot}::{joint}' for robot in ('left', 'right') for joint in JOINTS_OF_ARM]
         assert joints.take(scene, state(names, (0.1, 0.2, 0.0, 0.3, 0.4, 0.05)), 0.0) == 8

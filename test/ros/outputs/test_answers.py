@@ -4,11 +4,21 @@ import contextlib
 
 import pytest
 from drake_geom_msgs import srv
+from rclpy.exceptions import InvalidHandle
 from rclpy.qos import QoSProfile
 
 from drake_geom_ros.ros.outputs import answers
-from drake_geom_ros.ros.outputs.answers import Answers, CallCounts
+from drake_geom_ros.ros.outputs.answers import Answers, CallCounts, Calls, RequestId
 from drake_geom_ros.ros.outputs.unlocked import CMessage
+from drake_geom_ros.ros.spinning import GroupExecutor
+
+
+@pytest.fixture
+def served(lone_client):
+    """Return the client, whose executor is ours, as that of a node is."""
+    node = lone_client.node
+    lone_client.serve_by(GroupExecutor(node, node.default_callback_group))
+    return lone_client
 
 
 @pytest.fixture
@@ -28,40 +38,78 @@ def ask(client, text):
     return client.call(srv.ExplainFilter, 'explain_filter', geometry_a=text).message
 
 
-def test_an_answer_is_sent_and_counted(lone_client, service):
+def test_an_answer_is_sent_and_counted(served, service):
     found = Answers()
     found.send_for(service)
-    assert ask(lone_client, 'words') == 'words'
-    assert ask(lone_client, 'words' * 100_000) == 'words' * 100_000
+    assert ask(served, 'words') == 'words'
+    assert ask(served, 'words' * 100_000) == 'words' * 100_000
     assert found.counts() == CallCounts(answered=2, unanswered=0, before_first=0)
 
 
-@pytest.mark.parametrize('missing', ['of_rcl', '_request_id'])
-def test_where_rcl_cannot_be_called_rclpy_sends(lone_client, service, monkeypatch, missing):
-    monkeypatch.setattr(answers, missing, lambda *anything: None)
+def test_a_request_is_taken_with_whose_it_is(served, service):
+    """Nothing of rclpy's is looked into: the number is what rcl gave, and rclpy takes nothing."""
+    found, seen = Answers(), []
+    found.send_for(service)
+    send = service.send_response
+    service.send_response = type('Spy', (Calls,), {'__call__': lambda s, *a: seen.append(a[1])})(
+        service, lambda *_, **__: None
+    )
+    (client,) = [served.node.create_client(srv.ExplainFilter, service.srv_name)]
+    client.call_async(srv.ExplainFilter.Request())
+    served.wait_for(lambda: seen, 'a request')
+    assert [type(each) for each in seen] == [RequestId]
+    assert seen[0].sequence_number == 1
+    assert any(seen[0].writer_guid)
+    assert send is not service.send_response
+
+
+@pytest.mark.parametrize('executor', ['ours', 'of rclpy'])
+def test_where_rcl_is_not_called_rclpy_sends(lone_client, service, monkeypatch, request, executor):
+    if executor == 'ours':
+        monkeypatch.setattr(answers, 'of_rcl', lambda _: None)
+        request.getfixturevalue('served')
     found = Answers()
     found.send_for(service)
     assert ask(lone_client, 'words') == 'words'
-    assert found.counts().answered == 1
+    assert found.counts() == CallCounts(answered=1, unanswered=0, before_first=0)
 
 
-def test_numbers_that_are_missing_are_counted(lone_client, service):
+def test_a_service_that_was_closed_is_asked_nothing(served, service):
     found = Answers()
     found.send_for(service)
-    assert ask(lone_client, 'first') == 'first'
-    (client,) = lone_client.node.clients
+    client = served.node.create_client(srv.ExplainFilter, service.srv_name)
+    served.wait_for(client.service_is_ready, 'the service')
+    client.call_async(srv.ExplainFilter.Request())
+    served.node.destroy_service(service)
+    with pytest.raises(InvalidHandle):
+        service.send_response.take()
+    served.wait_for(lambda: not client.service_is_ready(), 'the end of the service')
+    assert found.counts() == CallCounts(answered=0, unanswered=0, before_first=0)
+
+
+def test_where_there_is_no_request_none_is_taken(served, service):
+    found = Answers()
+    found.send_for(service)
+    assert service.send_response.take() is None
+
+
+def test_numbers_that_are_missing_are_counted(served, service):
+    found = Answers()
+    found.send_for(service)
+    assert ask(served, 'first') == 'first'
+    (client,) = served.node.clients
     futures = [client.call_async(srv.ExplainFilter.Request()) for _ in range(10)]
     with contextlib.suppress(AssertionError):
-        lone_client.wait_for(lambda: all(f.done() for f in futures), 'ten answers', 1.0)
+        served.wait_for(lambda: all(f.done() for f in futures), 'ten answers', 1.0)
     answered = sum(f.done() for f in futures)
     assert answered < len(futures)
-    assert ask(lone_client, 'last') == 'last'
+    assert ask(served, 'last') == 'last'
     lost = len(futures) - answered
     assert found.counts() == CallCounts(answered=2 + answered, unanswered=lost, before_first=0)
     # Another server of the same client cannot know what became of the calls before.
     again = Answers()
     again.send_for(service)
-    assert ask(lone_client, 'more') == 'more'
+    assert ask(served, 'more') == 'more'
     assert again.counts() == CallCounts(answered=1, unanswered=0, before_first=12)
 
 

@@ -1,6 +1,8 @@
 """What distances do when bodies move.
 
-Enters: rows of answers, and where everything was when they were computed. Leaves: gradients by
-the motions of both bodies, whether they are the only ones, and the features that touch. Imports
-``pairs``, ``kernels``, ``world`` and ``runtime``.
+In: rows of answers, and where everything was then.
+Out: gradients by the motions of both bodies, whether they are the only ones, the features that
+    touch.
+May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
+    ``report``, ``pairs``; numpy.
 """

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.derivatives.surfaces import is_of_surfaces
+from drake_geom_ros.geometry._proximity.derivatives.surfaces import Scene, is_of_surfaces
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     METHOD,
@@ -54,6 +54,7 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
     P_FACA,
     P_FBCB,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS, SOFT
@@ -75,13 +76,13 @@ class Features(NamedTuple):
 
 
 @inlined
-def stiffness(distance, A, B):  # type: ignore[no-untyped-def]
+def stiffness(distance: float, A: Feature, B: Feature) -> tuple[float, float, float]:
     """Return how the width along n curves (uu, uv, vv) [m], by the features of A and B."""
     return distance + A.uu + B.uu, A.uv + B.uv, distance + A.vv + B.vv
 
 
 @inlined
-def _is_stiff(distance, A, B, extent):  # type: ignore[no-untyped-def]
+def _is_stiff(distance: float, A: Feature, B: Feature, extent: float) -> bool:
     """Tell whether every turn of n that the features leave free costs something."""
     uu, uv, vv = stiffness(distance, A, B)
     if A.freedom == POINT and B.freedom == POINT:
@@ -93,13 +94,13 @@ def _is_stiff(distance, A, B, extent):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_sure(numbers):  # type: ignore[no-untyped-def]
+def _is_sure(numbers: Floats) -> bool:
     """Tell whether more than bounds answered, and no other normal is as good."""
     return numbers[UNIQUE] != 0.0 and numbers[METHOD] != BOUND_ONLY
 
 
 @inlined
-def _is_unique(numbers, A, B, extent):  # type: ignore[no-untyped-def]
+def _is_unique(numbers: Floats, A: Feature, B: Feature, extent: float) -> bool:
     """Tell whether a row's normal, and the points nearest along it, are the only ones.
 
     But for bodies that touch at the border of a feature.
@@ -110,7 +111,7 @@ def _is_unique(numbers, A, B, extent):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _look_at(g, scene, n, u, v):  # type: ignore[no-untyped-def]
+def _look_at(g: int, scene: Scene, n: Vector, u: Vector, v: Vector) -> Feature:
     """Return the feature of geometry g along the outward unit n; n, u and v in World."""
     types, starts, pool, R_WGs = scene
     if types[g] == SPHERE:  # whichever way it is turned
@@ -125,7 +126,16 @@ def _look_at(g, scene, n, u, v):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _holds(g, scene, feature, n, u, v, q, slack):  # type: ignore[no-untyped-def]
+def _holds(
+    g: int,
+    scene: Scene,
+    feature: Feature,
+    n: Vector,
+    u: Vector,
+    v: Vector,
+    q: Vector,
+    slack: float,
+) -> bool:
     """Tell whether the extreme point q, in G, is inside the feature of geometry g."""
     types, starts, pool, R_WGs = scene
     R = row(R_WGs, g)
@@ -135,20 +145,27 @@ def _holds(g, scene, feature, n, u, v, q, slack):  # type: ignore[no-untyped-def
 
 
 @inlined
-def _axes(n):  # type: ignore[no-untyped-def]
+def _axes(n: Vector) -> tuple[Vector, Vector]:
     """Return two unit vectors that with n are right-handed."""
     v = perpendicular(n)
     return cross(v, n), v
 
 
 @inlined
-def _extent(numbers):  # type: ignore[no-untyped-def]
+def _extent(numbers: Floats) -> float:
     """Return the size of a pair [m], as far as its witness points tell."""
     return norm(vector_at(numbers, P_ACA)) + norm(vector_at(numbers, P_BCB))
 
 
 @compiled
-def pair_features(rows, places, scene, axes, features, inside):  # type: ignore[no-untyped-def]
+def pair_features(
+    rows: Floats,
+    places: Indices,
+    scene: Scene,
+    axes: Floats,
+    features: Floats,
+    inside: Booleans,
+) -> None:
     """Fill ``features`` (k, 2, 6) of A and B and whether the witnesses are ``inside`` (k, 2).
 
     Those are told in two axes at right angles to nhat_BA_W, which ``axes`` (k, 2, 3) get.
@@ -176,7 +193,7 @@ def pair_features(rows, places, scene, axes, features, inside):  # type: ignore[
 
 
 @compiled
-def _find(known, ids, places):  # type: ignore[no-untyped-def]
+def _find(known: Indices, ids: Indices, places: Indices) -> None:
     """Fill ``places`` (k,) with where ids are among the ascending ``known``, all of which are.
 
     Ids count up, so an id is no farther from the first one than they differ, and mostly as far.
@@ -194,7 +211,7 @@ def _find(known, ids, places):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _put_gradient(numbers, gradients, k):  # type: ignore[no-untyped-def]
+def _put_gradient(numbers: Floats, gradients: Floats, k: int) -> None:
     """Fill row k of ``gradients`` (k, 12): by the velocities of both frames, see ``gradients``."""
     n = vector_at(numbers, NORMAL)
     of_A, of_B = cross(vector_at(numbers, P_FACA), n), cross(vector_at(numbers, P_FBCB), n)
@@ -204,13 +221,19 @@ def _put_gradient(numbers, gradients, k):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _put_gradients(rows, gradients):  # type: ignore[no-untyped-def]
+def _put_gradients(rows: Floats, gradients: Floats) -> None:
     for k in range(rows.shape[0]):
         _put_gradient(row(rows, k), gradients, k)
 
 
 @compiled
-def pair_gradients(rows, places, scene, gradients, unique):  # type: ignore[no-untyped-def]
+def pair_gradients(
+    rows: Floats,
+    places: Indices,
+    scene: Scene,
+    gradients: Floats,
+    unique: Booleans,
+) -> bool:
     """Fill ``gradients`` (k, 12) and ``unique`` (k,) of the distances of the rows.
 
     ``places`` (k, 2) are the places of A and of B among the geometries. Return whether surfaces of

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.derivatives.surfaces import is_of_surfaces
+from drake_geom_ros.geometry._proximity.derivatives.surfaces import Scene, is_of_surfaces
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -27,13 +27,24 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, SOLID
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import P_ACA, P_BCB
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 
 @allocating
-def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_BA_W):  # type: ignore[no-untyped-def]
+def _is_alone(
+    numbers: Floats,
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    p_ACa: Vector,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_BCb: Vector,
+    nhat_BA_W: Vector,
+) -> bool:
     """Tell whether the witness points of any body A and a solid B are the only ones.
 
     ``nhat_BA_W`` points out of B into A.
@@ -53,7 +64,7 @@ def _is_alone(numbers, kind_A, shape_A, R_WA, p_ACa, shape_B, R_WB, p_BCb, nhat_
 
 
 @allocating
-def find_unique_of_solids(rows, places, scene, unique):  # type: ignore[no-untyped-def]
+def find_unique_of_solids(rows: Floats, places: Indices, scene: Scene, unique: Booleans) -> None:
     """Fill ``unique`` (k,) where a pair is of surfaces, as ``pair_gradients`` does elsewhere.
 
     Of what touches nobody knows whether it is the only one.

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+
+Scene: TypeAlias = tuple[Indices, Indices, Floats, Floats]  # types, starts, pool and R_WGs
 
 
 @inlined
-def is_of_surfaces(type_a, type_b):  # type: ignore[no-untyped-def]
+def is_of_surfaces(type_a: int, type_b: int) -> bool:
     """Tell whether a distance is that of a solid's surface; a half space meets its hull."""
     return (type_a == SOLID or type_b == SOLID) and type_a != HALF_SPACE and type_b != HALF_SPACE

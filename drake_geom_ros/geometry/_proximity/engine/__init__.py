@@ -1,6 +1,7 @@
 """One query from top to bottom.
 
-Enters: a world, filters, what is asked. Leaves: arrays that no later change reaches, and the
-report of what was done. The only room that ``geometry.queries`` needs for queries of now; imports
-all rooms below.
+In: a world, filters, what is asked.
+Out: arrays that no later change reaches, and the report of what was done.
+May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``world``, ``filters``, ``near``,
+    ``report``, ``pairs``, ``points``, ``derivatives``; numpy, numba.
 """

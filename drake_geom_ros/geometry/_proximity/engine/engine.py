@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from drake_geom_ros.geometry._proximity.engine.pair_query import (
     LIST,
     run_cycle,
 )
-from drake_geom_ros.geometry._proximity.engine.prepared import Prepared, PreparedQueries
+from drake_geom_ros.geometry._proximity.engine.prepared import MANY, Prepared, PreparedQueries
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.kernels.addresses import (
     compile_rows,
@@ -29,11 +28,11 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
 from drake_geom_ros.geometry._proximity.kinds import Method
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
-    BATCH_WIDTH,
+    ANSWER_WIDTH,
     PairBatch,
     PointBatch,
-    frozen,
-    gather_rows,
+    batch_of,
+    gather_answers,
     gathered,
 )
 from drake_geom_ros.geometry._proximity.pairs.budgeted import BudgetedAnswers
@@ -69,16 +68,14 @@ from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Arrays: TypeAlias = tuple[Indices, Floats]  # of a ``PairBatch``, to make which takes longer
 
 ACCURACY_LEVELS = ('bound', *LEVEL_GAPS)
 # How a pair was answered: name and number, as in the messages.
 METHODS = {method.name.lower(): method.value for method in Method}
 _LEVEL_GAPS = {'bound': math.inf, **LEVEL_GAPS}
-_NO_IDS, _NO_ROWS = np.zeros((0, 2), dtype=np.int64), np.zeros((0, BATCH_WIDTH))
-_NO_BATCH = _NO_IDS, _NO_ROWS
+_NO_ANSWERS = np.zeros((0, ANSWER_WIDTH))
 _NO_KERNELS = ()
-MANY = 512  # pairs of an answer, of which it is worth while to know how long they took
+_empty = np.empty
 
 
 class Engine:
@@ -91,7 +88,7 @@ class Engine:
         self.detailed = False  # tell the cache's seconds from those of the kernels, for some more
         # The last answer, and what was asked.
         self._last: Prepared | None = None
-        self._batch: Arrays = _NO_BATCH
+        self._answers = _NO_ANSWERS
         # What the last query did; put in words only for those who ask.
         self._report = empty_report()
         self._queries = PreparedQueries(self._report)
@@ -154,11 +151,11 @@ class Engine:
     def candidates(self, world: World, filters: FilterState, distance: float) -> Indices:
         """Return the unfiltered pairs (k, 2) that bounds alone do not keep apart."""
         prepared = self.prepared(world, filters, 'bound', distance, False, CANDIDATES)
-        return self.candidates_of(prepared, world)
+        return self.candidates_of(prepared)
 
-    def candidates_of(self, prepared: Prepared, world: World) -> Indices:
+    def candidates_of(self, prepared: Prepared) -> Indices:
         """Return ``candidates`` of a prepared query."""
-        count = self._run(prepared, world)
+        count = self._run(prepared)
         near = prepared.near
         pairs: Indices = near.arrays.pairs[near.arrays.hits[:count]]
         self._counts[FAR] = near.count - count
@@ -179,28 +176,42 @@ class Engine:
         spent its ``time_budget`` [s] (0: none), all that may be.
         """
         prepared = self.prepared(world, filters, accuracy, cutoff, penetrating, ANSWERS)
-        return PairBatch(*self.answer_of(prepared, world, time_budget))
+        return batch_of(self.answer_of(prepared, time_budget))
 
-    def answer_of(self, prepared: Prepared, world: World, time_budget: float = 0.0) -> Arrays:
-        """Return ids and rows of ``signed_distances`` of a prepared query."""
-        stands = self._last is prepared and not world.is_stale
-        if stands and prepared.answered_at == world.revision:
+    def answer_of(self, prepared: Prepared, time_budget: float = 0.0) -> Floats:
+        """Return ``signed_distances`` of a prepared query as rows (k, ANSWER_WIDTH).
+
+        What is usual is done here, in one go: in the first cycle after other work, which is what a
+        robot has each time, each function in between comes from memory, too.
+        """
+        world = prepared.world
+        stale, revision = world.is_stale, world.revision
+        if not stale and self._last is prepared and prepared.answered_at == revision:
             return self._as_before(prepared.near)
-        self._last, self._batch = None, _NO_BATCH
-        if time_budget > 0.0 or self.detailed:
-            limited = not prepared.is_bound
-            batch: Arrays = self._answer_in_steps(prepared, world, time_budget if limited else 0.0)
-        elif prepared.seconds > LONG and THREADS > 1:
-            batch = self._answer_shared(prepared, world)
+        self._last, self._answers = None, _NO_ANSWERS
+        if time_budget > 0.0 or self.detailed or (prepared.seconds > LONG and THREADS > 1):
+            answers = self._answer_unusually(prepared, time_budget)
         else:
-            batch = self._answer_alone(prepared, world)
+            self._kernels, self._unrefined = _NO_KERNELS, 0
+            if stale:
+                revision += 1
+            X_PFs = world.pending_poses
+            answers = _empty((prepared.room, ANSWER_WIDTH))
+            count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, answers)
+            world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
+            if count < 0:
+                count = self._go_on(prepared, count, stale, X_PFs, answers)
+            if prepared.fewest <= count <= prepared.most:
+                answers.setflags(False)  # type: ignore[call-arg]
+                answers = answers[:count]
+            else:
+                answers = self._answer_of_other_length(prepared, count, answers)
         # What was left at its bounds is refined when somebody asks again.
-        if not self._unrefined:
-            self._last, self._batch, prepared.answered_at = prepared, batch, world.revision
-        if prepared.is_long:
-            self._last, self._batch = None, _NO_BATCH
+        if not (self._unrefined or prepared.is_long):
+            self._last, self._answers, prepared.answered_at = prepared, answers, world.revision
+        elif prepared.is_long:
             self._queries.forget_list(prepared.cutoff)
-        return batch
+        return answers
 
     def has_overlap(self, world: World, filters: FilterState, accuracy: str) -> bool:
         """Return whether ``signed_distances`` would return a pair that overlaps.
@@ -208,11 +219,11 @@ class Engine:
         Or one that may, where rounding hides more than UNSEEN_DEPTH.
         """
         prepared = self.prepared(world, filters, accuracy, 0.0, True, CONTACT)
-        return self.finds_overlap(prepared, world)
+        return self.finds_overlap(prepared)
 
-    def finds_overlap(self, prepared: Prepared, world: World) -> bool:
+    def finds_overlap(self, prepared: Prepared) -> bool:
         """Return ``has_overlap`` of a prepared query."""
-        return self._run(prepared, world) > 0
+        return self._run(prepared) > 0
 
     def distance_of_pair(
         self, world: World, pair: Indices, accuracy: str, hint: Floats | None = None
@@ -228,22 +239,22 @@ class Engine:
         if hint is not None:
             memory[0, NORMAL : NORMAL + 3] = hint
         if row < 0:
-            return gathered(world, slots[:0], pair, slots, memory, math.inf)
+            return batch_of(gathered(world, slots[:0], pair, slots, memory, math.inf))
         self._kernels = compile_rows(rows)
         self._report.told[CONSIDERED] = self._report.told[LISTED_PAIRS] = 1
         self._moments[LISTED] = self._moments[COMPILED] = time.perf_counter()
         level_gap, hits = _LEVEL_GAPS[accuracy], np.empty(1, dtype=np.int64)
         hits = self._steps.answer(world, pair, slots, memory, (level_gap, math.inf, False), hits)
         self._moments[ANSWERED] = time.perf_counter()
-        return gathered(world, hits, pair, slots, memory, level_gap)
+        return batch_of(gathered(world, hits, pair, slots, memory, level_gap))
 
     def point_distances(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
         """Return the signed distances of all geometries to points (m, 3) up to ``threshold``."""
         self._kernels, self._unrefined = _NO_KERNELS, 0
-        if world.shape_types <= POINTS_COMPILED:
+        if world.point_shapes.kinds <= POINTS_COMPILED:
             return self._points.answer(world, p_WQs, threshold)
         begun = time.perf_counter()
-        self._kernels = compile_point_kernels(world.shape_types)
+        self._kernels = compile_point_kernels(world.point_shapes.kinds)
         spent = time.perf_counter() - begun
         batch = self._points.answer(world, p_WQs, threshold)
         self._moments[:COMPILED] -= spent
@@ -261,7 +272,7 @@ class Engine:
         self._moments[POSED] = time.perf_counter()
         self._moments[FILTERING] = self._moments[KNOWING] = 0.0
 
-    def _as_before(self, near: NeighbourList) -> Arrays:
+    def _as_before(self, near: NeighbourList) -> Floats:
         """Return the last answer, about the pairs of a list, which still stands."""
         self._moments[:] = time.perf_counter()
         told = self._report.told
@@ -272,25 +283,30 @@ class Engine:
         self._kernels, self._unrefined = _NO_KERNELS, 0
         self._moments[FILTERING], self._moments[ANSWERED] = 0.0, time.perf_counter()
         self._moments[KNOWING] = self._moments[ANSWERED] - self._moments[COMPILED]
-        return self._batch
+        return self._answers
 
-    def _run(
-        self, prepared: Prepared, world: World, ids: Indices = _NO_IDS, rows: Floats = _NO_ROWS
-    ) -> int:
-        """Run a cycle; return how many pairs it is about."""
+    def _run(self, prepared: Prepared) -> int:
+        """Run a cycle without answers; return how many pairs it is about."""
+        world = prepared.world
         self._kernels, self._unrefined = _NO_KERNELS, 0
-        stale = world.is_stale
+        stale, X_PFs = world.is_stale, world.pending_poses
         revision = world.revision + stale
-        posed = stale, revision, world.pending_frames.rows, world.pending_poses
-        count: int = run_cycle(prepared.hands, 0, *posed, ids, rows)
+        count: int = run_cycle(prepared.hands, 0, stale, revision, X_PFs, _NO_ANSWERS)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
+        return self._go_on(prepared, count, stale, X_PFs, _NO_ANSWERS)
+
+    def _go_on(
+        self, prepared: Prepared, count: int, stale: bool, X_PFs: Floats, answers: Floats
+    ) -> int:
+        """Go on with a cycle until nothing is lacking any more, of which minus the count tells."""
+        world = prepared.world
         while count < 0:
             if count == -LACKS_KERNELS:
                 self._compile_for(world, prepared.near)
             else:
                 prepared.near.make_room(-count)
                 prepared.hand_over(prepared.filters)
-            count = run_cycle(prepared.hands, -count, *posed, ids, rows)
+            count = run_cycle(prepared.hands, -count, stale, world.revision, X_PFs, answers)
         return count
 
     def _compile_for(self, world: World, near: NeighbourList) -> None:
@@ -299,61 +315,67 @@ class Engine:
         near.know_kernels()
         self._moments[COMPILED] = time.perf_counter()
 
-    def _answer_alone(self, prepared: Prepared, world: World) -> Arrays:
-        """Return the answer in one compiled call, where it is about as long as before."""
-        room = prepared.room
-        ids, rows = np.empty((room, 2), np.int64), np.empty((room, BATCH_WIDTH))
-        count = self._run(prepared, world, ids, rows)
-        if count > room:
-            return self._gathered(prepared, world, count)
+    def _answer_of_other_length(self, prepared: Prepared, count: int, answers: Floats) -> Floats:
+        """Return so many answers, and expect as many from now on."""
+        if count > len(answers):
+            answers = self._gathered(prepared, count)
         if count > MANY:
             prepared.seconds = float(self._moments[ANSWERED] - self._moments[COMPILED])
-        if count < room // 2:
+        if not len(answers) // 2 <= count < len(answers):
             prepared.make_room(count)
-        return frozen(ids[:count], rows[:count])
+        answers.flags.writeable = False
+        return answers[:count]
 
-    def _gathered(self, prepared: Prepared, world: World, count: int) -> PairBatch:
+    def _gathered(self, prepared: Prepared, count: int) -> Floats:
         """Return so many answers of a cycle that had no room for them."""
-        near = prepared.near
+        near, world = prepared.near, prepared.world
         hits = near.arrays.hits[:count]
-        prepared.make_room(count)
-        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
+        answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
         self._moments[ANSWERED] = time.perf_counter()
-        return batch
+        return answers
 
-    def _answer_in_steps(self, prepared: Prepared, world: World, budget: float) -> PairBatch:
+    def _answer_unusually(self, prepared: Prepared, budget: float) -> Floats:
+        """Return the answer by steps, or by threads."""
+        if budget > 0.0 or self.detailed:
+            return self._answer_in_steps(prepared, 0.0 if prepared.is_bound else budget)
+        return self._answer_shared(prepared)
+
+    def _answer_in_steps(self, prepared: Prepared, budget: float) -> Floats:
         """Return the answer, the seconds of its steps told apart or limited by a budget [s]."""
-        self._list_pairs(prepared, world)
-        near = prepared.near
+        self._list_pairs(prepared)
+        near, world = prepared.near, prepared.world
         hits = self._steps.answer_list(world, near, prepared.query, budget)
         self._unrefined = self._steps.unrefined
-        batch = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
+        answers = gathered(world, hits, near.pairs, near.slots, near.memory, prepared.level_gap)
         self._moments[ANSWERED] = time.perf_counter()
-        return batch
+        return answers
 
-    def _list_pairs(self, prepared: Prepared, world: World) -> None:
+    def _list_pairs(self, prepared: Prepared) -> None:
         """Bring the list of a query up to date, and see that there are kernels for its pairs."""
-        self._run(self._queries.prepared(world, prepared.filters, *prepared.query, LIST), world)
+        listing = *prepared.query, LIST
+        self._run(self._queries.prepared(prepared.world, prepared.filters, *listing))
 
-    def _answer_shared(self, prepared: Prepared, world: World) -> Arrays:
+    def _answer_shared(self, prepared: Prepared) -> Floats:
         """Return a long answer, by threads."""
+        world = prepared.world
         begun = time.perf_counter()
         moved = world.update_shared()
         spent = time.perf_counter() - begun
-        self._list_pairs(prepared, world)
+        self._list_pairs(prepared)
         self._report.told[[FRAMES_MOVED, BODIES_MOVED]] = moved
         self._moments[BEGUN] -= spent
         near = prepared.near
         hits = self._steps.answer_shared(world, near, prepared.query)
         count = len(hits)
         prepared.make_room(count)
-        ids, rows = np.empty((count, 2), np.int64), np.empty((count, BATCH_WIDTH))
+        answers = np.empty((count, ANSWER_WIDTH))
         memory = near.pairs, near.slots, near.memory, prepared.level_gap, world.handle
 
         def gather(first: int, last: int) -> None:
-            gather_rows(hits[first:last], *memory, ids[first:last], rows[first:last])
+            gather_answers(hits[first:last], *memory, answers[first:last])
 
         share(count, gather)
         self._moments[ANSWERED] = time.perf_counter()
         prepared.seconds = THREADS * float(self._moments[ANSWERED] - self._moments[COMPILED])
-        return frozen(ids, rows)
+        answers.flags.writeable = False
+        return answers

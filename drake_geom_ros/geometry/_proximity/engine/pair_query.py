@@ -17,13 +17,16 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     LACKS_SLOTS,
     MADE,
     PAIRS,
+    FilterArrays,
+    ListArrays,
     filters_of,
     list_of,
 )
 from drake_geom_ros.geometry._proximity.near.grids import Boxes, code_of
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
-from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_rows
-from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs, near_pairs
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import gather_answers
+from drake_geom_ros.geometry._proximity.pairs.distance_bounds import near_pairs
+from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.pairs.quick_contacts import quick_contact
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,
@@ -35,18 +38,22 @@ from drake_geom_ros.geometry._proximity.report import (
     LIST_MADE,
     LISTED,
     LISTED_PAIRS,
+    ReportArrays,
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Reals,
     taker,
 )
 from drake_geom_ros.geometry._proximity.runtime.views import part
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 
 # What is asked for.
 LIST = 0  # no more than the list, and the kernels of its pairs
@@ -82,30 +89,28 @@ _boxes_of = taker(Boxes)
 
 
 @compiled
-def run_cycle(  # type: ignore[no-untyped-def]
-    hands,
-    lacking,
-    stale,
-    revision,
-    posed_rows,
-    X_PFs,
-    ids,
-    rows,
-):
+def run_cycle(
+    hands: Handle,
+    lacking: int,
+    stale: bool,
+    revision: int,
+    X_PFs: Floats,
+    answers: Floats,
+) -> int:
     """Do what a query does; return how many pairs it is about, or minus what is lacking.
 
     ``hands`` is the handle of ``Hands``. What was ``lacking`` (0: nothing) is there now, and the
     cycle goes on there. If it is ``stale``, the world gets the poses ``X_PFs`` (n, POSE_WIDTH) of
-    the frames in its rows ``posed_rows`` (n,), and is updated to this ``revision``. The numbers of
-    the pairs are written to the list's ``hits``, and their ``ids`` (k, 2) and ``rows``
-    (k, BATCH_WIDTH) if there is room for all.
+    the frames that it was told of, and is updated to this ``revision``. The numbers of the pairs
+    are written to the list's ``hits``, and their ``answers`` (k, ANSWER_WIDTH) if there is room
+    for all.
     """
     hands = _hands_of(hands)
     level_gap, cutoff, mode = hands.asked[LEVEL_GAP], hands.asked[CUTOFF], hands.asked[MODE]
     world, near, report = world_of(hands.world), list_of(hands.near), report_of(hands.report)
     moments = report.moments
     if lacking == 0:
-        pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
+        pose_world(hands.world, report, stale, revision, X_PFs)
         if mode == CONTACT and _is_quick_contact(
             world, filters_of(hands.filters), report, level_gap
         ):
@@ -137,23 +142,18 @@ def run_cycle(  # type: ignore[no-untyped-def]
     if mode > LIST:
         query = level_gap, cutoff, hands.asked[PENETRATING] != 0.0
         count = _answer(hands.kernels, hands.world, near, report, revision, query, mode)
-    if mode == ANSWERS and count <= ids.shape[0]:
-        gather_rows(
-            part(near.hits, 0, count),
-            near.pairs,
-            near.slots,
-            near.memory,
-            level_gap,
-            hands.world,
-            ids,
-            rows,
-        )
+    if mode == ANSWERS and count <= answers.shape[0]:
+        hits = part(near.hits, 0, count)
+        rows = near.pairs, near.slots, near.memory
+        gather_answers(hits, *rows, level_gap, hands.world, answers)
     moments[ANSWERED] = now()
     return count
 
 
 @inlined
-def _is_quick_contact(world, filters, report, level_gap):  # type: ignore[no-untyped-def]
+def _is_quick_contact(
+    world: WorldArrays, filters: FilterArrays, report: ReportArrays, level_gap: float
+) -> bool:
     """Tell whether a contact was seen without a list, and report so."""
     told, moments = report.told, report.moments
     a, b = quick_contact(world, filters, level_gap, told[CONTACT_A], told[CONTACT_B])
@@ -168,7 +168,7 @@ def _is_quick_contact(world, filters, report, level_gap):  # type: ignore[no-unt
 
 
 @inlined
-def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
+def _place_of_contact(near: ListArrays, report: ReportArrays) -> int:
     """Return the number of the pair in which the last contact was, or of the one after it."""
     a, b = report.told[CONTACT_A], report.told[CONTACT_B]
     low, high = 0, near.numbers[PAIRS]
@@ -182,7 +182,15 @@ def _place_of_contact(near, report):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _answer(kernels, world, near, report, revision, query, mode):  # type: ignore[no-untyped-def]
+def _answer(
+    kernels: Addresses,
+    world: Handle,
+    near: ListArrays,
+    report: ReportArrays,
+    revision: int,
+    query: tuple[float, float, bool],
+    mode: float,
+) -> int:
     """Fill in the hits of the list's pairs; return how many there are."""
     count = near.numbers[PAIRS]
     pairs = near.pairs[:count]

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of
 from drake_geom_ros.geometry._proximity.world.world import World
 
 LEAST_ROOM = 16  # rows made ready for an answer
+MANY = 512  # pairs of an answer, of which it is worth while to know how long they took
 _LONG = 2**20  # pairs of a list, 130 bytes each: longer ones are made anew each time
 _MOST = 16  # queries of one scene that are kept: cutoffs may come without end
 
@@ -48,23 +49,27 @@ class Prepared:
     __slots__ = (
         '_asked',
         '_report',
-        '_world',
         'answered_at',
         'cutoff',
+        'fewest',
         'filters',
         'handles',
         'hands',
         'is_bound',
         'is_long',
         'level_gap',
+        'most',
         'near',
         'query',
         'room',
+        'scene',
         'seconds',
         'version',
+        'world',
     )
     filters: FilterState
     version: int  # of the filters
+    scene: int  # tells its context whether it is that of now; -1: it is not kept any more
     seconds: float  # that the narrow phase of a long answer took last, of one thread
     answered_at: int  # the revision of the world for which there is an answer, under these filters
 
@@ -77,20 +82,29 @@ class Prepared:
             *(asked.level_gap, asked.cutoff),
             *(asked.penetrating, asked.mode),
         )
-        self._world, self._report, self.near = world, report, near
-        self.room, self.seconds = LEAST_ROOM, 0.0
+        self.world, self._report, self.near = world, report, near
+        self.seconds = 0.0
+        self.make_room(0)
 
     def make_room(self, count: int) -> None:
         """Have room for so many answers, and some more, from now on."""
         self.room = max(LEAST_ROOM, count + count // 4)
+        # As many answers as need no other room, nor a look at how long they took.
+        self.fewest = 0 if self.room == LEAST_ROOM else self.room // 2
+        self.most = min(self.room, MANY)
+
+    def let_go(self) -> None:
+        """Hold no list any more, whoever still has this: it is prepared anew."""
+        self.scene = -1
+        del self.near, self.handles, self.hands
 
     def hand_over(self, filters: FilterState) -> None:
         """Take the arrays that are there now."""
-        self.near.look_at(self._world, filters)
+        self.near.look_at(self.world, filters)
         self.filters, self.version, self.answered_at = filters, filters.version, -1
         self._asked[VERSION] = filters.version
         self.handles = self.near.handles  # who has the handle of handles keeps these, too
-        hands = Hands(self._world.handle, *self.handles, self._report, ADDRESSES, self._asked)
+        hands = Hands(self.world.handle, *self.handles, self._report, ADDRESSES, self._asked)
         self.hands = handle_of(hands)
         self.is_long = len(self.near.arrays.slots) > _LONG
 
@@ -132,6 +146,8 @@ class PreparedQueries:
     def forget_list(self, cutoff: float) -> None:
         """Give back the list that queries with such a cutoff work on."""
         self._lists.pop(math.isinf(cutoff))
+        for known in self._known.values():
+            known.let_go()
         self._known.clear()
 
     def _prepare(self, world: World, filters: FilterState, asked: Asked) -> Prepared:
@@ -147,7 +163,7 @@ class PreparedQueries:
         known = self._known.get(asked)
         if known is None:
             if len(self._known) == _MOST:
-                del self._known[next(iter(self._known))]
+                self._known.pop(next(iter(self._known))).scene = -1
             known = self._known[asked] = Prepared(asked, world, near, self._report_handle)
         known.hand_over(filters)
         return known

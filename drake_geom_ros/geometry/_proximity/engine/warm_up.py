@@ -25,7 +25,7 @@ from drake_geom_ros.geometry._proximity.points.point_query import are_allowed
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation
 from drake_geom_ros.geometry._proximity.world.pose_rounding import shift_of
-from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_frame_poses
+from drake_geom_ros.geometry._proximity.world.pose_rows import FRAME_POSES, POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable, Named, World
 
 
@@ -77,7 +77,7 @@ def _warmed_scene() -> tuple[World, Engine]:
     for step in (0.1, 0.2, 0.2, 50.0):
         poses = np.tile([step, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], (count - 1, 1))
         X_PFs = np.empty((count - 1, POSE_WIDTH))
-        read_frame_poses(named.ids, poses, X_PFs)
+        FRAME_POSES.call(named.ids, named.ids, poses, X_PFs)
         world.pose(named, X_PFs)
         world.copy()  # takes what was given without a query
         world.pose(named, X_PFs)

@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 Slots = NDArray[np.int64]
@@ -105,11 +106,11 @@ def write_rows(
 def may_report(bits: Bits, bodies: Slots, bit_rows: BitRows, slot_a: int, slot_b: int) -> bool:
     """Tell whether a pair may be reported."""
     # Unsigned indices spare the test for negative ones, a third of the whole time.
-    i, j = np.uint64(slot_a), np.uint64(slot_b)
+    i, j = unsigned(slot_a), unsigned(slot_b)
     excluded = np.uint8(0)
     if bit_rows[i] != NO_ROW:
-        row = np.uint64(bit_rows[i])
-        excluded = bits[CURRENT, row, j >> np.uint64(3)] >> np.uint8(j & np.uint64(7))
+        row = unsigned(bit_rows[i])
+        excluded = bits[CURRENT, row, j >> unsigned(3)] >> np.uint8(j & unsigned(7))
     body_a, body_b = bodies[i], bodies[j]
     return bool((excluded & np.uint8(1) == 0) & (body_a != body_b) & ((body_a | body_b) >= 0))
 

@@ -57,6 +57,10 @@ witness points     Ca and Cb, the points that attain a distance or a depth
 penetration depth  -phi of bodies that overlap: the least translation that separates
 Minkowski          D = {a - b}, which holds the origin where A and B overlap; the ball about the
 difference         origin that just fits into D has the depth as radius
+separation         how far apart two bodies are, as bounds tell it: a slab along an axis, or boxes
+level gap          how far apart an accuracy level lets the certified bounds of an answer be
+cutoff             the distance beyond which nobody asks; of points it is pydrake's *threshold*
+skin               what a body's box is grown by, for a list of neighbours to stand for a while
 core               what is left of a body when the ball that it is grown by is taken away
 separating axis    a direction along which a slab between the bodies is empty
 certificate        two numbers that phi is between: a pair of points above, a slab below
@@ -73,4 +77,8 @@ winding number     1 in a closed surface and 0 outside: the solid angles of its 
 A kernel never raises, never loops without a bound, never writes NaN, and allocates nothing on
 the heap that grows with its input. 3-vectors are tuples of three floats (``vectors``).
 Every epsilon comes from ``tolerances``, where its reason stands.
+
+In: numbers of shapes, poses of one to another, a tolerance and a cutoff [m].
+Out: one row a pair, as told above.
+May import: ``math``, ``_proximity``, ``runtime``; numpy.
 """

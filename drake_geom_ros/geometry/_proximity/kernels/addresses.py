@@ -13,6 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     TYPE_COUNT,
 )
 from drake_geom_ros.geometry._proximity.runtime.addresses import address_table
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation, compiled
 
 ROWS = np.array(ROW_OF_TYPES, dtype=np.int64)
@@ -44,7 +45,7 @@ def compile_rows(rows: NDArray[np.int64], tell: Tell | None = None) -> list[str]
 
 
 @compiled
-def has_each(types, pairs, count, there):
+def has_each(types: Indices, pairs: Indices, count: int, there: Booleans) -> bool:
     """Tell whether the kernel of each of the first so many pairs is there, for these shape types.
 
     ``there`` are ``COMPILED_ROWS``; two half spaces have no kernel and need none.

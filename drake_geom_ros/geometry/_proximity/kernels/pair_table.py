@@ -132,7 +132,7 @@ class PairRow:
         return load_kernel(self.kernel)
 
 
-CLOSED, ITERATIVE, TRIANGLES, _ = Method
+CLOSED, ITERATIVE, TRIANGLES, *_ = Method
 _CORES = 'convex.pairs.signed_distance_of_cores'
 BY_PAIR_KERNEL = 'closed_forms.to_points.by_pair_kernel'
 _SOLIDS = 'solids.pairs.signed_distance_to_solid'
@@ -190,7 +190,7 @@ POINT_KERNELS = {
     ELLIPSOID: 'closed_forms.to_points.to_ellipsoid',
     HALF_SPACE: 'closed_forms.to_points.to_half_space',
     CONVEX: BY_PAIR_KERNEL,
-    SOLID: BY_PAIR_KERNEL,
+    SOLID: 'solids.to_points.to_solid',
 }
 
 # Number in ALL_ROWS by type_a * TYPE_COUNT + type_b, the lower type first; -1 where there is none.

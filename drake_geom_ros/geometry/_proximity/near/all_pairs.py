@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from drake_geom_ros.geometry._proximity.near.arrays import ORIGIN
+from drake_geom_ros.geometry._proximity.near.arrays import ORIGIN, ListArrays
 from drake_geom_ros.geometry._proximity.near.box_lanes import (
     LANES,
     above,
@@ -15,18 +15,20 @@ from drake_geom_ros.geometry._proximity.near.box_lanes import (
     overlapping,
 )
 from drake_geom_ros.geometry._proximity.near.grids import put_code
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS, SINGLE_LARGEST
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 
 @inlined
-def _finite(value):  # type: ignore[no-untyped-def]
+def _finite(value: float) -> float:
     """Return a coordinate, or 0 for one that is too large to measure from."""
     return value if abs(value) < SINGLE_LARGEST else 0.0
 
 
 @inlined
-def _set_side(near, g, cutoff):  # type: ignore[no-untyped-def]
+def _set_side(near: ListArrays, g: int, cutoff: float) -> None:
     """Write the sides of a box, of which the lower ones are out by the cutoff [m].
 
     They are measured from ORIGIN, for far from World's they keep their digits so. A plane is
@@ -42,7 +44,7 @@ def _set_side(near, g, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _are_within(lowers, uppers, i, k, cutoff):  # type: ignore[no-untyped-def]
+def _are_within(lowers: Floats, uppers: Floats, i: int, k: int, cutoff: float) -> bool:
     """Tell whether two boxes are within a cutoff [m] along each axis.
 
     Corners are rounded, and the sums of them and the cutoff: each by half a spacing at most, of
@@ -58,7 +60,7 @@ def _are_within(lowers, uppers, i, k, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_pair(near, frames, i, k, cutoff):  # type: ignore[no-untyped-def]
+def _is_pair(near: ListArrays, frames: Indices, i: int, k: int, cutoff: float) -> bool:
     """Tell whether two bodies whose rounded boxes overlap are a pair of the list."""
     if frames[i] == 0 and frames[k] == 0:
         return False
@@ -68,7 +70,7 @@ def _is_pair(near, frames, i, k, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _look_at_one(near, world, i, cutoff, count):  # type: ignore[no-untyped-def]
+def _look_at_one(near: ListArrays, world: WorldArrays, i: int, cutoff: float, count: int) -> int:
     """Append the codes of the pairs of i with those behind it; return how many there are."""
     n, box = near.is_plane.size, box_at(near.sides, i)
     for first in range(i + 1, n, LANES):
@@ -81,7 +83,7 @@ def _look_at_one(near, world, i, cutoff, count):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def look_at_all(near, world, cutoff):  # type: ignore[no-untyped-def]
+def look_at_all(near: ListArrays, world: WorldArrays, cutoff: float) -> int:
     """Fill in the codes of near pairs, in order; return how many there are, beyond the room too.
 
     ``near`` is a ``ListArrays``. Those of two anchored bodies, or of two planes, are left out;

@@ -9,12 +9,13 @@ branch that is guessed wrong as often as not for each box.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numba import config, types
 from numba.extending import intrinsic
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import Singles, single
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     SINGLE_EPS,
@@ -22,47 +23,49 @@ from drake_geom_ros.geometry._proximity.tolerances import (
     SINGLE_TINY,
 )
 
+Sides: TypeAlias = tuple[float, float, float, float, float, float]  # of a box, lower ones first
+
 LANES = 8  # boxes that are compared at once; so many more have room behind the last
 
 
-def empty_sides(count: int) -> np.ndarray[Any, np.dtype[np.float32]]:
+def empty_sides(count: int) -> Singles:
     """Return room for the sides of some boxes."""
     return np.zeros((6, count + LANES), dtype=np.float32)
 
 
 @inlined
-def below(value):  # type: ignore[no-untyped-def]
+def below(value: float) -> float:
     """Return a number of single precision that is no larger."""
     value = min(value, SINGLE_LARGEST)
     lower = value - SINGLE_EPS * abs(value) - SINGLE_TINY
-    return np.float32(lower if lower > -2.0 * SINGLE_LARGEST else -math.inf)
+    return single(lower if lower > -2.0 * SINGLE_LARGEST else -math.inf)
 
 
 @inlined
-def above(value):  # type: ignore[no-untyped-def]
+def above(value: float) -> float:
     """Return a number of single precision that is no smaller."""
     return -below(-value)
 
 
 @inlined
-def box_at(sides, k):  # type: ignore[no-untyped-def]
+def box_at(sides: Singles, k: int) -> tuple[float, float, float, float, float, float]:
     """Return the six sides of a box, as ``overlapping`` takes them."""
     return sides[0, k], sides[1, k], sides[2, k], sides[3, k], sides[4, k], sides[5, k]
 
 
 @inlined
-def first_lanes(count):  # type: ignore[no-untyped-def]
+def first_lanes(count: int) -> int:
     """Return the bits of so many boxes, or of all LANES."""
     return (1 << min(count, LANES)) - 1
 
 
 if config.DISABLE_JIT:
 
-    def overlapping(sides: Any, first: int, box: Any) -> int:
+    def overlapping(sides: Singles, first: int, box: Sides) -> int:
         """Return bits: which of the LANES boxes from the first on overlap a box of six sides."""
         lanes = sides[:, first : first + LANES].T
         meet = (lanes[:, :3] <= box[3:]) & (np.array(box[:3]) <= lanes[:, 3:])
-        return sum(1 << k for k, meets in enumerate(meet.all(axis=1)) if meets)
+        return sum(1 << k for k in range(len(meet)) if meet[k].all())
 
     def lowest(bits: int) -> int:
         """Return the number of the lowest bit that is set."""
@@ -76,24 +79,24 @@ else:
     _PLACES = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
 
     @inlined
-    def overlapping(sides, first, box):  # type: ignore[no-untyped-def]
+    def overlapping(sides: Singles, first: int, box: Sides) -> int:
         """Return bits: which of the LANES boxes from the first on overlap a box of six sides."""
         return _overlapping(sides.ctypes.data + first * sides.itemsize, sides.strides[0], box)
 
     @intrinsic
-    def _overlapping(typingctx, address, step, box):  # type: ignore[no-untyped-def]
+    def _overlapping(typingctx: Any, address: Any, step: Any, box: Any) -> Any:
         """Do what ``overlapping`` does; the lower sides are at an address, the next a step on."""
 
-        def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             begin, step, given = values
 
-            def load(side):  # type: ignore[no-untyped-def]
+            def load(side: Any) -> Any:
                 address = builder.add(begin, builder.mul(step, ir.Constant(step.type, side)))
                 loaded = builder.load(builder.inttoptr(address, _SINGLES.as_pointer()))
                 loaded.align = 4
                 return loaded
 
-            def spread(side):  # type: ignore[no-untyped-def]
+            def spread(side: Any) -> Any:
                 number = builder.extract_value(given, side)
                 one = builder.insert_element(_UNDEFINED, number, ir.Constant(ir.IntType(32), 0))
                 return builder.shuffle_vector(one, one, _PLACES)
@@ -101,8 +104,8 @@ else:
             meets = None
             for axis in range(3):
                 for low, high in (
-                    (load(axis), spread(3 + axis)),  # type: ignore[no-untyped-call]
-                    (spread(axis), load(3 + axis)),  # type: ignore[no-untyped-call]
+                    (load(axis), spread(3 + axis)),
+                    (spread(axis), load(3 + axis)),
                 ):
                     compared = builder.fcmp_ordered('<=', low, high)
                     meets = compared if meets is None else builder.and_(meets, compared)
@@ -112,10 +115,10 @@ else:
         return types.int64(types.intp, types.intp, types.UniTuple(types.float32, 6)), codegen
 
     @intrinsic
-    def lowest(typingctx, bits):  # type: ignore[no-untyped-def]
+    def lowest(typingctx: Any, bits: Any) -> Any:
         """Return the number of the lowest bit that is set."""
 
-        def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             return builder.cttz(values[0], ir.Constant(ir.IntType(1), 1))
 
         return types.int64(types.int64), codegen

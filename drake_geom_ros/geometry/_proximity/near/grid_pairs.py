@@ -30,10 +30,12 @@ from drake_geom_ros.geometry._proximity.near.grids import (
     STEP_Y,
     STEP_Z,
     UPPER,
+    Boxes,
     bucket_of,
     put_code,
     width_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 # Rows of cells along x, by their steps in y and z: one of each two that are opposite each other.
@@ -41,10 +43,10 @@ FORWARD = np.array([(1, 0), (-1, 1), (0, 1), (1, 1)], dtype=np.int64)
 
 
 @inlined
-def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
+def _overlap(bounds_a: Floats, a: int, bounds_b: Floats, b: int) -> bool:
     """Tell whether two boxes share a point."""
     # Unsigned numbers: the test for negative ones takes as long as the comparison.
-    a, b = np.uint64(a), np.uint64(b)
+    a, b = unsigned(a), unsigned(b)
     # Without branches, of which each but the last would be guessed wrong as often as not.
     return (
         (bounds_a[a, LOWER] <= bounds_b[b, UPPER])
@@ -57,9 +59,11 @@ def _overlap(bounds_a, a, bounds_b, b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _put_pair(A, a, B, b, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _put_pair(
+    A: Boxes, a: int, B: Boxes, b: int, skipped: Booleans, codes: Indices, count: int
+) -> int:
     """Append the pair of two boxes if they overlap, are not of one body, and b is not skipped."""
-    i, j = A.rows[np.uint64(a)], B.rows[np.uint64(b)]
+    i, j = A.rows[unsigned(a)], B.rows[unsigned(b)]
     kept = _overlap(A.bounds, a, B.bounds, b) & (i != j)
     if skipped.size > 0:
         kept = kept & (not skipped[j])
@@ -67,18 +71,30 @@ def _put_pair(A, a, B, b, skipped, codes, count):  # type: ignore[no-untyped-def
 
 
 @inlined
-def _put_found(A, a, B, bits, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _put_found(
+    A: Boxes, a: int, B: Boxes, bits: int, skipped: Booleans, codes: Indices, count: int
+) -> int:
     """Pair box a of A with the boxes of B that were found, LANES bits for each of its places."""
     while bits != 0:
         found = lowest(bits)
-        b = B.places[np.uint64(found // LANES)] + found % LANES
+        b = B.places[unsigned(found // LANES)] + found % LANES
         count = _put_pair(A, a, B, b, skipped, codes, count)
         bits &= bits - 1
     return count
 
 
 @inlined
-def _among(A, a, box, B, first, last, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _among(
+    A: Boxes,
+    a: int,
+    box: tuple[float, float, float, float, float, float],
+    B: Boxes,
+    first: int,
+    last: int,
+    skipped: Booleans,
+    codes: Indices,
+    count: int,
+) -> int:
     """Pair box a of A with those of B from the first up to the last, without it."""
     while first < last:
         bits = overlapping(B.sides, first, box) & first_lanes(last - first)
@@ -90,26 +106,37 @@ def _among(A, a, box, B, first, last, skipped, codes, count):  # type: ignore[no
 
 
 @inlined
-def _look(A, a, box, B, first, end, used, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _look(
+    A: Boxes,
+    a: int,
+    box: tuple[float, float, float, float, float, float],
+    B: Boxes,
+    first: int,
+    end: int,
+    used: int,
+    skipped: Booleans,
+    codes: Indices,
+    count: int,
+) -> tuple[int, int]:
     """Look at the boxes of B from the first one up to where the bucket ``end`` begins.
 
     Return the bits of LANES of them, for the place number ``used``, and how many pairs there are
     with what is beyond these.
     """
     buckets = B.counts[MASK] + 1
-    last = B.starts[np.uint64(min(end, buckets))]
-    B.places[np.uint64(used)] = first
+    last = B.starts[unsigned(min(end, buckets))]
+    B.places[unsigned(used)] = first
     bits = overlapping(B.sides, first, box) & first_lanes(max(last - first, 0))
     if last - first > LANES:
         count = _among(A, a, box, B, first + LANES, last, skipped, codes, count)
     if end > buckets:  # the row goes on at the first bucket
-        last = B.starts[np.uint64(end - buckets)]
+        last = B.starts[unsigned(end - buckets)]
         count = _among(A, a, box, B, 0, last, skipped, codes, count)
     return bits << (LANES * used), count
 
 
 @inlined
-def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
+def _cells_along(A: Boxes, a: int, axis: int, width: float) -> tuple[float, float]:
     """Return the first and the last cell along an axis that may hold the centre of a neighbour.
 
     Boxes in a cell are narrower than it, so their centres are less than half a cell away.
@@ -119,7 +146,16 @@ def _cells_along(A, a, axis, width):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _in_grid(A, a, box, B, grid, skipped, codes, count):  # type: ignore[no-untyped-def]
+def _in_grid(
+    A: Boxes,
+    a: int,
+    box: tuple[float, float, float, float, float, float],
+    B: Boxes,
+    grid: int,
+    skipped: Booleans,
+    codes: Indices,
+    count: int,
+) -> int:
     """Pair box a of A with those of B in a grid."""
     width = width_of(B, grid)
     x_0, x_1 = _cells_along(A, a, 0, width)
@@ -135,7 +171,7 @@ def _in_grid(A, a, box, B, grid, skipped, codes, count):  # type: ignore[no-unty
     for y in range(int(y_0), int(y_1) + 1):
         for z in range(int(z_0), int(z_1) + 1):
             bucket = bucket_of(B.counts, int(x_0), y, z, grid)
-            first, end = B.starts[np.uint64(bucket)], bucket + cells
+            first, end = B.starts[unsigned(bucket)], bucket + cells
             seen, count = _look(A, a, box, B, first, end, used, skipped, codes, count)
             bits, used = bits | seen, used + 1
             if used == PLACES:
@@ -145,7 +181,7 @@ def _in_grid(A, a, box, B, grid, skipped, codes, count):  # type: ignore[no-unty
 
 
 @compiled
-def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
+def pairs_within(boxes: Boxes, nobody: Booleans, codes: Indices, count: int) -> int:
     """Append the pairs of boxes that overlap to the codes; return how many there are then.
 
     ``nobody`` is empty, and handed over: as a constant it would be of another type than
@@ -159,7 +195,7 @@ def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
         for k in range(FORWARD.shape[0]):
             aside = FORWARD[k, 0] * counts[STEP_Y] + FORWARD[k, 1] * counts[STEP_Z]
             row = (bucket - 1 + aside) & counts[MASK]
-            first, end = starts[np.uint64(row)], row + 3
+            first, end = starts[unsigned(row)], row + 3
             seen, count = _look(boxes, a, box, boxes, first, end, k + 1, nobody, codes, count)
             bits |= seen
         count = _put_found(boxes, a, boxes, bits, nobody, codes, count)
@@ -170,7 +206,9 @@ def pairs_within(boxes, nobody, codes, count):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def pairs_between(some, others, skipped, codes, count):  # type: ignore[no-untyped-def]
+def pairs_between(
+    some: Boxes, others: Boxes, skipped: Booleans, codes: Indices, count: int
+) -> int:
     """Append the pairs of one of some boxes and one of others; return how many there are then.
 
     Those of ``others`` for which ``skipped`` (n,) holds are left out; none if it is empty.

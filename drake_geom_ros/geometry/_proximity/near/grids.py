@@ -29,6 +29,7 @@ from drake_geom_ros.geometry._proximity.near.box_lanes import (
     below,
     empty_sides,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.handles import (
     Bounds,
@@ -94,7 +95,7 @@ def room_for(count: int) -> Boxes:
 
 
 @inlined
-def bucket_of(counts, x, y, z, grid):  # type: ignore[no-untyped-def]
+def bucket_of(counts: Indices, x: int, y: int, z: int, grid: int) -> int:
     """Return the bucket of a cell: in a row along x one follows the other."""
     low = MOST_BUCKETS - 1  # products of more digits would overflow
     row = (y & low) * counts[STEP_Y] + (z & low) * counts[STEP_Z] + grid * 6151
@@ -102,31 +103,31 @@ def bucket_of(counts, x, y, z, grid):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def code_of(i, j):  # type: ignore[no-untyped-def]
+def code_of(i: int, j: int) -> int:
     """Return the code of a pair of rows."""
     return (min(i, j) << ROW_BITS) | max(i, j)
 
 
 @inlined
-def rows_of(code):  # type: ignore[no-untyped-def]
+def rows_of(code: int) -> tuple[int, int]:
     """Return the rows i < j of a code."""
     return code >> ROW_BITS, code & SECOND_ROW
 
 
 @inlined
-def put_code(codes, count, i, j, kept):  # type: ignore[no-untyped-def]
+def put_code(codes: Indices, count: int, i: int, j: int, kept: bool) -> int:
     """Append the code of a pair if it is ``kept``; return how many there are then.
 
     There is no branch, which for a pair of neighbours would be guessed wrong too often. So the
     last place of the codes, of which there is one at least, is for those that are not kept, and
     for those that there is no room for.
     """
-    codes[np.uint64(min(count, codes.size - 1))] = code_of(i, j)
+    codes[unsigned(min(count, codes.size - 1))] = code_of(i, j)
     return count + kept
 
 
 @inlined
-def _grid_of(grids, used, grid):  # type: ignore[no-untyped-def]
+def _grid_of(grids: Indices, used: int, grid: int) -> int:
     """Return the number of grids in use once this one is."""
     for k in range(used):
         if grids[k] == grid:
@@ -136,13 +137,13 @@ def _grid_of(grids, used, grid):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def width_of(boxes, grid):  # type: ignore[no-untyped-def]
+def width_of(boxes: Boxes, grid: int) -> float:
     """Return how wide the cells of a grid are [m]."""
     return boxes.width[0] * STEP**grid
 
 
 @inlined
-def _half(p_WGs, half_extents, paddings, g, c):  # type: ignore[no-untyped-def]
+def _half(p_WGs: Floats, half_extents: Floats, paddings: Floats, g: int, c: int) -> float:
     """Return half the extent [m] of a padded box along an axis."""
     half = half_extents[g, c] + paddings[g]
     # What rounding may have taken off: a few spacings at the corners.
@@ -150,7 +151,9 @@ def _half(p_WGs, half_extents, paddings, g, c):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _choose_width(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
+def _choose_width(
+    boxes: Boxes, rows: Indices, p_WGs: Floats, half_extents: Floats, paddings: Floats
+) -> tuple[Vector, Vector, float]:
     """Set the width of cells, and of each box; return the least and largest coordinates [m]."""
     total, farthest, base = 0.0, 0.0, 0.0
     least, largest = (math.inf, math.inf, math.inf), (-math.inf, -math.inf, -math.inf)
@@ -174,7 +177,7 @@ def _choose_width(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[n
 
 
 @inlined
-def _choose_buckets(boxes, count, least, largest):  # type: ignore[no-untyped-def]
+def _choose_buckets(boxes: Boxes, count: int, least: Vector, largest: Vector) -> None:
     """Choose how many buckets there are, and how far apart in them rows of cells are.
 
     Where there can be a bucket for each cell of the room that the bodies are in, rows stand in
@@ -195,7 +198,7 @@ def _choose_buckets(boxes, count, least, largest):  # type: ignore[no-untyped-de
 
 
 @inlined
-def _finest(boxes, box, farthest):  # type: ignore[no-untyped-def]
+def _finest(boxes: Boxes, box: float, farthest: float) -> tuple[int, float]:
     """Return the finest grid whose cells are wide enough for a box, and for where bodies are.
 
     And how wide they are [m].
@@ -210,7 +213,7 @@ def _finest(boxes, box, farthest):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _find_cells(boxes, rows, p_WGs, farthest):  # type: ignore[no-untyped-def]
+def _find_cells(boxes: Boxes, rows: Indices, p_WGs: Floats, farthest: float) -> None:
     """Find the cell and the bucket of each, and count those in each bucket at its place."""
     used = 0
     boxes.starts[: boxes.counts[MASK] + 2] = 0
@@ -226,7 +229,9 @@ def _find_cells(boxes, rows, p_WGs, farthest):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def put_in(boxes, rows, p_WGs, half_extents, paddings):  # type: ignore[no-untyped-def]
+def put_in(
+    boxes: Boxes, rows: Indices, p_WGs: Floats, half_extents: Floats, paddings: Floats
+) -> None:
     """Put the boxes of rows (k,) of the world in, and nobody else, each wider by its padding.
 
     Paddings (n,) [m] are for every side, one for each row of the world.

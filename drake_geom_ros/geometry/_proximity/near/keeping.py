@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from drake_geom_ros.geometry._proximity.filters.matrix import may_report
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import SEEN, SLACK, SLOT_WIDTH
-from drake_geom_ros.geometry._proximity.near.arrays import FREE, PAIRS
+from drake_geom_ros.geometry._proximity.near.arrays import FREE, PAIRS, FilterArrays, ListArrays
 from drake_geom_ros.geometry._proximity.near.grids import rows_of
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 
 @compiled
-def sort(codes, room, tally, n):  # type: ignore[no-untyped-def]
+def sort(codes: Indices, room: Indices, tally: Indices, n: int) -> None:
     """Put codes of pairs of n bodies in order: by the second row, and then by the first.
 
     Only rows between the least and the largest are counted: where few bodies move, half of them.
@@ -29,24 +29,26 @@ def sort(codes, room, tally, n):  # type: ignore[no-untyped-def]
         counts = part(tally, 0, max(high - low + 2, 0))
         counts[:] = 0
         for k in range(codes.size):
-            counts[np.uint64(_digit(unsorted[k], turn) - low + 1)] += 1
+            counts[unsigned(_digit(unsorted[k], turn) - low + 1)] += 1
         for k in range(1, counts.size):
             counts[k] += counts[k - 1]
         for k in range(codes.size):
-            digit = np.uint64(_digit(unsorted[k], turn) - low)
+            digit = unsigned(_digit(unsorted[k], turn) - low)
             ordered[counts[digit]] = unsorted[k]
             counts[digit] += 1
 
 
 @inlined
-def _digit(code, turn):  # type: ignore[no-untyped-def]
+def _digit(code: int, turn: int) -> int:
     """Return the row that a turn of ``sort`` goes by."""
     first, second = rows_of(code)
     return second if turn == 0 else first
 
 
 @inlined
-def keep(world, filters, codes, kept):  # type: ignore[no-untyped-def]
+def keep(
+    world: WorldArrays, filters: FilterArrays, codes: Indices, kept: Indices
+) -> tuple[int, int]:
     """Write down the sorted codes of pairs that may be reported; return how many were and are.
 
     Those that stand there twice, or wait for a pose, are not counted.
@@ -68,7 +70,7 @@ def keep(world, filters, codes, kept):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def carry(near, codes):  # type: ignore[no-untyped-def]
+def carry(near: ListArrays, codes: Indices) -> None:
     """Make these codes the list; each pair keeps its former slot or gets a free one."""
     numbers, slots = near.numbers, near.new_slots
     before, old, free = numbers[PAIRS], 0, numbers[FREE]

@@ -29,26 +29,38 @@ from drake_geom_ros.geometry._proximity.near.arrays import (
     SETTLED_AT,
     STANDS,
     VERSION,
+    FilterArrays,
+    ListArrays,
 )
 from drake_geom_ros.geometry._proximity.near.grid_pairs import pairs_between, pairs_within
-from drake_geom_ros.geometry._proximity.near.grids import put_code, put_in, rows_of
+from drake_geom_ros.geometry._proximity.near.grids import Boxes, put_code, put_in, rows_of
 from drake_geom_ros.geometry._proximity.near.keeping import carry, keep, sort
 from drake_geom_ros.geometry._proximity.near.skins import (
     PATIENCE,
     set_boxes,
     somebody_left,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 FEW = 256  # bodies; of these every pair of boxes is looked at
 
 
 @compiled
-def bring_up_to_date(  # type: ignore[no-untyped-def]
-    near, world, boxes, resting, filters, revision, version, placings, cutoff
-):
+def bring_up_to_date(
+    near: ListArrays,
+    world: WorldArrays,
+    boxes: Boxes,
+    resting: Boxes,
+    filters: FilterArrays,
+    revision: int,
+    version: int,
+    placings: int,
+    cutoff: float,
+) -> int:
     """Make the list unless it stands; return which, or what it lacks room for.
 
     The first five are records; with what is asked for by a ``cutoff`` [m] that is infinite, all
@@ -87,7 +99,14 @@ def bring_up_to_date(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _find_all(near, world, boxes, resting, revision, list_cutoff):  # type: ignore[no-untyped-def]
+def _find_all(
+    near: ListArrays,
+    world: WorldArrays,
+    boxes: Boxes,
+    resting: Boxes,
+    revision: int,
+    list_cutoff: float,
+) -> int:
     """Find the codes of all near pairs; return how many, or -1 without room for who rests.
 
     They are in order, unless there are more than there is room for.
@@ -111,7 +130,7 @@ def _find_all(near, world, boxes, resting, revision, list_cutoff):  # type: igno
 
 
 @inlined
-def _find(near, world, boxes, resting):  # type: ignore[no-untyped-def]
+def _find(near: ListArrays, world: WorldArrays, boxes: Boxes, resting: Boxes) -> int:
     """Do what ``look_at_all`` does by grids; codes come in any order, some of them twice."""
     n, found = near.is_plane.size, near.found
     count = pairs_within(boxes, near.nobody, found, 0)
@@ -131,7 +150,9 @@ def _find(near, world, boxes, resting):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _many_have_changed(numbers, bodies, revision, active, idle):  # type: ignore[no-untyped-def]
+def _many_have_changed(
+    numbers: Indices, bodies: int, revision: int, active: int, idle: int
+) -> bool:
     """Tell whether the division into active and resting is out of date."""
     if 8 * (active - numbers[ACTIVE_THEN]) > bodies + 64:
         return True
@@ -139,7 +160,14 @@ def _many_have_changed(numbers, bodies, revision, active, idle):  # type: ignore
 
 
 @compiled
-def _settle(near, world, boxes, resting, revision, cutoff):  # type: ignore[no-untyped-def]
+def _settle(
+    near: ListArrays,
+    world: WorldArrays,
+    boxes: Boxes,
+    resting: Boxes,
+    revision: int,
+    cutoff: float,
+) -> bool:
     """Put those that rest into cells, and pair them, for distances up to this one.
 
     The rows of those that do not rest are put in order. Return False, and count the pairs, where

@@ -45,7 +45,7 @@ from drake_geom_ros.geometry._proximity.near.box_lanes import empty_sides
 from drake_geom_ros.geometry._proximity.near.grids import Boxes, room_for
 from drake_geom_ros.geometry._proximity.near.making import bring_up_to_date
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
-from drake_geom_ros.geometry._proximity.runtime.handles import handle_of, taker
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle, handle_of, taker
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.world import World
 
@@ -191,9 +191,17 @@ class NeighbourList:
 
 
 @compiled
-def _bring_up_to_date(  # type: ignore[no-untyped-def]
-    world, near, boxes, resting, filters, revision, version, placings, cutoff
-):
+def _bring_up_to_date(
+    world: Handle,
+    near: Handle,
+    boxes: Handle,
+    resting: Handle,
+    filters: Handle,
+    revision: int,
+    version: int,
+    placings: int,
+    cutoff: float,
+) -> int:
     """Do what ``making.bring_up_to_date`` does, by handles."""
     return bring_up_to_date(
         list_of(near),

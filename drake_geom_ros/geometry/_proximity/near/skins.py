@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from drake_geom_ros.geometry._proximity.near.arrays import CHECKED_AT, MADE_AT
+from drake_geom_ros.geometry._proximity.near.arrays import CHECKED_AT, MADE_AT, ListArrays
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 from drake_geom_ros.geometry._proximity.world.pose_update import PACE
 
 UPDATES_AHEAD = 16.0  # that a skin is made for; fewer lists, more pairs to look at
@@ -13,7 +14,7 @@ PATIENCE = 64  # updates without a move after which a body counts as resting
 
 
 @inlined
-def somebody_left(near, world, revision):  # type: ignore[no-untyped-def]
+def somebody_left(near: ListArrays, world: WorldArrays, revision: int) -> bool:
     """Tell whether a body is no longer in its box."""
     since = near.numbers[CHECKED_AT]
     near.numbers[CHECKED_AT] = revision
@@ -31,13 +32,13 @@ def somebody_left(near, world, revision):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _lasts(world, g):  # type: ignore[no-untyped-def]
+def _lasts(world: WorldArrays, g: int) -> bool:
     """Tell whether the skin of a body lasts for a while, as it moved lately."""
     return world.kept[g, PACE] * LEAST_AHEAD <= WIDEST_SKIN * world.outer[g]
 
 
 @inlined
-def _set_box(near, world, g, with_skin, cutoff):  # type: ignore[no-untyped-def]
+def _set_box(near: ListArrays, world: WorldArrays, g: int, with_skin: bool, cutoff: float) -> None:
     """Set the skin and the padding of a body, and the box that it is to stay in."""
     skin = 0.0
     if with_skin and near.active[g] and _lasts(world, g):
@@ -49,7 +50,9 @@ def _set_box(near, world, g, with_skin, cutoff):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def set_boxes(near, world, revision, cutoff, every):  # type: ignore[no-untyped-def]
+def set_boxes(
+    near: ListArrays, world: WorldArrays, revision: int, cutoff: float, every: bool
+) -> tuple[int, int]:
     """Wake up who has moved since the list was made, and set skins.
 
     Where one is too fast for a skin to last, nobody gets one.

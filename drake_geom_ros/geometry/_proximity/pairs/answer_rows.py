@@ -24,13 +24,15 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
     vector_in,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, MESH, OPEN
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     promised_error_bound,
     size_of_pair,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
-from drake_geom_ros.geometry._proximity.runtime.views import row
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.runtime.views import row, wide_integers
 from drake_geom_ros.geometry._proximity.tolerances import EPS, TOUCHING_DEPTH
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.world import World
@@ -47,9 +49,12 @@ OVERLAPS = P_FBCB + 3  # 1 where the pair overlaps, or by its bounds may, by mor
 PROMISED = OVERLAPS + 1  # the largest error bound that keeps the level's promise [m]
 DEPTH = PROMISED + 1  # minus the distance [m]: to negate it costs as much as to read three columns
 BATCH_WIDTH = DEPTH + 1
+# An answer as a query hands it out is one array, whose rows end with the ids of A and B: numbers
+# of 64 bits, too, to be looked at as integers.
+IDS = BATCH_WIDTH  # 2
+ANSWER_WIDTH = IDS + 2
 
-
-_new = tuple.__new__  # a named tuple's own takes twice as long
+_INT64 = np.dtype(np.int64)
 
 
 class PairBatch(NamedTuple):
@@ -97,35 +102,79 @@ class PointBatch(NamedTuple):
 
 def gathered(
     world: World, hits: Indices, pairs: Indices, slots: Indices, memory: Floats, level_gap: float
-) -> PairBatch:
-    """Return the answers of the ``hits`` (k,) among pairs (n, 2) with slots (n,) of a memory.
+) -> Floats:
+    """Return the answers (k, ANSWER_WIDTH) of hits (k,) among pairs (n, 2) with slots (n,).
 
-    ``level_gap`` [m] is that of the level that was asked for.
+    ``level_gap`` [m] is that of the level that was asked for. Nobody can change them: whoever asks
+    again gets the same array.
     """
-    ids = np.empty((len(hits), 2), dtype=np.int64)
-    rows = np.empty((len(hits), BATCH_WIDTH))
-    gather_rows(hits, pairs, slots, memory, level_gap, world.handle, ids, rows)
-    return frozen(ids, rows)
+    answers = np.empty((len(hits), ANSWER_WIDTH))
+    gather_answers(hits, pairs, slots, memory, level_gap, world.handle, answers)
+    answers.flags.writeable = False
+    return answers
 
 
-def frozen(ids: Indices, rows: Floats) -> PairBatch:
-    """Return answers that nobody can change: whoever asks again gets the same arrays."""
-    # By position, which takes a quarter of the time of ``flags.writeable``.
-    ids.setflags(False)  # type: ignore[call-arg]
-    rows.setflags(False)  # type: ignore[call-arg]
-    return _new(PairBatch, (ids, rows))
+def batch_of(answers: Floats) -> PairBatch:
+    """Return answers (k, ANSWER_WIDTH), which nobody changes, as a batch."""
+    return PairBatch(answers.view(_INT64)[:, IDS:], answers)
 
 
 @inlined
-def _put(row, column, vector):  # type: ignore[no-untyped-def]
+def _put(row: Floats, column: int, vector: Vector) -> None:
     """Write three numbers of a row from a column on; a zero is written without a sign."""
     for c in range(3):
         row[column + c] = 0.0 + vector[c]
 
 
 @compiled
-def gather_rows(hits, pairs, slots, memory, level_gap, world, ids, rows):  # type: ignore[no-untyped-def]
-    """Fill ids and rows of pairs of a world, given by its handle.
+def gather_rows(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    ids: Indices,
+    rows: Floats,
+) -> None:
+    """Fill ids (k, 2) and rows (k, BATCH_WIDTH) of pairs of a world, given by its handle."""
+    _gather(hits, pairs, slots, memory, level_gap, world, rows)
+    world_ids = world_of(world).ids
+    for k in range(hits.size):
+        hit = unsigned(hits[k])
+        ids[k, 0], ids[k, 1] = world_ids[pairs[hit, 0]], world_ids[pairs[hit, 1]]
+
+
+@compiled
+def gather_answers(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    answers: Floats,
+) -> None:
+    """Fill answers (k, ANSWER_WIDTH) of pairs of a world, given by its handle."""
+    _gather(hits, pairs, slots, memory, level_gap, world, answers)
+    ids = world_of(world).ids
+    for k in range(hits.size):
+        hit = unsigned(hits[k])
+        told = wide_integers(row(answers, k), IDS)
+        told[0], told[1] = ids[pairs[hit, 0]], ids[pairs[hit, 1]]
+
+
+@inlined
+def _gather(
+    hits: Indices,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    level_gap: float,
+    world: Handle,
+    rows: Floats,
+) -> None:
+    """Fill the first BATCH_WIDTH columns of rows.
 
     Witness points come measured from Ao, in World axes.
     """
@@ -133,10 +182,9 @@ def gather_rows(hits, pairs, slots, memory, level_gap, world, ids, rows):  # typ
     types, frames, outer = world.types, world.frames, world.outer
     R_WGs, p_WGs, roundings, p_WFs = world.R_WGs, world.p_WGs, world.roundings, world.p_WFs
     for k in range(hits.size):
-        hit = np.uint64(hits[k])
+        hit = unsigned(hits[k])
         a, b = pairs[hit, 0], pairs[hit, 1]
         out, told = row(memory, slots[hit]), row(rows, k)
-        ids[k, 0], ids[k, 1] = world.ids[a], world.ids[b]
         for c in range(PAIR_WIDTH):
             told[c] = out[c]
         least = out[DISTANCE]
@@ -144,7 +192,7 @@ def gather_rows(hits, pairs, slots, memory, level_gap, world, ids, rows):  # typ
         promised = promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings)
         if out[METHOD] == BOUND_ONLY:
             least, promised = least - out[ERROR_BOUND], math.inf
-        elif out[METHOD] == MESH and least < 0.0:
+        elif (out[METHOD] == MESH or out[METHOD] == OPEN) and least < 0.0:
             promised = math.inf  # of overlapping solids: see ``kernels.solids.overlap``
         touching = -TOUCHING_DEPTH * size_of_pair(a, b, types, outer)
         told[OVERLAPS] = 1.0 if least < touching else 0.0

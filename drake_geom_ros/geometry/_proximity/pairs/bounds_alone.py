@@ -31,13 +31,25 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
 )
 from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE, SPHERE
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import least_possible
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
 
 @inlined
-def bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # type: ignore[no-untyped-def]
+def bound_pair(
+    a: int,
+    b: int,
+    types: Indices,
+    starts: Indices,
+    pool: Floats,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    inner: Floats,
+    p_AB_W: Floats,
+    out: Floats,
+) -> None:
     """Write a pair's answer from the widths along the line of the centres."""
     for c in range(3):
         p_AB_W[c] = p_WGs[b, c] - p_WGs[a, c]
@@ -48,7 +60,17 @@ def bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out):  # 
 
 
 @compiled
-def raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer, out):  # type: ignore[no-untyped-def]
+def raise_lower_end(
+    a: int,
+    b: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+    outer: Floats,
+    out: Floats,
+) -> None:
     """Raise the lower end of a pair's interval to what boxes and balls around the bodies certify.
 
     So none of these knows more of a pair than its answer. The witness point on B moves with it.
@@ -68,7 +90,7 @@ def raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, half_extents, outer, o
 
 
 @compiled
-def bounding_interval(A, B, p_AB_W, out):  # type: ignore[no-untyped-def]
+def bounding_interval(A: PosedShape, B: PosedShape, p_AB_W: Floats, out: Floats) -> None:
     """Write the middle and the half width of a certified interval of phi from bounds alone.
 
     For every unit n, ``phi >= -h_A(n) - h_B(-n)``; n is taken along the line of the centres, or

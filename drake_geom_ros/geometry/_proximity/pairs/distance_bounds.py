@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SOLID, SPHERE
-from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
+from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LARGE_SQUARE
+from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 
 
 @inlined
-def separation_of_aabbs(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-def]
+def separation_of_aabbs(p_WGs: Floats, half_extents: Floats, i: int, j: int) -> float:
     """Return a lower bound of the distance [m] of the boxes around i and j, 0 where they meet."""
     squared, farthest, widest = 0.0, 0.0, 0.0
     for k in range(3):
@@ -29,7 +32,9 @@ def separation_of_aabbs(p_WGs, half_extents, i, j):  # type: ignore[no-untyped-d
 
 
 @inlined
-def separation_from_plane(R_WGs, p_WGs, roundings, half_extents, h, g):  # type: ignore[no-untyped-def]
+def separation_from_plane(
+    R_WGs: Floats, p_WGs: Floats, roundings: Floats, half_extents: Floats, h: int, g: int
+) -> float:
     """Return a lower bound of the distance [m] of the box around g above the half space h.
 
     Boxes have room for the rounding of their poses; that of h is taken off, see ``pose_rounding``.
@@ -43,7 +48,15 @@ def separation_from_plane(R_WGs, p_WGs, roundings, half_extents, h, g):  # type:
 
 
 @inlined
-def separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents):  # type: ignore[no-untyped-def]
+def separation_of_boxes(
+    i: int,
+    j: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+) -> float:
     """Return a lower bound of the distance [m] of the boxes of i and j; a half space is one."""
     if types[i] == HALF_SPACE:
         return separation_from_plane(R_WGs, p_WGs, roundings, half_extents, i, j)
@@ -53,7 +66,7 @@ def separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents):  # 
 
 
 @inlined
-def separation_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyped-def]
+def separation_of_balls(i: int, j: int, p_WGs: Floats, roundings: Floats, outer: Floats) -> float:
     """Return a lower bound of the distance [m] of the balls around i and j."""
     squared = 0.0
     for k in range(3):
@@ -67,7 +80,17 @@ def separation_of_balls(i, j, p_WGs, roundings, outer):  # type: ignore[no-untyp
 
 
 @inlined
-def separation_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer, cutoff):  # type: ignore[no-untyped-def]
+def separation_of_bounds(
+    i: int,
+    j: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+    outer: Floats,
+    cutoff: float,
+) -> float:
     """Return a lower bound of the distance [m], of boxes too where balls are within the cutoff."""
     # The ball of a half space has no bound, and its separation is minus infinity.
     balls = separation_of_balls(i, j, p_WGs, roundings, outer)
@@ -79,7 +102,16 @@ def separation_of_bounds(i, j, types, R_WGs, p_WGs, roundings, half_extents, out
 
 
 @inlined
-def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  # type: ignore[no-untyped-def]
+def least_possible(
+    i: int,
+    j: int,
+    types: Indices,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+    outer: Floats,
+) -> float:
     """Return a lower bound [m] of a signed distance, of bodies that overlap too.
 
     The depth of convex bodies is no more than the overlap of their shadows on any line, so no
@@ -104,7 +136,22 @@ def least_possible(i, j, types, R_WGs, p_WGs, roundings, half_extents, outer):  
 
 
 @inlined
-def apart(p_WGs, a, b):  # type: ignore[no-untyped-def]
+def apart(p_WGs: Floats, a: int, b: int) -> float:
     """Return no less than the distance [m] of two origins, what no square overflows."""
     x, y, z = (p_WGs[b, 0] - p_WGs[a, 0], p_WGs[b, 1] - p_WGs[a, 1], p_WGs[b, 2] - p_WGs[a, 2])
     return abs(x) + abs(y) + abs(z)
+
+
+@compiled
+def near_pairs(pairs: Indices, world: Handle, cutoff: float, hits: Indices) -> int:
+    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
+    world, found = world_of(world), 0
+    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
+    roundings, half_extents = world.roundings, world.half_extents
+    for k in range(pairs.shape[0]):
+        i, j = pairs[k, 0], pairs[k, 1]
+        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
+        if separation <= cutoff:
+            hits[found] = k
+            found += 1
+    return found

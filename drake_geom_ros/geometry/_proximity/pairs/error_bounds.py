@@ -10,6 +10,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -21,14 +22,14 @@ from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 
 
 @inlined
-def size_of_pair(a, b, types, outer):  # type: ignore[no-untyped-def]
+def size_of_pair(a: int, b: int, types: Indices, outer: Floats) -> float:
     """Return the size of a pair [m]; a half space has none of its own."""
     size = 0.0 if types[a] == HALF_SPACE else outer[a]
     return size if types[b] == HALF_SPACE else size + outer[b]
 
 
 @inlined
-def tolerance_of_pair(level_gap, a, b, outer):  # type: ignore[no-untyped-def]
+def tolerance_of_pair(level_gap: float, a: int, b: int, outer: Floats) -> float:
     """Return the gap [m] that a pair's bounds may have, by the gap of the level.
 
     It is absolute for bodies of a metre and more, relative to the smaller one below.
@@ -37,7 +38,7 @@ def tolerance_of_pair(level_gap, a, b, outer):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def rounding_of_pair(a, b, extent, roundings):  # type: ignore[no-untyped-def]
+def rounding_of_pair(a: int, b: int, extent: float, roundings: Floats) -> float:
     """Return what composing world poses may have cost the pair [m], see ``pose_rounding``.
 
     ``extent`` [m] is the size of the pair and the distance of the origins: no point of a body is
@@ -49,14 +50,22 @@ def rounding_of_pair(a, b, extent, roundings):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def hides_contact(out, a, b, extent, roundings):  # type: ignore[no-untyped-def]
+def hides_contact(out: Floats, a: int, b: int, extent: float, roundings: Floats) -> bool:
     """Tell whether a pair may overlap, and rounding hides a depth that anybody would see."""
     hidden = max(TOUCHING_DEPTH * extent, rounding_of_pair(a, b, extent, roundings))
     return hidden > UNSEEN_DEPTH and out[DISTANCE] < out[ERROR_BOUND]
 
 
 @inlined
-def promised_error_bound(level_gap, a, b, types, outer, p_WGs, roundings):  # type: ignore[no-untyped-def]
+def promised_error_bound(
+    level_gap: float,
+    a: int,
+    b: int,
+    types: Indices,
+    outer: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+) -> float:
     """Return the largest error bound [m] that keeps the promise of a level with this gap."""
     squared = 0.0
     for k in range(3):

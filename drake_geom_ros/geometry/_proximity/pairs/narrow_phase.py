@@ -9,7 +9,6 @@ starts from the pair's last normal.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import AT_ONE_METRE, R
 from drake_geom_ros.geometry._proximity.kernels.calling.extremes import (
     call_at_one_metre,
     is_extreme,
+    vanishes,
 )
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
@@ -45,7 +45,6 @@ from drake_geom_ros.geometry._proximity.pairs.bounds_alone import bound_pair, ra
 from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
     apart,
     separation_of_bounds,
-    separation_of_boxes,
 )
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     hides_contact,
@@ -53,9 +52,11 @@ from drake_geom_ros.geometry._proximity.pairs.error_bounds import (
     size_of_pair,
     tolerance_of_pair,
 )
-from drake_geom_ros.geometry._proximity.pairs.slots import Query, Queue
+from drake_geom_ros.geometry._proximity.pairs.slots import Aim, Query, Queue, Shapes
 from drake_geom_ros.geometry._proximity.report import BY_METHOD, CACHED, FAR, POSTPONED, WIDE
-from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -70,31 +71,23 @@ Indices = NDArray[np.int64]
 
 
 @inlined
-def _code(type_a, type_b):  # type: ignore[no-untyped-def]
+def _code(type_a: int, type_b: int) -> int:
     """Return where a pair of types stands in ROW_OF_TYPES."""
     return min(type_a, type_b) * TYPE_COUNT + max(type_a, type_b)
 
 
-class Shapes(NamedTuple):
-    """Type numbers, and where in the pool the parameters are."""
-
-    types: Indices
-    starts: Indices
-    pool: Floats
-
-
-class Aim(NamedTuple):
-    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
-
-    size: float
-    tolerance: float
-    cutoff: float
-
-
 @inlined
-def _call_in_order(  # type: ignore[no-untyped-def]
-    a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out
-):
+def _call_in_order(
+    a: int,
+    b: int,
+    kernels: Addresses,
+    shapes: Shapes,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    p_AB_W: Floats,
+    aim: Aim,
+    out: Floats,
+) -> None:
     """Call a pair's kernel, the lower type first; the only place where A and B are exchanged."""
     types, starts, pool = shapes.types, shapes.starts, shapes.pool
     swapped = types[a] > types[b]
@@ -108,7 +101,9 @@ def _call_in_order(  # type: ignore[no-untyped-def]
     shape_a, shape_b = part(pool, starts[a], starts[a + 1]), part(pool, starts[b], starts[b + 1])
     R_WA, R_WB = row(R_WGs, a), row(R_WGs, b)
     # A solid, the highest type, holds areas and counts too: its kernels take it as it is.
-    if types[b] <= CONVEX and is_extreme(aim.size, p_AB_W):
+    extreme = is_extreme(aim.size, p_AB_W)
+    extreme = extreme or vanishes(types[a], shape_a) or vanishes(types[b], shape_b)
+    if extreme and types[b] <= CONVEX:
         call_at_one_metre(
             kernels[AT_ONE_METRE],
             address,
@@ -148,7 +143,7 @@ def _call_in_order(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
+def _may_leap(out: Floats, moved: float, type_a: int, type_b: int) -> bool:
     """Tell whether the distance can have changed by more than both bodies have moved [m].
 
     A peg that is turned in its hole by a hair, into the walls, has to leave the hole. Only bodies
@@ -159,7 +154,7 @@ def _may_leap(out, moved, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
+def _take_narrower(out: Floats, bounds: Floats, moved: float) -> None:
     """Write bounds as the answer, or widen the last one by what both bodies can have moved [m].
 
     A support value changes by no more than the points do, so the distance of convex bodies by no
@@ -175,7 +170,7 @@ def _take_narrower(out, bounds, moved):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
+def _slack(least: float, travelled: float, type_a: int, type_b: int) -> float:
     """Return a least distance plus the travels of the same time [m], rounded down.
 
     What the turn of a half space moves has no bound.
@@ -186,7 +181,7 @@ def _slack(least, travelled, type_a, type_b):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _least(out, level_gap, size, rounding):  # type: ignore[no-untyped-def]
+def _least(out: Floats, level_gap: float, size: float, rounding: float) -> float:
     """Return what the distance is at least [m], by an answer that was computed for ``level_gap``.
 
     ``rounding`` [m] is that of the pair's poses, which an error bound has in it.
@@ -198,7 +193,7 @@ def _least(out, level_gap, size, rounding):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-def]
+def _postpone(k: int, least: float, waiting: Indices, distances: Floats, counts: Indices) -> None:
     """Put pair k into the queue, with its least distance if that has room for it."""
     waiting[counts[POSTPONED]] = k
     if distances.size > 0:
@@ -207,32 +202,74 @@ def _postpone(k, least, waiting, distances, counts):  # type: ignore[no-untyped-
 
 
 @inlined
-def _is_hit(out, size, cutoff, penetrating):  # type: ignore[no-untyped-def]
-    """Tell whether an answer is within the cutoff; of bounds alone, whether it may be."""
-    distance = out[DISTANCE] - (out[ERROR_BOUND] if math.isinf(out[LEVEL_GAP]) else 0.0)
+def _is_hit(out: Floats, size: float, cutoff: float, penetrating: bool) -> bool:
+    """Tell whether a pair may be within reach; of bodies that overlap, whether it does.
+
+    What bounds alone tell of an overlap is whether there may be one. A kernel that stopped has
+    certified that the pair is beyond the cutoff.
+    """
+    alone = math.isinf(out[LEVEL_GAP])
+    least = out[DISTANCE] - out[ERROR_BOUND]
     if penetrating:
-        return distance < -TOUCHING_DEPTH * size
-    return distance <= cutoff
+        return (least if alone else out[DISTANCE]) < -TOUCHING_DEPTH * size
+    return least <= cutoff and (alone or out[METHOD] != BOUND_ONLY)
 
 
 @inlined
-def _rounded(out, a, b, level_gap, size, p_WGs, outer, roundings, counts):  # type: ignore[no-untyped-def]
-    """Add the rounding of a pair's poses to its bound and return it [m]; count a wide bound.
+def _stands(out: Floats, level_gap: float, travelled: float, cutoff: float) -> bool:
+    """Tell whether the last answer about bodies that rest is that of this level and this cutoff.
+
+    A kernel that stopped at a cutoff says enough about smaller ones only.
+    """
+    stopped = out[METHOD] == BOUND_ONLY and out[SLACK] - travelled <= cutoff
+    return out[LEVEL_GAP] == level_gap < math.inf and not stopped
+
+
+@inlined
+def _widen(out: Floats, tolerance: float, extent: float, rounding: float, counts: Indices) -> None:
+    """Add the rounding of a pair's poses [m] to its bound; count it by its method, and if wide.
 
     Bounds alone and solids promise nothing.
     """
-    extent = size + apart(p_WGs, a, b)
-    kept = tolerance_of_pair(level_gap, a, b, outer) + PROMISED_ROUNDING * EPS * extent
+    kept = tolerance + PROMISED_ROUNDING * EPS * extent
     counts[WIDE] += out[METHOD] <= ITERATIVE and out[ERROR_BOUND] > kept
-    rounding = rounding_of_pair(a, b, extent, roundings)
+    counts[BY_METHOD + int(out[METHOD])] += 1
     out[ERROR_BOUND] += rounding
-    return rounding
+
+
+@inlined
+def _beyond(cutoff: float, size: float, rounding: float) -> float:
+    """Return where a kernel may stop [m], so that all its rounding leaves beyond the cutoff."""
+    return cutoff + rounding + 4.0 * ROUNDING * EPS * (size + abs(cutoff))
+
+
+@inlined
+def _recall(out: Floats, level_gap: float, type_a: int, type_b: int) -> None:
+    """Forget the normal from which a kernel would start, where it is not this level's.
+
+    So what one level was asked changes no digit of what another answers. With solids a kernel
+    starts from nothing: which leaves are looked at would depend on it.
+    """
+    solid = type_a == SOLID or type_b == SOLID
+    if solid or (out[LEVEL_GAP] != level_gap and out[LEVEL_GAP] > -math.inf):
+        for c in range(3):
+            out[NORMAL + c] = 0.0
 
 
 @allocating
-def answer_pairs(  # type: ignore[no-untyped-def]
-    kernels, pairs, slots, memory, world, revision, query, first, queue, hits, counts
-):
+def answer_pairs(
+    kernels: Addresses,
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    world: Handle,
+    revision: int,
+    query: tuple[float, float, bool],
+    first: int,
+    queue: tuple[Indices, Floats],
+    hits: Indices,
+    counts: Indices,
+) -> int:
     """Bring the slots of the pairs up to date that may be within the cutoff; return how many are.
 
     ``kernels`` are addresses, ``world`` is a handle; ``query`` and ``queue`` are plain tuples of
@@ -241,7 +278,8 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     is known from before would make the answer depend on what was asked. A ``first`` that is not
     negative is where to begin, and then one hit is enough. A queue with room for all pairs gets
     those for which a kernel would run, with their certified least distance if there is room for
-    these too; without any room, kernels run.
+    these too; without any room, kernels run. No cutoff below 0 leaves out by depth: boxes that
+    overlap are 0 apart, and a solid may leap (see ``_may_leap``).
 
     (The records are taken apart first: to hand that of the world on made a pair of spheres take 6
     ns longer, 5 % of the loop, and a tuple of some arrays that is made before the loop half as
@@ -253,10 +291,9 @@ def answer_pairs(  # type: ignore[no-untyped-def]
     travels, stamps, starts, pool = world.travels, world.stamps, world.starts, world.pool
     level_gap, cutoff, penetrating = query.level_gap, query.cutoff, query.penetrating
     p_AB_W, bounds = np.empty(3), np.empty(PAIR_WIDTH)
-    # Not how deep they are: boxes that overlap are 0 apart, and a solid may leap (see above).
-    near_cutoff, found = max(cutoff, 0.0), 0
+    near_cutoff = max(cutoff, 0.0)
     far_cutoff = math.inf if math.isinf(level_gap) else near_cutoff
-    counts[:] = 0
+    counts[:], found = 0, 0
     for turn in range(slots.size):
         k = turn if first < 0 else (first + turn) % slots.size
         a, b, s = pairs[k, 0], pairs[k, 1], slots[k]
@@ -264,10 +301,8 @@ def answer_pairs(  # type: ignore[no-untyped-def]
         if out[SLACK] - travelled > far_cutoff:
             counts[FAR] += 1
             continue
-        size, latest = size_of_pair(a, b, types, outer), max(stamps[a], stamps[b])
-        rests = latest <= out[SEEN] and 0.0 <= out[LEVEL_GAP] <= level_gap < math.inf
-        # What stopped at a cutoff says enough about smaller ones only.
-        if rests and (out[METHOD] != BOUND_ONLY or out[DISTANCE] > cutoff):
+        size = size_of_pair(a, b, types, outer)
+        if max(stamps[a], stamps[b]) <= out[SEEN] and _stands(out, level_gap, travelled, cutoff):
             counts[CACHED] += 1
         else:
             least = -math.inf
@@ -283,17 +318,20 @@ def answer_pairs(  # type: ignore[no-untyped-def]
                 _postpone(k, least, queue.waiting, queue.distances, counts)
                 continue
             if near:
+                extent = size + apart(p_WGs, a, b)
+                tolerance = tolerance_of_pair(level_gap, a, b, outer)
+                rounding = rounding_of_pair(a, b, extent, roundings)
                 if math.isinf(level_gap):
                     bound_pair(a, b, types, starts, pool, R_WGs, p_WGs, inner, p_AB_W, out)
                 else:
-                    aim = Aim(size, tolerance_of_pair(level_gap, a, b, outer), cutoff)
+                    _recall(out, level_gap, types[a], types[b])
                     shapes = Shapes(types, starts, pool)
+                    aim = Aim(size, tolerance, _beyond(cutoff, size, rounding))
                     _call_in_order(a, b, kernels, shapes, R_WGs, p_WGs, p_AB_W, aim, out)
-                rounding = _rounded(out, a, b, level_gap, size, p_WGs, outer, roundings, counts)
+                _widen(out, tolerance, extent, rounding, counts)
                 if math.isinf(level_gap):
                     raise_lower_end(a, b, types, R_WGs, p_WGs, roundings, halves, outer, out)
                 out[SEEN], out[LEVEL_GAP] = revision, level_gap
-                counts[BY_METHOD + int(out[METHOD])] += 1
                 least = _least(out, level_gap, size, rounding)
             else:
                 counts[FAR], out[SEEN] = counts[FAR] + 1, -1.0  # the slack is no longer its own
@@ -309,7 +347,16 @@ def answer_pairs(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # type: ignore[no-untyped-def]
+def bound_pairs(
+    pairs: Indices,
+    slots: Indices,
+    memory: Floats,
+    world: Handle,
+    revision: int,
+    query: tuple[float, float, bool],
+    hits: Indices,
+    counts: Indices,
+) -> int:
     """Bring slots up to date as ``answer_pairs`` does for pairs that it put into a queue.
 
     No kernel runs: the answer is the narrower of what bounding volumes say and the last answer,
@@ -345,21 +392,6 @@ def bound_pairs(pairs, slots, memory, world, revision, query, hits, counts):  # 
             least = _least(out, out[LEVEL_GAP], size, rounding)
             out[SLACK] = _slack(least, travelled, types[a], types[b])
         if _is_hit(out, size, cutoff, penetrating):
-            hits[found] = k
-            found += 1
-    return found
-
-
-@compiled
-def near_pairs(pairs, world, cutoff, hits):  # type: ignore[no-untyped-def]
-    """Write the numbers of the pairs whose boxes are within ``cutoff``; return how many."""
-    world, found = world_of(world), 0
-    types, R_WGs, p_WGs = world.types, world.R_WGs, world.p_WGs
-    roundings, half_extents = world.roundings, world.half_extents
-    for k in range(pairs.shape[0]):
-        i, j = pairs[k, 0], pairs[k, 1]
-        separation = separation_of_boxes(i, j, types, R_WGs, p_WGs, roundings, half_extents)
-        if separation <= cutoff:
             hits[found] = k
             found += 1
     return found

@@ -11,10 +11,12 @@ import math
 
 from drake_geom_ros.geometry._proximity.filters.matrix import may_report
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.near.arrays import FilterArrays
 from drake_geom_ros.geometry._proximity.near.making import FEW
 from drake_geom_ros.geometry._proximity.pairs.error_bounds import promised_error_bound
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PLAIN_DEPTH
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS
 
 # Pairs of each body that may move, looked at before the list is asked for. Of few bodies the list
@@ -23,7 +25,7 @@ LOOKS_A_BODY, LOOKS_OF_FEW = 8, 3
 
 
 @inlined
-def _along(world, a, b, c):  # type: ignore[no-untyped-def]
+def _along(world: WorldArrays, a: int, b: int, c: int) -> float:
     """Return how far [m] the balls in two bodies are apart along an axis of World."""
     p_WGs, R_WGs, centres = world.p_WGs, world.R_WGs, world.ball_centres
     apart = p_WGs[b, c] - p_WGs[a, c]
@@ -37,7 +39,7 @@ def _along(world, a, b, c):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _is_plain(world, a, b, level_gap):  # type: ignore[no-untyped-def]
+def _is_plain(world: WorldArrays, a: int, b: int, level_gap: float) -> bool:
     """Tell whether two convex bodies overlap by so much that every level reports the pair.
 
     What separates the bodies separates the balls in them, so these overlap by no more than the
@@ -60,7 +62,7 @@ def _is_plain(world, a, b, level_gap):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _may_touch(world, filters, a, b):  # type: ignore[no-untyped-def]
+def _may_touch(world: WorldArrays, filters: FilterArrays, a: int, b: int) -> bool:
     """Tell whether a pair may be reported."""
     if (world.frames[a] == 0 and world.frames[b] == 0) or world.waiting[a] or world.waiting[b]:
         return False
@@ -69,7 +71,9 @@ def _may_touch(world, filters, a, b):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def quick_contact(world, filters, level_gap, last_a, last_b):  # type: ignore[no-untyped-def]
+def quick_contact(
+    world: WorldArrays, filters: FilterArrays, level_gap: float, last_a: int, last_b: int
+) -> tuple[int, int]:
     """Return the rows of a pair that plainly overlaps, or -1, -1 where none was seen.
 
     ``last_a`` and ``last_b`` are those of last time, or -1.

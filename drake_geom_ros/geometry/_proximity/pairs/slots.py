@@ -35,6 +35,22 @@ class Queue(NamedTuple):
     distances: Floats
 
 
+class Shapes(NamedTuple):
+    """Type numbers, and where in the pool the parameters are."""
+
+    types: Indices
+    starts: Indices
+    pool: Floats
+
+
+class Aim(NamedTuple):
+    """What a kernel is to do: the pair's size, tolerance and cutoff [m]."""
+
+    size: float
+    tolerance: float
+    cutoff: float
+
+
 def empty_memory(pairs: int) -> Floats:
     """Return a memory (m, SLOT_WIDTH) of pairs of which nothing is known.
 

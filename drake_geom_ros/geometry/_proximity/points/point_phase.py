@@ -23,8 +23,10 @@ from drake_geom_ros.geometry._proximity.kernels.pair_table import (
     load_kernel,
 )
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
-from drake_geom_ros.geometry._proximity.runtime.addresses import address_table
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses, address_table
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell, compilation, compiled
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.world.arrays import world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
@@ -52,28 +54,31 @@ def compile_point_kernels(types: Set[int], tell: Tell | None = None) -> list[str
 
 
 @compiled
-def point_phase(  # type: ignore[no-untyped-def]
-    addresses,
-    pair_addresses,
-    pair_rows,
-    world,
-    p_WQs,
-    threshold,
-    rows,
-    found,
-    points,
-    ids,
-    counts,
-):
+def point_phase(
+    addresses: Addresses,
+    pair_addresses: Addresses,
+    pair_rows: Indices,
+    types: Indices,
+    starts: Indices,
+    pool: Floats,
+    world: Handle,
+    p_WQs: Floats,
+    threshold: float,
+    rows: Floats,
+    found: Booleans,
+    points: Unsigned32,
+    ids: Indices,
+    counts: Indices,
+) -> int:
     """Answer for points (m, 3) and n geometries; return how many answers there are.
 
-    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``world`` is a
-    handle. The first of ``rows`` (m n, POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in
-    the order of points, then ids. ``found`` (m n,) comes in as False, ``counts`` get how many
-    answers there are by each method.
+    ``pair_rows`` (n,) are those of points to each geometry in the pair table, ``types`` (n,),
+    ``starts`` (n + 1,) and ``pool`` what it is to them; ``world`` is a handle. The first of
+    ``rows`` (m n, POINT_WIDTH), ``points`` and ``ids`` (m n,) are filled, in the order of points,
+    then ids. ``found`` (m n,) comes in as False, ``counts`` get how many answers there are by
+    each method.
     """
     world = world_of(world)
-    types, starts, pool = world.types, world.starts, world.pool
     R_WGs, p_WGs, roundings, outer = world.R_WGs, world.p_WGs, world.roundings, world.outer
     m, n, answers = p_WQs.shape[0], types.size, PointAnswers(rows, found, counts)
     for first in range(0, m, BLOCK):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,10 @@ from drake_geom_ros.geometry._proximity.points.point_phase import (
     POINT_ADDRESSES,
     POINT_ROWS,
     point_phase,
+)
+from drake_geom_ros.geometry._proximity.points.sharing import (
+    is_worth_sharing,
+    shared_point_distances,
 )
 from drake_geom_ros.geometry._proximity.report import (
     ANSWERED,
@@ -30,16 +35,19 @@ from drake_geom_ros.geometry._proximity.report import (
     pose_world,
     report_of,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.clock import now
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.runtime.handles import (
+    Handle,
     HandleField,
     Integers,
+    Reals,
     handle_of,
     taker,
 )
 from drake_geom_ros.geometry._proximity.runtime.views import part
-from drake_geom_ros.geometry._proximity.world.world import NO_POSES, World
+from drake_geom_ros.geometry._proximity.world.world import NO_POSES, PointShapes, World
 from drake_geom_ros.math.tolerances import FARTHEST
 
 Floats = NDArray[np.float64]
@@ -53,13 +61,16 @@ class PointHands(NamedTuple):
     kernels: HandleField  # addresses by shape type
     pair_kernels: HandleField  # the addresses of the pair table
     pair_rows: Integers  # (n,) of points to each geometry in that table
+    types: Integers  # these three of ``PointShapes``
+    starts: Integers
+    pool: Reals
 
 
 _hands_of = taker(PointHands)
 
 
 @compiled
-def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
+def are_allowed(p_WQs: Floats) -> bool:
     """Tell whether points (m, 3) are finite and none of their coordinates beyond FARTHEST."""
     allowed = True
     for k in range(p_WQs.shape[0]):
@@ -69,9 +80,18 @@ def are_allowed(p_WQs):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _run_points(  # type: ignore[no-untyped-def]
-    hands, stale, revision, posed_rows, X_PFs, p_WQs, threshold, rows, found, points, ids
-):
+def _run_points(
+    hands: Handle,
+    stale: bool,
+    revision: int,
+    X_PFs: Floats,
+    p_WQs: Floats,
+    threshold: float,
+    rows: Floats,
+    found: Booleans,
+    points: Unsigned32,
+    ids: Indices,
+) -> int:
     """Do what a point query does; return how many answers there are.
 
     ``hands`` is the handle of ``PointHands``. The world gets its poses as in ``pair_query``.
@@ -80,7 +100,7 @@ def _run_points(  # type: ignore[no-untyped-def]
     """
     hands = _hands_of(hands)
     report, capacity = report_of(hands.report), found.size
-    pose_world(hands.world, report, stale, revision, posed_rows, X_PFs)
+    pose_world(hands.world, report, stale, revision, X_PFs)
     told, moments, counts = report.told, report.moments, report.counts
     moments[LISTED] = moments[COMPILED] = moments[POSED]
     moments[FILTERING], counts[:] = 0.0, 0
@@ -89,6 +109,9 @@ def _run_points(  # type: ignore[no-untyped-def]
         hands.kernels,
         hands.pair_kernels,
         hands.pair_rows,
+        hands.types,
+        hands.starts,
+        hands.pool,
         hands.world,
         p_WQs,
         threshold,
@@ -104,12 +127,21 @@ def _run_points(  # type: ignore[no-untyped-def]
     return count
 
 
+def _there(world: World, found: PointBatch) -> PointBatch:
+    """Return the answers about geometries that do not wait for a pose."""
+    if world.is_whole:
+        return found
+    there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, found.ids)])
+    return PointBatch(found.ids[there], found.points[there], found.rows[there])
+
+
 class PointDistanceQueries:
     """Answers the point queries of one engine."""
 
     def __init__(self, report: ReportArrays) -> None:
         self._report = report
         self._world: World | None = None
+        self._shapes: PointShapes | None = None
 
     def __getstate__(self) -> dict[str, object]:
         return {**self.__dict__, '_world': None}  # the handles of a copy are others
@@ -119,25 +151,47 @@ class PointDistanceQueries:
 
         The kernels are there, and the points ``are_allowed``.
         """
-        if self._world is not world:
+        if self._world is not world or self._shapes is not world.point_shapes:
             self._hand_over(world)
+        if is_worth_sharing(world, len(p_WQs)):
+            return self._answer_shared(world, p_WQs, threshold)
+        count, found = self._run(world, p_WQs, threshold)
+        there = found.ids[:count], found.points[:count], found.rows[:count]
+        return _there(world, PointBatch(*there))
+
+    def _run(self, world: World, p_WQs: Floats, threshold: float) -> tuple[int, PointBatch]:
+        """Answer in one call; return how many answers there are, the first of what is returned."""
         capacity = len(p_WQs) * world.geometry_count
         rows = np.empty((capacity, POINT_WIDTH))
         points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
         stale = world.is_stale
         revision = world.revision + stale
-        posed = stale, revision, world.pending_frames.rows, world.pending_poses
-        room = rows, np.empty(capacity, dtype=np.bool_), points, ids
-        count: int = _run_points(self._hands, *posed, p_WQs, threshold, *room)
+        X_PFs, found = world.pending_poses, np.empty(capacity, dtype=np.bool_)
+        asked = p_WQs, threshold
+        count = _run_points(self._hands, stale, revision, X_PFs, *asked, rows, found, points, ids)
         world.revision, world.pending_poses, world.is_stale = revision, NO_POSES, False
-        if world.is_whole:
-            return PointBatch(ids[:count], points[:count], rows[:count])
-        there = np.flatnonzero(~world.waiting[np.searchsorted(world.geometries.ids, ids[:count])])
-        return PointBatch(ids[there], points[there], rows[there])
+        return count, PointBatch(ids, points, rows)
+
+    def _answer_shared(self, world: World, p_WQs: Floats, threshold: float) -> PointBatch:
+        """Answer by threads, in a world that is posed first."""
+        self._run(world, p_WQs[:0], threshold)
+        found, by_method = shared_point_distances(world, p_WQs, threshold)
+        report, capacity = self._report, len(p_WQs) * world.geometry_count
+        report.told[[CONSIDERED, LISTED_PAIRS]] = capacity
+        report.counts[BY_METHOD:] = by_method[: report.counts.size - BY_METHOD]
+        report.counts[FAR] = capacity - len(found.ids)
+        report.moments[ANSWERED] = time.perf_counter()
+        return _there(world, found)
 
     def _hand_over(self, world: World) -> None:
         """Take another world."""
-        pair_rows = POINT_ROWS[world.geometries.types]
-        self._kept = handle_of(self._report), world.handle, pair_rows  # by the handle of handles
-        hands = PointHands(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES, pair_rows)
+        self._shapes = shapes = world.point_shapes
+        types, starts, pool = shapes.types, shapes.starts, shapes.pool
+        pair_rows = POINT_ROWS[types]
+        # By the handle of handles.
+        self._kept = handle_of(self._report), world.handle, pair_rows, types, starts, pool
+        hands = PointHands(
+            *(world.handle, self._kept[0], POINT_ADDRESSES, ADDRESSES),
+            *(pair_rows, types, starts, pool),
+        )
         self._world, self._hands = world, handle_of(hands)

@@ -1,6 +1,6 @@
 """What stands between Python and compiled code.
 
-Enters: functions and arrays. Leaves: compiled functions with their cache, records of arrays as
-compiled code takes them, views, addresses of kernels, the clock, threads. Knows nothing of
-geometry, and imports nothing of ours but tolerances.
+In: functions and arrays.
+Out: compiled functions with their cache, records and views of arrays, addresses, clock, threads.
+May import: ``math``, ``_proximity``; numpy, numba, llvmlite.
 """

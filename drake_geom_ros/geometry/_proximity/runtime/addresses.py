@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from llvmlite import ir
 from numba import config, types
 from numba.extending import intrinsic
 
+Address: TypeAlias = Any  # an integer; uncompiled, the function
+Addresses: TypeAlias = Any  # (rows,) integers; uncompiled, a list of functions
 
-def address_table(rows: int) -> Any:
+
+def address_table(rows: int) -> Addresses:
     """Return an empty table for the addresses of ``rows`` kernels."""
     if config.DISABLE_JIT:
         return [None] * rows
@@ -28,13 +31,13 @@ def caller(signature: Any) -> Any:
         return lambda address, *arguments: address(*arguments)
 
     @intrinsic
-    def call(typingctx, address, *arguments):  # type: ignore[no-untyped-def]
+    def call(typingctx: Any, address: Any, *arguments: Any) -> Any:
         if len(arguments) == 1 and isinstance(arguments[0], types.BaseTuple):
             arguments = tuple(arguments[0])  # as the lowering sees them
         if arguments != signature.args:
             return None
 
-        def codegen(context, builder, _, values):  # type: ignore[no-untyped-def]
+        def codegen(context: Any, builder: Any, _: Any, values: Any) -> Any:
             pointer, packed = values
             unpacked = [builder.extract_value(packed, k) for k in range(len(arguments))]
             argument_types = [context.get_value_type(t) for t in arguments]

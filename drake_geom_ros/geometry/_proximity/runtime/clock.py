@@ -22,7 +22,7 @@ else:
     def now(typingctx: Any) -> Any:
         """Return the time [s]."""
 
-        def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+        def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             long, int32 = ir.IntType(64), ir.IntType(32)
             timespec = ir.LiteralStructType([long, long])
             kind = ir.FunctionType(int32, [int32, timespec.as_pointer()])

@@ -18,9 +18,10 @@ import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
-from numba import cfunc, config, njit, version_info
+import numpy as np
+from numba import cfunc, config, from_dtype, njit, types, version_info
 from numba.core import event
 
 if version_info.short == (0, 68):  # whose inside it relies on; others compile for longer
@@ -105,6 +106,9 @@ if CACHE_FOLDER:
     event.register('numba:compile', _Compiling())
 
 
+# What is compiled is called as it was before, so it keeps its type.
+_F = TypeVar('_F', bound=Callable[..., Any])
+
 # Called with the name of what is compiled, its number and that of the last, when it begins.
 Tell: TypeAlias = Callable[[str, int, int], None]
 
@@ -135,7 +139,7 @@ def compilation(
     return listening
 
 
-def compiled(function: Callable[..., Any]) -> Any:
+def compiled(function: _F) -> _F:
     """Return the function compiled on its first call, without the GIL, divisions as in NumPy.
 
     It makes no arrays and counts no references to those that it is handed: to count them took half
@@ -143,31 +147,36 @@ def compiled(function: Callable[..., Any]) -> Any:
     Compiling fails where it makes one. Whoever returns an array, in a record too, has to count as
     its callers do, else the array is lost or freed twice; a test looks at all of them.
     """
-    return _compiled(function)
+    dispatcher: _F = _compiled(function)
+    return dispatcher
 
 
-def inlined(function: Callable[..., Any]) -> Any:
+def inlined(function: _F) -> _F:
     """Return the function compiled as ``compiled`` does, for callers that must not call it.
 
     For what is small and called for every pair: LLVM leaves many such calls as they are, and to
     hand arrays and tuples over costs more than the work (half of the narrow phase of 1000 balls).
     """
-    return _compiled(function, forceinline=True)
+    dispatcher: _F = _compiled(function, forceinline=True)
+    return dispatcher
 
 
-def allocating(function: Callable[..., Any]) -> Any:
+def allocating(function: _F) -> _F:
     """Return the function compiled as ``compiled`` does, for one that makes arrays."""
-    return _compiled(function, counted=True)
+    dispatcher: _F = _compiled(function, counted=True)
+    return dispatcher
 
 
-def view(function: Callable[..., Any]) -> Any:
+def view(function: _F) -> _F:
     """Return the function compiled to what shows a part of an array and holds no reference to it.
 
     See ``intermediate``; without that it counts references.
     """
     if intermediate is not None and not config.DISABLE_JIT:
-        return getattr(intermediate, function.__name__)
-    return _compiled(function, forceinline=True)
+        shown: _F = getattr(intermediate, function.__name__)
+        return shown
+    dispatcher: _F = _compiled(function, forceinline=True)
+    return dispatcher
 
 
 def made(function: Callable[..., Any]) -> Any:
@@ -178,19 +187,58 @@ def made(function: Callable[..., Any]) -> Any:
     return _compiled(function, counted=True, kept=False)
 
 
+def given(number: type[Any], dimensions: int) -> Any:
+    """Return the type of arrays that are given by anybody: of any strides, and only read."""
+    return types.Array(from_dtype(np.dtype(number)), dimensions, 'A', readonly=True)
+
+
+def own(number: type[Any], dimensions: int) -> Any:
+    """Return the type of arrays of one's own, in one piece."""
+    return types.Array(from_dtype(np.dtype(number)), dimensions, 'C')
+
+
+class Entry:
+    """A function that is compiled for arguments of some types alone, when first called.
+
+    ``call`` raises TypeError for others, instead of compiling another version, so that whoever is
+    given anything at all needs not look at it first: in the first cycle after other work each look
+    costs a microsecond or two. It keeps the lock of the interpreter, for what is soon done: to
+    give that back and take it again costs as much once more.
+    """
+
+    __slots__ = ('_function', '_types', 'call')
+
+    def __init__(self, function: Callable[..., Any], *kinds: Any) -> None:
+        self._function, self._types = function, kinds
+        self.call: Callable[..., Any] = self._uncompiled if config.DISABLE_JIT else self._first
+
+    def _first(self, *arguments: Any) -> Any:
+        dispatcher = _compiled(self._function, nogil=False)
+        dispatcher.compile(self._types)
+        dispatcher.disable_compile()
+        self.call = dispatcher
+        return dispatcher(*arguments)
+
+    def _uncompiled(self, *arguments: Any) -> Any:
+        if any(a.ndim != kind.ndim for a, kind in zip(arguments, self._types, strict=True)):
+            raise TypeError('another number of dimensions')
+        return self._function(*arguments)
+
+
 def _compiled(
     function: Callable[..., Any],
     *,
     forceinline: bool = False,
     counted: bool = False,
     kept: bool = True,
+    nogil: bool = True,
 ) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = CACHE_FOLDER
     try:
         dispatcher = njit(
             cache=kept and bool(CACHE_FOLDER),
-            nogil=True,
+            nogil=nogil,
             error_model='numpy',
             forceinline=forceinline,
             **options(counted=counted),

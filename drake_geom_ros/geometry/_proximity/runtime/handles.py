@@ -71,10 +71,10 @@ def handle_of(record: tuple[Any, ...]) -> Handle:
 
 
 @intrinsic
-def _pointer(typingctx, address, number):  # type: ignore[no-untyped-def]
+def _pointer(typingctx: Any, address: Any, number: Any) -> Any:
     """Return an address as a pointer to numbers of a type."""
 
-    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return builder.inttoptr(values[0], context.get_value_type(signature.return_type))
 
     return types.CPointer(number.dtype)(types.intp, number), codegen

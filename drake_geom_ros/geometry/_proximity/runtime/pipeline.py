@@ -187,7 +187,7 @@ def _as_integers(array: Any, number: Any) -> Any:
     """Return signature and code of what shows numbers of 64 bits as integers of a type."""
     kind = types.Array(number, 1, 'C')
 
-    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         given, first = values
         whole = make_array(array)(context, builder, given)
         (size,) = cgutils.unpack_tuple(builder, whole.shape, 1)
@@ -200,11 +200,11 @@ def _as_integers(array: Any, number: Any) -> Any:
 
 
 @intrinsic
-def row(typingctx, array, k):  # type: ignore[no-untyped-def]
+def row(typingctx: Any, array: Any, k: Any) -> Any:
     """Return array[k] of a C-contiguous array of two or three dimensions."""
     kind = types.Array(array.dtype, array.ndim - 1, 'C')
 
-    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         given, number = values
         whole = make_array(array)(context, builder, given)
         shape = cgutils.unpack_tuple(builder, whole.shape, array.ndim)
@@ -217,10 +217,10 @@ def row(typingctx, array, k):  # type: ignore[no-untyped-def]
 
 
 @intrinsic
-def part(typingctx, array, start, stop):  # type: ignore[no-untyped-def]
+def part(typingctx: Any, array: Any, start: Any, stop: Any) -> Any:
     """Return array[start:stop] of a contiguous array, 0 <= start <= stop <= its size."""
 
-    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         given, first, end = values
         whole = make_array(array)(context, builder, given)
         data = builder.gep(whole.data, [first])
@@ -230,11 +230,11 @@ def part(typingctx, array, start, stop):  # type: ignore[no-untyped-def]
 
 
 @intrinsic
-def table(typingctx, array, start, rows, columns):  # type: ignore[no-untyped-def]
+def table(typingctx: Any, array: Any, start: Any, rows: Any, columns: Any) -> Any:
     """Return the elements of a contiguous array from start on as so many rows and columns."""
     kind = types.Array(array.dtype, 2, 'C')
 
-    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         given, first, *shape = values
         whole = make_array(array)(context, builder, given)
         return _array_at(context, builder, kind, builder.gep(whole.data, [first]), shape)
@@ -243,22 +243,22 @@ def table(typingctx, array, start, rows, columns):  # type: ignore[no-untyped-de
 
 
 @intrinsic
-def integers(typingctx, array, start):  # type: ignore[no-untyped-def]
+def integers(typingctx: Any, array: Any, start: Any) -> Any:
     """Return what an array of numbers of 64 bits has from start on as integers of 32 bits."""
     return _as_integers(array, types.int32)
 
 
 @intrinsic
-def wide_integers(typingctx, array, start):  # type: ignore[no-untyped-def]
+def wide_integers(typingctx: Any, array: Any, start: Any) -> Any:
     """Return what an array of numbers of 64 bits has from start on as integers of 64 bits."""
     return _as_integers(array, types.int64)
 
 
 @intrinsic
-def outlive(typingctx, array):  # type: ignore[no-untyped-def]
+def outlive(typingctx: Any, array: Any) -> Any:
     """Keep an array until here: views of it hold no reference."""
 
-    def codegen(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def codegen(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return context.get_dummy_value()
 
     return types.none(array), codegen

@@ -27,17 +27,25 @@ from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, HALF_SPACE
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, gather_rows
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.report import COUNTS
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
-from drake_geom_ros.geometry._proximity.states.groups import Groups, collect, put_boxes
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.states.groups import (
+    GroupArrays,
+    Groups,
+    collect,
+    put_boxes,
+)
 from drake_geom_ros.geometry._proximity.states.loops import forget, pose_state
 from drake_geom_ros.geometry._proximity.tolerances import EPS, PROMISED_ROUNDING
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.pose_rounding import RADIUS, TILT
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 
 
 @inlined
-def _most_below(level_gap, world):  # type: ignore[no-untyped-def]
+def _most_below(level_gap: float, world: WorldArrays) -> float:
     """Return how far [m] the lower end of an answer may be below any certified bound.
 
     That is twice what ``error_bounds.promised_error_bound`` is of any pair. Of bounds alone it is
@@ -55,7 +63,7 @@ def _most_below(level_gap, world):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _lower_end(out):  # type: ignore[no-untyped-def]
+def _lower_end(out: Floats) -> float:
     """Return the lower end of an answer [m]; infinity for a pair kept apart from what was asked.
 
     Boxes or balls did that, or a kernel that stopped at the cutoff.
@@ -67,7 +75,7 @@ def _lower_end(out):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _take_nearest(order, left, bounds, most):  # type: ignore[no-untyped-def]
+def _take_nearest(order: Indices, left: int, bounds: Floats, most: float) -> int:
     """Put the pair of least bound behind those that are left; return how many are, with it.
 
     Pairs whose bound is above ``most`` [m] are dropped on the way.
@@ -86,7 +94,15 @@ def _take_nearest(order, left, bounds, most):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _insert(found, number, end, answer, numbers, ends, answers):  # type: ignore[no-untyped-def]
+def _insert(
+    found: int,
+    number: int,
+    end: float,
+    answer: Floats,
+    numbers: Indices,
+    ends: Floats,
+    answers: Floats,
+) -> int:
     """Put an answer among those (most,) of the least lower ends, in order; return how many.
 
     Of equal ends the pair with the lower number is the first.
@@ -109,9 +125,19 @@ def _insert(found, number, end, answer, numbers, ends, answers):  # type: ignore
 
 
 @allocating
-def nearest_pairs(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, world, pairs, groups, query, stop, found, ids, out
-):
+def nearest_pairs(
+    kernels: Addresses,
+    poses: Floats,
+    rows: Indices,
+    world: Handle,
+    pairs: Indices,
+    groups: GroupArrays,
+    query: tuple[float, float, bool],
+    stop: Indices,
+    found: Indices,
+    ids: Indices,
+    out: Floats,
+) -> int:
     """Answer for the nearest pairs of each state (N, n, 7); return how many states are done.
 
     ``found`` (N,) gets how many pairs may be within the cutoff, at most as many as ``ids``
@@ -143,11 +169,13 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
         limit, count = cutoff, 0
         for turn in range(min(2, groups.separations.size)):
             # The two groups that are nearest come first: what they hold leaves out most others.
-            nearest = np.argmin(groups.separations)
-            span = (
-                (nearest, nearest + 1, -1) if turn == 0 else (0, groups.separations.size, nearest)
+            nearest = int(np.argmin(groups.separations))
+            first, last, skipped = nearest, nearest + 1, -1
+            if turn == 1:
+                first, last, skipped = 0, groups.separations.size, nearest
+            left = collect(
+                groups, first, last, skipped, limit + below, pairs, posed, order, bounds
             )
-            left = collect(groups, *span, limit + below, pairs, posed, order, bounds)
             while True:
                 left = _take_nearest(order, left, bounds, limit + below) - 1
                 if left < 0:
@@ -174,7 +202,17 @@ def nearest_pairs(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def any_near(kernels, poses, rows, world, pairs, groups, query, stop, out):  # type: ignore[no-untyped-def]
+def any_near(
+    kernels: Addresses,
+    poses: Floats,
+    rows: Indices,
+    world: Handle,
+    pairs: Indices,
+    groups: GroupArrays,
+    query: tuple[float, float, bool],
+    stop: Indices,
+    out: Booleans,
+) -> int:
     """Tell of each state (N, n, 7) whether a pair may be within the cutoff; return how many.
 
     ``out`` (N,) is False where every pair is certified to be farther. Each state ends at the first

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from drake_geom_ros.geometry._proximity.pairs.distance_bounds import (
 )
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -34,6 +35,10 @@ class Groups(NamedTuple):
     centres: Floats  # (g, 3) of the boxes [m]; room, as all that follows
     halves: Floats  # (g, 3) half the sizes [m]
     separations: Floats  # (m,) of the boxes [m]
+
+
+# As compiled code is handed them: see ``pairs.slots``.
+GroupArrays: TypeAlias = tuple[Indices, Indices, Indices, Indices, Indices, Floats, Floats, Floats]
 
 
 def groups_of(groups: Indices, pairs: Indices) -> Groups:
@@ -56,7 +61,7 @@ def groups_of(groups: Indices, pairs: Indices) -> Groups:
 
 
 @inlined
-def put_boxes(groups, world):  # type: ignore[no-untyped-def]
+def put_boxes(groups: Groups, world: WorldArrays) -> None:
     """Put a box around each group, and find how far they are apart; a half space has none."""
     types, p_WGs, half_extents = world.types, world.p_WGs, world.half_extents
     for g in range(groups.firsts.size - 1):
@@ -82,7 +87,17 @@ def put_boxes(groups, world):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def collect(groups, first, last, skipped, cutoff, pairs, world, order, bounds):  # type: ignore[no-untyped-def]
+def collect(
+    groups: Groups,
+    first: int,
+    last: int,
+    skipped: int,
+    cutoff: float,
+    pairs: Indices,
+    world: WorldArrays,
+    order: Indices,
+    bounds: Floats,
+) -> int:
     """Collect the numbers of pairs that may be nearer than ``cutoff`` [m]; return how many.
 
     Of pairs of groups from the first up to the last, without it, and without the one ``skipped``;

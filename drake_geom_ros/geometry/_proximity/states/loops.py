@@ -22,15 +22,23 @@ from drake_geom_ros.geometry._proximity.pairs.answer_rows import BATCH_WIDTH, ga
 from drake_geom_ros.geometry._proximity.pairs.narrow_phase import answer_pairs
 from drake_geom_ros.geometry._proximity.points.point_phase import point_phase
 from drake_geom_ros.geometry._proximity.report import COUNTS
+from drake_geom_ros.geometry._proximity.runtime.addresses import Addresses
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Unsigned32
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
-from drake_geom_ros.geometry._proximity.states.groups import Groups, collect, put_boxes
-from drake_geom_ros.geometry._proximity.world.arrays import world_of
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
+from drake_geom_ros.geometry._proximity.states.groups import (
+    GroupArrays,
+    Groups,
+    collect,
+    put_boxes,
+)
+from drake_geom_ros.geometry._proximity.world.arrays import WorldArrays, world_of
 from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH, read_poses
 from drake_geom_ros.geometry._proximity.world.pose_update import set_poses, update
 
 
 @compiled
-def pose_state(poses, rows, Xs, world):  # type: ignore[no-untyped-def]
+def pose_state(poses: Floats, rows: Indices, Xs: Floats, world: WorldArrays) -> bool:
     """Pose the frames of rows (n,) by poses (n, 7); return whether all of these are poses.
 
     The world is given by its handle; ``Xs`` (n, POSE_WIDTH) is room.
@@ -43,7 +51,7 @@ def pose_state(poses, rows, Xs, world):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def forget(memory, first, last):  # type: ignore[no-untyped-def]
+def forget(memory: Floats, first: int, last: int) -> None:
     """Forget what is known of some pairs, the hints too."""
     for s in range(first, last):
         memory[s, SLACK], memory[s, SEEN] = -math.inf, -1.0
@@ -52,7 +60,7 @@ def forget(memory, first, last):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _list(order, count, pairs, some, memory):  # type: ignore[no-untyped-def]
+def _list(order: Indices, count: int, pairs: Indices, some: Indices, memory: Floats) -> None:
     """List the pairs of some numbers, of which nothing is known."""
     for r in range(count):
         some[r, 0], some[r, 1] = pairs[order[r], 0], pairs[order[r], 1]
@@ -60,9 +68,20 @@ def _list(order, count, pairs, some, memory):  # type: ignore[no-untyped-def]
 
 
 @allocating
-def any_overlap(  # type: ignore[no-untyped-def]
-    kernels, poses, rows, world, pairs, groups, query, slots, memory, stop, hits, out
-):
+def any_overlap(
+    kernels: Addresses,
+    poses: Floats,
+    rows: Indices,
+    world: Handle,
+    pairs: Indices,
+    groups: GroupArrays,
+    query: tuple[float, float, bool],
+    slots: Indices,
+    memory: Floats,
+    stop: Indices,
+    hits: Indices,
+    out: Booleans,
+) -> int:
     """Tell of each state (N, n, 7) whether a pair overlaps; return how many states are done.
 
     ``out`` (N,) gets the answers of ``Engine.has_overlap``; each state ends at its first proof.
@@ -92,23 +111,23 @@ def any_overlap(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def pairs_within_cutoff(  # type: ignore[no-untyped-def]
-    kernels,
-    poses,
-    first,
-    rows,
-    world,
-    pairs,
-    groups,
-    query,
-    slots,
-    memory,
-    stop,
-    hits,
-    offsets,
-    ids,
-    out,
-):
+def pairs_within_cutoff(
+    kernels: Addresses,
+    poses: Floats,
+    first: int,
+    rows: Indices,
+    world: Handle,
+    pairs: Indices,
+    groups: GroupArrays,
+    query: tuple[float, float, bool],
+    slots: Indices,
+    memory: Floats,
+    stop: Indices,
+    hits: Indices,
+    offsets: Indices,
+    ids: Indices,
+    out: Floats,
+) -> int:
     """Answer for all pairs of each state (N, n, 7) within the cutoff; return how many are done.
 
     ``offsets`` (N + 1,) get where each state's answers begin in ``ids`` (room, 2) and ``out``
@@ -147,27 +166,30 @@ def pairs_within_cutoff(  # type: ignore[no-untyped-def]
 
 
 @allocating
-def points_within_threshold(  # type: ignore[no-untyped-def]
-    kernels,
-    pair_kernels,
-    pair_rows,
-    poses,
-    first,
-    rows,
-    world,
-    p_WQs,
-    threshold,
-    stop,
-    offsets,
-    points,
-    ids,
-    out,
-):
+def points_within_threshold(
+    kernels: Addresses,
+    pair_kernels: Addresses,
+    pair_rows: Indices,
+    shapes: tuple[Indices, Indices, Floats],
+    poses: Floats,
+    first: int,
+    rows: Indices,
+    world: Handle,
+    p_WQs: Floats,
+    threshold: float,
+    stop: Indices,
+    offsets: Indices,
+    points: Unsigned32,
+    ids: Indices,
+    out: Floats,
+) -> int:
     """Answer for points (m, 3) and all geometries, in each state (N, n, 7), as ``point_phase``.
 
-    Returns how many states are done; the rest is as in ``pairs_within_cutoff``, with ``points``
+    ``shapes`` are types, starts and pool of ``PointShapes``. Returns how many states are done; the
+    rest is as in ``pairs_within_cutoff``, with ``points``
     (room,) for which point an answer is of, and ``ids`` (room,), ``out`` (room, POINT_WIDTH).
     """
+    types, starts, pool = shapes
     room = p_WQs.shape[0] * world_of(world).ids.size
     Xs = np.empty((rows.size, POSE_WIDTH))
     counts = np.zeros(COUNTS, dtype=np.int64)
@@ -181,6 +203,9 @@ def points_within_threshold(  # type: ignore[no-untyped-def]
             kernels,
             pair_kernels,
             pair_rows,
+            types,
+            starts,
+            pool,
             world,
             p_WQs,
             threshold,

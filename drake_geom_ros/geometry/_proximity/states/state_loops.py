@@ -20,13 +20,19 @@ from drake_geom_ros.geometry._proximity.points.point_phase import (
     POINT_ROWS,
     compile_point_kernels,
 )
+from drake_geom_ros.geometry._proximity.points.sharing import (
+    is_worth_sharing,
+    shared_point_distances,
+)
 from drake_geom_ros.geometry._proximity.states.certified import any_near, nearest_pairs
-from drake_geom_ros.geometry._proximity.states.groups import groups_of
+from drake_geom_ros.geometry._proximity.states.groups import GroupArrays, groups_of
 from drake_geom_ros.geometry._proximity.states.loops import (
     any_overlap,
     pairs_within_cutoff,
     points_within_threshold,
+    pose_state,
 )
+from drake_geom_ros.geometry._proximity.world.pose_rows import POSE_WIDTH
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Floats = NDArray[np.float64]
@@ -52,7 +58,7 @@ class StateLoops:
         on, alone = world.geometries.frames, np.arange(len(world.geometries.ids))
         apart = len(world.frames.ids) + alone
         _, groups = np.unique(np.where(np.isin(on, rows), on, apart), return_inverse=True)
-        self._groups = tuple(groups_of(groups, pairs))
+        self._groups: GroupArrays = groups_of(groups, pairs)[:]
         self._memory = empty_memory(len(pairs))
 
     def _compile(self, level_gap: float) -> None:
@@ -135,7 +141,7 @@ class StateLoops:
         self._compile(level_gap)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
-            return pairs_within_cutoff(  # type: ignore[no-any-return]
+            return pairs_within_cutoff(
                 ADDRESSES,
                 poses,
                 first,
@@ -157,21 +163,31 @@ class StateLoops:
         return done, counts, PairBatch(ids, rows)
 
     def points(
-        self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices
+        self,
+        poses: Floats,
+        p_WQs: Floats,
+        threshold: float,
+        stop: Indices,
+        *,
+        shared: bool = False,
     ) -> tuple[int, Indices, PointBatch]:
         """Return how many geometries (N,) are within a threshold [m] of points (m, 3), and which.
 
-        Sorted by (point, id).
+        Sorted by (point, id). A single state may be ``shared`` out to all threads.
         """
         table = self._world.geometries
-        compile_point_kernels(self._world.shape_types)
+        types, starts, pool, kinds = self._world.point_shapes
+        compile_point_kernels(kinds)
+        if shared and len(poses) == 1 and is_worth_sharing(self._world, len(p_WQs)):
+            return self._points_of_one(poses[0], p_WQs, threshold, stop)
 
         def answer(first: int, offsets: Indices, room: list[Any]) -> int:
             points, ids, rows = room
-            return points_within_threshold(  # type: ignore[no-any-return]
+            return points_within_threshold(
                 POINT_ADDRESSES,
                 ADDRESSES,
-                POINT_ROWS[table.types],
+                POINT_ROWS[types],
+                (types, starts, pool),
                 poses,
                 first,
                 self._rows,
@@ -189,6 +205,19 @@ class StateLoops:
         most = len(p_WQs) * len(table.ids)
         done, counts, (points, ids, rows) = _filled(answer, len(poses), most, columns, stop)
         return done, counts, PointBatch(ids, points, rows)
+
+    def _points_of_one(
+        self, poses: Floats, p_WQs: Floats, threshold: float, stop: Indices
+    ) -> tuple[int, Indices, PointBatch]:
+        """Return what ``points`` does of one state (n, 7), by threads."""
+        nothing = PointBatch(
+            np.zeros(0, np.int64), np.zeros(0, np.uint32), np.zeros((0, POINT_WIDTH))
+        )
+        Xs = np.empty((len(self._rows), POSE_WIDTH))
+        if stop[0] or not pose_state(poses, self._rows, Xs, self._world.handle):
+            return 0, np.zeros(1, dtype=np.int64), nothing
+        found, _ = shared_point_distances(self._world, p_WQs, threshold)
+        return 1, np.array([len(found.ids)]), found
 
 
 def _filled(

@@ -21,6 +21,7 @@ class WorldArrays(NamedTuple):
 
     placings: Integers  # (1,) how often something got its first pose
     # Of frames (nf,).
+    named: Integers  # the first ones are rows of frames that poses were given for last
     moved: Flags
     parents: Integers
     R_PFs: Matrices

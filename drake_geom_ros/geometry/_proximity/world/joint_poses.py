@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+
+Quaternion: TypeAlias = tuple[float, float, float, float]  # x, y, z, w
 
 FIXED, REVOLUTE, PRISMATIC = 0, 1, 2  # what a joint does along or about its axis
 
 
 @inlined
-def _compose(poses, a, p, q, b):  # type: ignore[no-untyped-def]
+def _compose(poses: Floats, a: int, p: Vector, q: Quaternion, b: int) -> None:
     """Write the product of the pose in row a and of (p, q) to row b; rows x y z qx qy qz qw."""
     x, y, z, w = poses[a, 3], poses[a, 4], poses[a, 5], poses[a, 6]
     # p + 2 w (v x p) + 2 v x (v x p) for a unit quaternion (v, w), Rodrigues' formula.
@@ -25,21 +29,21 @@ def _compose(poses, a, p, q, b):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def pose_links(  # type: ignore[no-untyped-def]
-    values,
-    leaders,
-    multipliers,
-    offsets,
-    kinds,
-    axes,
-    X_PJs,
-    parents,
-    children,
-    X_WLs,
-    links,
-    first,
-    chosen,
-):
+def pose_links(
+    values: Floats,
+    leaders: Indices,
+    multipliers: Floats,
+    offsets: Floats,
+    kinds: Indices,
+    axes: Floats,
+    X_PJs: Floats,
+    parents: Indices,
+    children: Indices,
+    X_WLs: Floats,
+    links: Indices,
+    first: int,
+    chosen: Floats,
+) -> None:
     """Write poses X_WL for joint values (N, c) to ``chosen`` (N, m, 7), from row ``first`` on.
 
     Those of the ``links`` (k,); ``X_WLs`` (links, 7) is room for all of them and holds the root's.

@@ -29,14 +29,12 @@ class KeptPoses:
 
     Hardly anybody asks for derivatives, and most results are gone when the next poses come. So the
     world has a copy made before anything moves, if a result still refers to this.
+
+    Each query makes one, so it is made without a function of its own: see ``Engine.answer_of``.
     """
 
-    __slots__ = ('__weakref__', '_kept', '_now')
-
-    def __init__(self, now: PosedWorld) -> None:
-        """Refer to where everything is; the tables of shapes never change."""
-        self._now = now
-        self._kept: PosedWorld | None = None
+    now: PosedWorld  # where everything is; the tables of shapes never change
+    _kept: PosedWorld | None = None
 
     def is_kept(self) -> bool:
         """Tell whether there is a copy, which later poses do not change."""
@@ -45,8 +43,8 @@ class KeptPoses:
     def keep(self) -> PosedWorld:
         """Return the shapes as they are now, or were when this was first asked."""
         if self._kept is None:
-            R_WGs, p_WFs = self._now.R_WGs.copy(), self._now.p_WFs.copy()
+            R_WGs, p_WFs = self.now.R_WGs.copy(), self.now.p_WFs.copy()
             # Another thread may have done the same, before it let the world move.
             if self._kept is None:
-                self._kept = self._now._replace(R_WGs=R_WGs, p_WFs=p_WFs)
+                self._kept = self.now._replace(R_WGs=R_WGs, p_WFs=p_WFs)
         return self._kept

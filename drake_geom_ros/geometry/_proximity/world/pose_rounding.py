@@ -33,6 +33,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     POSITION_STEP,
@@ -62,13 +63,13 @@ def taken_roundings(R_PFs: Floats) -> Floats:
 
 
 @inlined
-def length_of(ps, k):  # type: ignore[no-untyped-def]
+def length_of(ps: Floats, k: int) -> float:
     """Return the sum of the moduli of row k, no less than its length [m]."""
     return abs(ps[k, 0]) + abs(ps[k, 1]) + abs(ps[k, 2])
 
 
 @inlined
-def shift_of(turn, shift, reach, length):  # type: ignore[no-untyped-def]
+def shift_of(turn: float, shift: float, reach: float, length: float) -> float:
     """Return the shift [m] of C in ``p_WC = p_WB + R_WB p_BC``.
 
     Of B: turn [-], shift [m] and the length ``reach`` of p_WB [m]; ``length`` [m] is that of p_BC.
@@ -77,9 +78,9 @@ def shift_of(turn, shift, reach, length):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def is_exact(R_PFs, f):  # type: ignore[no-untyped-def]
+def is_exact(R_PFs: Floats, f: int) -> bool:
     """Tell whether the rotation in row f is made of zeros and ones."""
-    f = np.uint64(f)
+    f = unsigned(f)
     first = abs(R_PFs[f, 0, 0])
     exact = first == 0.0 or first == 1.0  # mostly that is all there is to see
     if exact:
@@ -91,13 +92,13 @@ def is_exact(R_PFs, f):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def make_orthogonal(Rs, f):  # type: ignore[no-untyped-def]
+def make_orthogonal(Rs: Floats, f: int) -> None:
     """Take the matrix in row f, off orthogonal by rounding, to the rotation nearest to it.
 
     ``R - R (R^T R - I) / 2``: a step of Newton and Schulz, as in ``math.rotations.orthogonal``.
     Without it the defects of a chain would add up, and what kernels take for a rotation is one.
     """
-    f = np.uint64(f)
+    f = unsigned(f)
     a, b, c = Rs[f, 0, 0], Rs[f, 1, 0], Rs[f, 2, 0]
     p, q, r = Rs[f, 0, 1], Rs[f, 1, 1], Rs[f, 2, 1]
     x, y, z = Rs[f, 0, 2], Rs[f, 1, 2], Rs[f, 2, 2]

@@ -13,7 +13,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices
+from drake_geom_ros.geometry._proximity.runtime.compiled import Entry, compiled, given, own
 from drake_geom_ros.math.tolerances import FARTHEST, QUATERNION_NORM
 
 Floats = NDArray[np.float64]
@@ -25,6 +26,7 @@ POSE_WIDTH = 12
 REFUSED = 0
 READ = 1  # the ids are in any order
 RISING = 2
+KNOWN = 3  # the ids are those that are known to rise
 
 
 def packed_poses(Rs: Floats, ps: Floats) -> Floats:
@@ -43,7 +45,7 @@ def positions_of(X_PFs: Floats) -> Floats:
 
 
 @compiled
-def read_poses(poses, Xs):  # type: ignore[no-untyped-def]
+def read_poses(poses: Floats, Xs: Floats) -> int:
     """Write the rows Xs (n, POSE_WIDTH) of ``poses`` (n, 7), x y z qx qy qz qw, normalised.
 
     Returns the first row that has a number that is not finite, a coordinate beyond FARTHEST [m] or
@@ -72,15 +74,31 @@ def read_poses(poses, Xs):  # type: ignore[no-untyped-def]
     return poses.shape[0]
 
 
-@compiled
-def read_frame_poses(ids, poses, Xs):  # type: ignore[no-untyped-def]
-    """Do what ``read_poses`` does; return REFUSED, READ, or RISING if the ids (n,) rise strictly.
+def _read_frame_poses(ids: Indices, known: Indices, poses: Floats, Xs: Floats) -> int:
+    """Do what ``read_poses`` does for frames by their ids (n,); return what these are.
 
-    They do when frames come in their order, and then all of them are different.
+    That is RISING where they rise strictly, as when frames come in their order, and then all of
+    them are different; KNOWN where they are the ``known`` ones (m,), which do; or else READ. It is
+    REFUSED where a pose is none, or where their number or width is another one.
     """
+    if poses.shape[0] != ids.size or poses.shape[1] != 7:
+        return REFUSED
     if read_poses(poses, Xs) < ids.size:
         return REFUSED
-    rising = True
-    for k in range(1, ids.size):
-        rising &= ids[k] > ids[k - 1]
+    rising, same = True, ids.size == known.size
+    for k in range(ids.size):
+        rising &= k == 0 or ids[k] > ids[k - 1]
+        same = same and ids[k] == known[k]
+    if same:
+        return KNOWN
     return RISING if rising else READ
+
+
+# Poses as they are given, ids beside them, into rows of one's own: see ``_read_frame_poses``.
+FRAME_POSES = Entry(
+    _read_frame_poses,
+    given(np.int64, 1),
+    own(np.int64, 1),
+    given(np.float64, 2),
+    own(np.float64, 2),
+)

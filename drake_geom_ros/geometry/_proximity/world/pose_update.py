@@ -2,11 +2,11 @@
 
 import math
 
-import numpy as np
-
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import box_half_extents
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
+from drake_geom_ros.geometry._proximity.runtime.handles import Handle
 from drake_geom_ros.geometry._proximity.runtime.views import part, row
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -36,7 +36,7 @@ FADING = 15 / 16  # of the pace in an update: a body that stops is still taken f
 
 
 @compiled
-def set_poses(rows, X_news, world):  # type: ignore[no-untyped-def]
+def set_poses(rows: Indices, X_news: Floats, world: Handle) -> bool:
     """Copy the poses (n, POSE_WIDTH) that differ and mark their frames; return whether one did.
 
     The world is given by its handle, the frames by their rows.
@@ -60,14 +60,24 @@ def set_poses(rows, X_news, world):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _compose(R_ABs, p_ABs, a, R_BCs, p_BCs, b, R_ACs, p_ACs, c):  # type: ignore[no-untyped-def]
+def _compose(
+    R_ABs: Floats,
+    p_ABs: Floats,
+    a: int,
+    R_BCs: Floats,
+    p_BCs: Floats,
+    b: int,
+    R_ACs: Floats,
+    p_ACs: Floats,
+    c: int,
+) -> tuple[float, float]:
     """Write X_AB X_BC of rows a and b to row c; return the squares of what turned and moved it.
 
     They are the squared Frobenius norm [-] and the squared length [m^2] of the differences. (Rows
     by number, for a view of a row costs as much as the product; by unsigned number, for the test
     for negative ones costs half as much.)
     """
-    a, b, c = np.uint64(a), np.uint64(b), np.uint64(c)
+    a, b, c = unsigned(a), unsigned(b), unsigned(c)
     turned, moved = 0.0, 0.0
     for i in range(3):
         x, y, z = R_ABs[a, i, 0], R_ABs[a, i, 1], R_ABs[a, i, 2]
@@ -82,9 +92,11 @@ def _compose(R_ABs, p_ABs, a, R_BCs, p_BCs, b, R_ACs, p_ACs, c):  # type: ignore
 
 
 @inlined
-def _copy(R_ABs, p_ABs, a, R_ACs, p_ACs, c):  # type: ignore[no-untyped-def]
+def _copy(
+    R_ABs: Floats, p_ABs: Floats, a: int, R_ACs: Floats, p_ACs: Floats, c: int
+) -> tuple[float, float]:
     """Do what ``_compose`` does where B is C."""
-    a, c = np.uint64(a), np.uint64(c)
+    a, c = unsigned(a), unsigned(c)
     turned, moved = 0.0, 0.0
     for i in range(3):
         p = p_ABs[a, i]
@@ -98,7 +110,7 @@ def _copy(R_ABs, p_ABs, a, R_ACs, p_ACs, c):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _way(turned, moved, turn_radius):  # type: ignore[no-untyped-def]
+def _way(turned: float, moved: float, turn_radius: float) -> float:
     """Return how far a point of a body can have come by a step of ``_compose`` [m], rounded up.
 
     A point at x_G moves by (R - R') x + (p - p'), and the spectral norm of the difference of two
@@ -111,9 +123,15 @@ def _way(turned, moved, turn_radius):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _pose_frames(  # type: ignore[no-untyped-def]
-    moved, parents, R_PFs, p_PFs, R_WFs, p_WFs, frame_roundings
-):
+def _pose_frames(
+    moved: Booleans,
+    parents: Indices,
+    R_PFs: Floats,
+    p_PFs: Floats,
+    R_WFs: Floats,
+    p_WFs: Floats,
+    frame_roundings: Floats,
+) -> int:
     """Pose the frames that are marked as moved and mark what hangs on them; return how many."""
     count = 0
     for f in range(1, parents.size):
@@ -143,7 +161,15 @@ def _pose_frames(  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _put_half_extents(g, types, starts, pool, R_WGs, rounding, half_extents):  # type: ignore[no-untyped-def]
+def _put_half_extents(
+    g: int,
+    types: Indices,
+    starts: Indices,
+    pool: Floats,
+    R_WGs: Floats,
+    rounding: float,
+    half_extents: Floats,
+) -> None:
     """Write the box of a geometry, with room for where rounding may have put it."""
     if types[g] == SPHERE:
         for i in range(3):
@@ -156,29 +182,29 @@ def _put_half_extents(g, types, starts, pool, R_WGs, rounding, half_extents):  #
 
 
 @inlined
-def _pose_geometries(  # type: ignore[no-untyped-def]
-    revision,
-    moved,
-    R_WFs,
-    p_WFs,
-    frame_roundings,
-    movable,
-    frames,
-    R_FGs,
-    p_FGs,
-    kept,
-    types,
-    starts,
-    pool,
-    R_WGs,
-    p_WGs,
-    roundings,
-    half_extents,
-    stamps,
-    travels,
-    first,
-    last,
-):
+def _pose_geometries(
+    revision: int,
+    moved: Booleans,
+    R_WFs: Floats,
+    p_WFs: Floats,
+    frame_roundings: Floats,
+    movable: Indices,
+    frames: Indices,
+    R_FGs: Floats,
+    p_FGs: Floats,
+    kept: Floats,
+    types: Indices,
+    starts: Indices,
+    pool: Floats,
+    R_WGs: Floats,
+    p_WGs: Floats,
+    roundings: Floats,
+    half_extents: Floats,
+    stamps: Indices,
+    travels: Floats,
+    first: int,
+    last: int,
+) -> int:
     """Pose the geometry on moved frames, with its bounds and travels; return how many moved.
 
     Of those that may move, or all of a new scene, the ``first`` and what follows before the last.
@@ -215,7 +241,7 @@ def _pose_geometries(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def update_frames(world):  # type: ignore[no-untyped-def]
+def update_frames(world: Handle) -> int:
     """Pose the frames that moved in a world, given by its handle; return how many did."""
     world = world_of(world)
     return _pose_frames(
@@ -230,7 +256,7 @@ def update_frames(world):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def update_geometries(world, revision, first, last):  # type: ignore[no-untyped-def]
+def update_geometries(world: Handle, revision: int, first: int, last: int) -> int:
     """Pose the geometries on frames that moved, of ``_pose_geometries``; return how many did.
 
     (The arrays are handed on one by one: to hand the record on makes posing
@@ -263,7 +289,7 @@ def update_geometries(world, revision, first, last):  # type: ignore[no-untyped-
 
 
 @compiled
-def update(world, revision):  # type: ignore[no-untyped-def]
+def update(world: Handle, revision: int) -> tuple[int, int]:
     """Pose what moved in a world, given by its handle; return how many frames and bodies did."""
     frame_count = update_frames(world)
     arrays = world_of(world)

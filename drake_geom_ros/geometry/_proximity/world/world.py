@@ -47,11 +47,31 @@ class GeometryTable(NamedTuple):
     pool: Floats
 
 
-class Named(NamedTuple):
+class PointShapes(NamedTuple):
+    """What the geometries are to points: a mesh, a hull in pairs, may be its surface to them."""
+
+    types: Indices  # (n,) shape type numbers
+    starts: Indices  # (n + 1,)
+    pool: Floats
+    kinds: frozenset[int]  # those of the types
+
+
+class Named:
     """Frames of a world that poses are given for, looked up once."""
 
-    ids: Indices  # (n,) FrameId values
-    rows: Indices  # (n,) of the FrameTable
+    __slots__ = ('ids', 'rows')
+
+    def __init__(self, ids: Indices, rows: Indices) -> None:
+        """Have FrameId values (n,), which nobody changes, and rows (n,) of the FrameTable."""
+        self.ids, self.rows = ids, rows
+
+    def is_of(self, ids: Indices) -> bool:
+        """Tell whether these ids, which nobody changes, are those; the same array is mostly."""
+        if ids is not self.ids:
+            if not np.array_equal(ids, self.ids):
+                return False
+            self.ids = ids  # that of next time, too
+        return True
 
 
 _NOBODY = Named(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))
@@ -70,6 +90,14 @@ class World:
     def __init__(self, frames: FrameTable, geometries: GeometryTable) -> None:
         """Make the world of frames that all wait for their first pose."""
         count = len(frames.ids)
+        # What each cycle looks at stands together, in memory too.
+        self.is_stale = True  # world poses and bounds have to be brought up to date
+        self.revision = 0  # of the world poses: grows with each update
+        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
+        self.pending_frames, self.pending_poses = _NOBODY, NO_POSES
+        self.is_whole = False  # nobody waits for a first pose
+        # That of now, if there is a result that asked for it.
+        self._kept_poses: ReferenceType[KeptPoses] | None = None
         self.frames = frames
         self.geometries = geometries
         self._R_PFs = np.tile(np.eye(3), (count, 1, 1))
@@ -81,9 +109,7 @@ class World:
         self._order = np.argsort(frames.ids)
         self._sorted_ids = frames.ids[self._order]
         self._moved = np.ones(count, dtype=np.bool_)
-        # Which frames were posed last, and their poses (n, POSE_WIDTH), not looked at yet.
-        self.pending_frames, self.pending_poses = _NOBODY, NO_POSES
-        self.is_stale = True  # world poses and bounds have to be brought up to date
+        self._named = np.zeros(count, dtype=np.int64)
         self._posed = np.zeros(count, dtype=np.bool_)
         self.waiting = np.ones(len(geometries.ids), dtype=np.bool_)  # for a first pose
         self._placings = np.zeros(1, dtype=np.int64)
@@ -94,7 +120,6 @@ class World:
         """Make room for the posed geometry and compute what does not depend on poses."""
         table = self.geometries
         n = len(table.ids)
-        self.revision = 0  # of the world poses: grows with each update
         self.stamps = np.zeros(n, dtype=np.int64)  # revision in which a geometry last moved
         # How far any point of a geometry can have come since the first update, along the path
         # [m], never less than the truth.
@@ -105,7 +130,10 @@ class World:
         self.roundings = np.zeros((n, 2))
         # Of the box around Go, in World axes, that holds the body wherever rounding put it [m].
         self.half_extents = np.zeros((n, 3))
-        self.shape_types = frozenset(table.types.tolist())
+        # To points the same, until somebody who asks about them sets it otherwise.
+        kinds = frozenset(table.types.tolist())
+        self.point_shapes = PointShapes(table.types, table.starts, table.pool, kinds)
+        self.has_point_shapes = False
         self.anchored = table.frames == 0
         self.movable = np.flatnonzero(~self.anchored)
         # Largest distance from Go and largest ball about Go that fits [m].
@@ -129,8 +157,7 @@ class World:
     def _hand_over(self) -> None:
         """Gather what compiled code is given each cycle: to do it then costs a microsecond."""
         table = self.geometries
-        # That of now, if there is a result that asked for it.
-        self._kept_poses: ReferenceType[KeptPoses] | None = None
+        self._kept_poses = None
         self._posed_now = PosedWorld(
             ids=table.ids,
             types=table.types,
@@ -143,6 +170,7 @@ class World:
         )
         arrays = WorldArrays(
             placings=self._placings,
+            named=self._named,
             moved=self._moved,
             parents=self.frames.parents,
             R_PFs=self._R_PFs,
@@ -238,7 +266,7 @@ class World:
     def _place(self, rows: Indices) -> None:
         """Note that the frames in ``rows`` (n,) have a pose, and what hangs on them a place."""
         self._posed[rows] = True
-        self.is_whole = bool(self._posed.all())  # nobody waits
+        self.is_whole = bool(self._posed.all())
         self.placed = self._posed.copy()  # (nf,) the frame and all that it hangs on have a pose
         for row, parent in enumerate(self.frames.parents.tolist()):
             self.placed[row] &= self.placed[parent]
@@ -271,6 +299,7 @@ class World:
         if self.pending_frames is not named:
             self._apply_pending()
             self.pending_frames = named
+            self._named[: len(named.rows)] = named.rows
         if not self.is_whole and not self._posed[named.rows].all():
             self._place(named.rows)
         self.pending_poses, self.is_stale = X_PFs, True
@@ -315,7 +344,8 @@ class World:
         """Return the poses of the last update, which no later one reaches."""
         kept_poses = None if self._kept_poses is None else self._kept_poses()
         if kept_poses is None:
-            kept_poses = KeptPoses(self._posed_now)
+            kept_poses = KeptPoses()
+            kept_poses.now = self._posed_now
             self._kept_poses = ref(kept_poses)
         return kept_poses
 
@@ -326,4 +356,4 @@ class World:
         self._apply_pending()
         counts = update(self.handle, self.revision + 1)
         self.revision, self.is_stale = self.revision + 1, False
-        return counts  # type: ignore[no-any-return]
+        return counts

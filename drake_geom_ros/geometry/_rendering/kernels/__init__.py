@@ -15,4 +15,8 @@ and CYLINDER; semi-axes of an ELLIPSOID (as ``_proximity.kernels`` lays them out
 An image is drawn by bands of rows (``bands.Band``). Loops over the pixels of a row are written so
 that LLVM vectorises them: slices known to be contiguous, of at most so many arrays as it checks
 to be apart, selections and no branches, and the kind of a body known when they are compiled.
+
+In: bodies as a camera sees them, and a band of rows.
+Out: depths, labels and colours of the band.
+May import: ``math``, ``_proximity``, ``_rendering``; numpy, numba.
 """

@@ -3,9 +3,10 @@
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices
 from drake_geom_ros.geometry._rendering.compiled import compiled
 from drake_geom_ros.geometry._rendering.kernels.primitives import draw_primitive
-from drake_geom_ros.geometry._rendering.kernels.records import Band
+from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Outputs, Paint, Seen
 from drake_geom_ros.geometry._rendering.kernels.shading import (
     write_colours,
     write_depths,
@@ -17,8 +18,19 @@ from drake_geom_ros.geometry._rendering.kernels.windows import box_window
 
 @compiled
 def pose_meshes(
-    kinds, R_CGs, p_CGs, vertex_starts, p_GVs, p_CVs, view, size, eye, middle, windows, nearest
-):
+    kinds: Indices,
+    R_CGs: Floats,
+    p_CGs: Floats,
+    vertex_starts: Indices,
+    p_GVs: Floats,
+    p_CVs: Floats,
+    view: Floats,
+    size: tuple[int, int],
+    eye: Floats,
+    middle: Floats,
+    windows: Indices,
+    nearest: Floats,
+) -> None:
     """Pose the vertices of all meshes, and fill their windows and least depths.
 
     ``size`` is width and height; ``eye`` (3, 3) and ``middle`` (3,) are for the box around a mesh.
@@ -37,7 +49,7 @@ def pose_meshes(
 
 
 @compiled
-def draw_band(bodies, seen, band):
+def draw_band(bodies: Bodies, seen: Seen, band: Band) -> None:
     """Draw the bodies that are seen into a band, which is cleared."""
     rows, width = band.depths.shape
     for row in range(rows):
@@ -58,7 +70,15 @@ def draw_band(bodies, seen, band):
 
 
 @compiled
-def draw_bands(bodies, seen, room, paint, depth_range, empty, outputs):
+def draw_bands(
+    bodies: Bodies,
+    seen: Seen,
+    room: Band,
+    paint: Paint,
+    depth_range: tuple[float, float],
+    empty: int,
+    outputs: Outputs,
+) -> None:
     """Draw the bodies that are seen, by bands of the size of ``room``, and fill ``outputs``.
 
     ``depth_range`` are the least and the largest depth [m] that are told, ``empty`` is the label

@@ -3,12 +3,13 @@
 import math
 
 from drake_geom_ros.geometry._proximity.kinds import BOX, CAPSULE, CYLINDER, ELLIPSOID, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Integers32, Vector
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.rays import normal
 
 
 @inlined
-def facet_normal(corners, p_CVs):
+def facet_normal(corners: Integers32, p_CVs: Floats) -> Vector:
     """Return a triangle's normal in C, of any length."""
     a, b, c = corners[0], corners[1], corners[2]
     ex, ey, ez = p_CVs[b, 0] - p_CVs[a, 0], p_CVs[b, 1] - p_CVs[a, 1], p_CVs[b, 2] - p_CVs[a, 2]
@@ -17,7 +18,7 @@ def facet_normal(corners, p_CVs):
 
 
 @inlined
-def towards_camera(nx, ny, nz, x, y):
+def towards_camera(nx: float, ny: float, nz: float, x: float, y: float) -> Vector:
     """Return a normal of length 1 that looks against the ray (x, y, 1)."""
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     length = -length if nx * x + ny * y + nz > 0.0 else length
@@ -30,7 +31,9 @@ def towards_camera(nx, ny, nz, x, y):
 
 
 @compiled
-def flat_normals(nx, ny, nz, y, slopes, xs, ys, zs):
+def flat_normals(
+    nx: float, ny: float, nz: float, y: float, slopes: Floats, xs: Floats, ys: Floats, zs: Floats
+) -> None:
     """Fill the normals, (n,) each, of pixels that show one plane: all of it from one side."""
     nx, ny, nz = towards_camera(nx, ny, nz, slopes[0], y)
     for i in range(len(slopes)):
@@ -38,7 +41,18 @@ def flat_normals(nx, ny, nz, y, slopes, xs, ys, zs):
 
 
 @inlined
-def round_normals(kind, shape, R, p, y, slopes, depths, xs, ys, zs):
+def round_normals(
+    kind: int,
+    shape: Floats,
+    R: Floats,
+    p: Floats,
+    y: float,
+    slopes: Floats,
+    depths: Floats,
+    xs: Floats,
+    ys: Floats,
+    zs: Floats,
+) -> None:
     """Fill the normals, (n,) each, of pixels that show a ``kind`` that the compiler knows."""
     s0, s1, s2 = shape[0], shape[1], shape[2]
     ax, ay, az = R[0, 0], R[0, 1], R[0, 2]
@@ -63,7 +77,18 @@ def round_normals(kind, shape, R, p, y, slopes, depths, xs, ys, zs):
 
 
 @compiled
-def primitive_normals(kind, shape, R, p, y, slopes, depths, xs, ys, zs):
+def primitive_normals(
+    kind: int,
+    shape: Floats,
+    R: Floats,
+    p: Floats,
+    y: float,
+    slopes: Floats,
+    depths: Floats,
+    xs: Floats,
+    ys: Floats,
+    zs: Floats,
+) -> None:
     """Fill the normals, (n,) each, of pixels that show a primitive."""
     if kind == SPHERE:
         round_normals(SPHERE, shape, R, p, y, slopes, depths, xs, ys, zs)
@@ -80,7 +105,16 @@ def primitive_normals(kind, shape, R, p, y, slopes, depths, xs, ys, zs):
 
 
 @compiled
-def facet_normals(facets, triangles, p_CVs, y, slopes, xs, ys, zs):
+def facet_normals(
+    facets: Integers32,
+    triangles: Integers32,
+    p_CVs: Floats,
+    y: float,
+    slopes: Floats,
+    xs: Floats,
+    ys: Floats,
+    zs: Floats,
+) -> None:
     """Fill the normals, (n,) each, of pixels that show triangles ``facets`` (n,) of a mesh."""
     last = -1
     nx, ny, nz = 0.0, 0.0, 0.0

@@ -1,7 +1,5 @@
 """Primitives into the buffers of a band: a ray for every pixel of a body's window."""
 
-import numpy as np
-
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
@@ -10,13 +8,15 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_SPACE,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector, signed32
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.rays import interval
+from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Seen
 from drake_geom_ros.geometry._rendering.kernels.windows import box_window
 
 
 @inlined
-def half_sizes(kind, s0, s1, s2):
+def half_sizes(kind: int, s0: float, s1: float, s2: float) -> Vector:
     """Return half the sizes of the box around a primitive."""
     if kind == SPHERE:
         return s0, s0, s0
@@ -29,7 +29,17 @@ def half_sizes(kind, s0, s1, s2):
 
 
 @compiled
-def find_windows(kinds, shapes, R_CGs, p_CGs, view, width, height, windows, nearest):
+def find_windows(
+    kinds: Indices,
+    shapes: Floats,
+    R_CGs: Floats,
+    p_CGs: Floats,
+    view: Floats,
+    width: int,
+    height: int,
+    windows: Indices,
+    nearest: Floats,
+) -> None:
     """Fill the windows (n, 4) of all bodies and their least depths (n,); meshes have none here."""
     for k in range(len(kinds)):
         hx, hy, hz = half_sizes(kinds[k], shapes[k, 0], shapes[k, 1], shapes[k, 2])
@@ -41,7 +51,7 @@ def find_windows(kinds, shapes, R_CGs, p_CGs, view, width, height, windows, near
 
 
 @inlined
-def is_behind(nearest, depths):
+def is_behind(nearest: float, depths: Floats) -> bool:
     """Return whether a body, no nearer than ``nearest``, is behind all that is there."""
     seen = False
     for i in range(len(depths)):
@@ -50,13 +60,13 @@ def is_behind(nearest, depths):
 
 
 @inlined
-def scan(kind, k, bodies, seen, band):
+def scan(kind: int, k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
     """Draw body ``k`` of a ``kind`` that the compiler knows: a loop of its own for each kind.
 
     It is vectorised: all pixels of a row are computed and written, unless the body is behind all.
     """
     shape, R, p, view = bodies.shapes[k], seen.R_CGs[k], seen.p_CGs[k], seen.camera
-    window, nearest, k = seen.windows[k], seen.nearest[k], np.int32(k)
+    window, nearest, k = seen.windows[k], seen.nearest[k], signed32(k)
     near, far = view[4], view[5]
     s0, s1, s2 = shape[0], shape[1], shape[2]
     ox = -(R[0, 0] * p[0] + R[1, 0] * p[1] + R[2, 0] * p[2])
@@ -89,7 +99,7 @@ def scan(kind, k, bodies, seen, band):
 
 
 @compiled
-def draw_primitive(k, bodies, seen, band):
+def draw_primitive(k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
     """Draw body ``k`` into a band.
 
     Of surfaces at the same depth that of the body with the lower number is shown, in whatever

@@ -13,13 +13,16 @@ from drake_geom_ros.geometry._proximity.kinds import (
     ELLIPSOID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._rendering.compiled import inlined
 
 MISSED = (math.inf, -math.inf)
 
 
 @inlined
-def ball(ox, oy, oz, dx, dy, dz, r):
+def ball(
+    ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, r: float
+) -> tuple[float, float]:
     """Return where the ray is within a ball about the origin."""
     a = dx * dx + dy * dy + dz * dz
     middle = -(ox * dx + oy * dy + oz * dz) / a
@@ -32,7 +35,7 @@ def ball(ox, oy, oz, dx, dy, dz, r):
 
 
 @inlined
-def disc(ox, oy, dx, dy, r):
+def disc(ox: float, oy: float, dx: float, dy: float, r: float) -> tuple[float, float]:
     """Return where the ray is within an endless cylinder about z."""
     a = dx * dx + dy * dy
     if a == 0.0:
@@ -49,7 +52,7 @@ def disc(ox, oy, dx, dy, r):
 
 
 @inlined
-def slab(o, d, h):
+def slab(o: float, d: float, h: float) -> tuple[float, float]:
     """Return where the ray is between the planes -h and h of one axis."""
     if d == 0.0:
         if math.fabs(o) <= h:
@@ -62,7 +65,9 @@ def slab(o, d, h):
 
 
 @inlined
-def capsule(ox, oy, oz, dx, dy, dz, r, half_length):
+def capsule(
+    ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, r: float, half_length: float
+) -> tuple[float, float]:
     """Return where the ray is within a capsule: it enters by the side or by a cap."""
     enter, leave = disc(ox, oy, dx, dy, r)
     if enter > leave:
@@ -85,7 +90,18 @@ def capsule(ox, oy, oz, dx, dy, dz, r, half_length):
 
 
 @inlined
-def interval(kind, s0, s1, s2, ox, oy, oz, dx, dy, dz):
+def interval(
+    kind: int,
+    s0: float,
+    s1: float,
+    s2: float,
+    ox: float,
+    oy: float,
+    oz: float,
+    dx: float,
+    dy: float,
+    dz: float,
+) -> tuple[float, float]:
     """Return (t_in, t_out) of the ray and a primitive; a HALF_SPACE is its plane z = 0."""
     if kind == BOX:
         x, y, z = slab(ox, dx, s0), slab(oy, dy, s1), slab(oz, dz, s2)
@@ -105,7 +121,7 @@ def interval(kind, s0, s1, s2, ox, oy, oz, dx, dy, dz):
 
 
 @inlined
-def normal(kind, s0, s1, s2, x, y, z):
+def normal(kind: int, s0: float, s1: float, s2: float, x: float, y: float, z: float) -> Vector:
     """Return the direction of the normal, of any length, at a point of a primitive's surface."""
     if kind == SPHERE:
         return x, y, z

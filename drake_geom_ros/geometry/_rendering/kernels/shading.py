@@ -6,8 +6,18 @@ import sys
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kinds import HALF_SPACE
+from drake_geom_ros.geometry._proximity.runtime.arrays import (
+    Floats,
+    Integers16,
+    Integers32,
+    Singles,
+    Unsigned32,
+    signed32,
+    unsigned32,
+)
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.kernels.normals import facet_normals, primitive_normals
+from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Paint, Seen
 from drake_geom_ros.geometry._rendering.tolerances import EDGE_COSINE
 
 # Of a surface's colour: what it has everywhere, and what light from the camera and from above add.
@@ -21,7 +31,7 @@ RED, GREEN, BLUE, ALPHA = (0, 8, 16, 24) if sys.byteorder == 'little' else (24, 
 
 
 @compiled
-def write_depths(depths, low, high, out):
+def write_depths(depths: Floats, low: float, high: float, out: Singles) -> None:
     """Write depths (rows, width) [m] as float32: 0 below ``low``, infinity above ``high``."""
     for row in range(depths.shape[0]):
         for u in range(depths.shape[1]):
@@ -35,7 +45,7 @@ def write_depths(depths, low, high, out):
 
 
 @compiled
-def write_labels(owners, labels, empty, out):
+def write_labels(owners: Integers32, labels: Integers16, empty: int, out: Integers16) -> None:
     """Write the labels (n,) of the owners, ``empty`` where there is none."""
     for row in range(owners.shape[0]):
         for u in range(owners.shape[1]):
@@ -44,7 +54,7 @@ def write_labels(owners, labels, empty, out):
 
 
 @inlined
-def run_end(u, owners):
+def run_end(u: int, owners: Integers32) -> int:
     """Return the end of the run of pixels from ``u`` on that show one body, or none."""
     end = u + 1
     while end < len(owners) and owners[end] == owners[u]:
@@ -53,7 +63,17 @@ def run_end(u, owners):
 
 
 @compiled
-def find_edges(owners, xs, ys, zs, other_owners, other_xs, other_ys, other_zs, factors):
+def find_edges(
+    owners: Integers32,
+    xs: Floats,
+    ys: Floats,
+    zs: Floats,
+    other_owners: Integers32,
+    other_xs: Floats,
+    other_ys: Floats,
+    other_zs: Floats,
+    factors: Singles,
+) -> None:
     """Darken pixels that show another body than a neighbour, or another face: ``factors`` (n,).
 
     All are (n,). A body's silhouette belongs to the body: what shows nothing is not darkened, the
@@ -66,7 +86,9 @@ def find_edges(owners, xs, ys, zs, other_owners, other_xs, other_ys, other_zs, f
 
 
 @compiled
-def light_run(y, slopes, view, xs, ys, zs, light):
+def light_run(
+    y: float, slopes: Floats, view: Floats, xs: Floats, ys: Floats, zs: Floats, light: Singles
+) -> None:
     """Give pixels (n,) the light of the camera and from above, times what ``light`` holds."""
     up_x, up_y, up_z = view[6], view[7], view[8]
     for i in range(len(slopes)):
@@ -79,21 +101,21 @@ def light_run(y, slopes, view, xs, ys, zs, light):
 
 
 @inlined
-def channel(value, shift):
+def channel(value: float, shift: int) -> int:
     """Return a colour from 0 to 1, or brighter, as eight of a pixel's bits."""
-    level = np.int32((value if value < ONE else ONE) * np.float32(255.0) + np.float32(0.5))
-    return np.uint32(level) << np.uint32(shift)
+    level = signed32((value if value < ONE else ONE) * np.float32(255.0) + np.float32(0.5))
+    return unsigned32(level) << unsigned32(shift)
 
 
 @inlined
-def pixel(red, green, blue):
+def pixel(red: float, green: float, blue: float) -> int:
     """Return a pixel's bytes as one number: to write them one by one takes five times as long."""
-    opaque = np.uint32(255) << np.uint32(ALPHA)
+    opaque = unsigned32(255) << unsigned32(ALPHA)
     return channel(red, RED) | channel(green, GREEN) | channel(blue, BLUE) | opaque
 
 
 @compiled
-def colour_run(colour, light, out):
+def colour_run(colour: Floats, light: Singles, out: Unsigned32) -> None:
     """Write pixels (n,) of one colour in their light (n,)."""
     red, green, blue = np.float32(colour[0]), np.float32(colour[1]), np.float32(colour[2])
     for i in range(len(light)):
@@ -101,7 +123,9 @@ def colour_run(colour, light, out):
 
 
 @compiled
-def colour_facets(facets, facet_colours, light, out):
+def colour_facets(
+    facets: Integers32, facet_colours: Singles, light: Singles, out: Unsigned32
+) -> None:
     """Write pixels (n,) again that show a triangle with a colour of its own."""
     for i in range(len(light)):
         colour = facet_colours[facets[i]]
@@ -110,7 +134,7 @@ def colour_facets(facets, facet_colours, light, out):
 
 
 @compiled
-def write_colours(bodies, seen, paint, band, out):
+def write_colours(bodies: Bodies, seen: Seen, paint: Paint, band: Band, out: Unsigned32) -> None:
     """Write a band's colours, a row after the other, and in it by runs of pixels of one body.
 
     The last row's owners and normals are left in ``paint``, so that an edge does not hang on where

@@ -11,14 +11,16 @@ far away, and the other triangle of the edge has the very negative. So no ray sl
 
 import math
 
-import numpy as np
-
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, signed32
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
+from drake_geom_ros.geometry._rendering.kernels.records import Band, Bodies, Seen
 from drake_geom_ros.geometry._rendering.kernels.windows import crossed, span, widened
 
 
 @compiled
-def pose_vertices(R, p, p_GVs, p_CVs):
+def pose_vertices(
+    R: Floats, p: Floats, p_GVs: Floats, p_CVs: Floats
+) -> tuple[float, float, float, float, float, float]:
     """Fill ``p_CVs`` (n, 3) with the vertices in C; return the box (6) around them."""
     x_low, y_low, z_low = math.inf, math.inf, math.inf
     x_high, y_high, z_high = -math.inf, -math.inf, -math.inf
@@ -34,7 +36,7 @@ def pose_vertices(R, p, p_GVs, p_CVs):
 
 
 @inlined
-def edge(x0, y0, z0, x1, y1, z1):
+def edge(x0: float, y0: float, z0: float, x1: float, y1: float, z1: float) -> Vector:
     """Return the edge function of two corners: their cross product, doubled."""
     sx, sy, sz = x0 + x1, y0 + y1, z0 + z1
     dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
@@ -42,7 +44,20 @@ def edge(x0, y0, z0, x1, y1, z1):
 
 
 @inlined
-def triangle_window(x0, y0, z0, x1, y1, z1, x2, y2, z2, view, width, height):
+def triangle_window(
+    x0: float,
+    y0: float,
+    z0: float,
+    x1: float,
+    y1: float,
+    z1: float,
+    x2: float,
+    y2: float,
+    z2: float,
+    view: Floats,
+    width: int,
+    height: int,
+) -> tuple[int, int, int, int]:
     """Return columns and rows (u0, u1, v0, v1) of a triangle; empty where it is out of sight."""
     near = view[4]
     least, most = min(z0, z1, z2), max(z0, z1, z2)
@@ -65,7 +80,7 @@ def triangle_window(x0, y0, z0, x1, y1, z1, x2, y2, z2, view, width, height):
 
 
 @compiled
-def draw_triangles(k, bodies, seen, band):
+def draw_triangles(k: int, bodies: Bodies, seen: Seen, band: Band) -> None:
     """Draw the triangles of body ``k`` into a band; see ``draw_primitive``.
 
     Of triangles of one body at the same depth the one with the lower number is shown.
@@ -75,7 +90,7 @@ def draw_triangles(k, bodies, seen, band):
     near, far = view[4], view[5]
     first_row = band.first_row
     rows, width = band.depths.shape
-    k = np.int32(k)
+    k = signed32(k)
     for f in range(first, last):
         a, b, c = triangles[f, 0], triangles[f, 1], triangles[f, 2]
         x0, y0, z0 = p_CVs[a, 0], p_CVs[a, 1], p_CVs[a, 2]

@@ -4,18 +4,19 @@ import math
 
 import numpy as np
 
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._rendering.compiled import compiled, inlined
 from drake_geom_ros.geometry._rendering.tolerances import PIXEL_SLACK
 
 
 @inlined
-def pixel(position, size):
+def pixel(position: float, size: int) -> int:
     """Return a position [pixels] as a number of a row or column from -1 to size."""
     return int(min(max(position, -1.0), float(size)))
 
 
 @inlined
-def span(low, high, focal, centre, size):
+def span(low: float, high: float, focal: float, centre: float, size: int) -> tuple[int, int]:
     """Return the first pixel, and the one behind the last, whose middles are in [low, high].
 
     ``low`` and ``high`` are slopes x / z; pixel u is at (u + 0.5 - centre) / focal.
@@ -26,14 +27,25 @@ def span(low, high, focal, centre, size):
 
 
 @inlined
-def widened(x, y, z, box):
+def widened(
+    x: float, y: float, z: float, box: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
     """Return a box of slopes (x_low, x_high, y_low, y_high) that holds a point before us too."""
     u, v = x / z, y / z
     return min(box[0], u), max(box[1], u), min(box[2], v), max(box[3], v)
 
 
 @inlined
-def crossed(x0, y0, z0, x1, y1, z1, near, box):
+def crossed(
+    x0: float,
+    y0: float,
+    z0: float,
+    x1: float,
+    y1: float,
+    z1: float,
+    near: float,
+    box: tuple[float, float, float, float],
+) -> tuple[float, float, float, float]:
     """Return a box of slopes that holds where an edge crosses the near plane, if it does."""
     if (z0 < near) == (z1 < near):
         return box
@@ -42,7 +54,9 @@ def crossed(x0, y0, z0, x1, y1, z1, near, box):
 
 
 @compiled
-def box_window(R, p, hx, hy, hz, view, width, height):
+def box_window(
+    R: Floats, p: Floats, hx: float, hy: float, hz: float, view: Floats, width: int, height: int
+) -> tuple[int, int, int, int, float]:
     """Return columns and rows (u0, u1, v0, v1) of a posed box, and its least depth.
 
     Empty, u0 >= u1, where all of it is out of sight.

@@ -1,4 +1,7 @@
 """What is drawn by VTK, an extra: imported only by a renderer that was asked for.
 
-Enters: packed bodies, posed in the camera. Leaves: images. Nobody else imports VTK.
+In: packed bodies, posed in the camera.
+Out: images; nobody else imports VTK.
+May import: ``math``, ``common``, ``geometry``, ``meshes``, ``shapes``, ``model``, ``sensors``,
+    ``render``; numpy, vtkmodules.
 """

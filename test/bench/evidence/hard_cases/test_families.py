@@ -8,7 +8,9 @@ from oracles.hard_cases.families import FAMILIES, generate
 from bench.evidence.hard_cases import cases
 from drake_geom_ros.cross_check.surfaces import width
 
-QUICK = ('rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested', 'solids')
+QUICK = (
+    'rotations', 'half_spaces', 'points', 'slivers', 'ratios', 'nested', 'solids', 'interlocked',
+)  # fmt: skip
 
 
 def test_every_stored_family_is_generated_but_what_was_found():

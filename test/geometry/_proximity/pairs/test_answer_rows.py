@@ -7,6 +7,7 @@ import pytest
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
+from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     DISTANCE,
     ERROR_BOUND,
@@ -44,6 +45,22 @@ def test_witness_points_are_the_same_in_world_in_their_bodies_and_in_their_frame
             assert _three(row, in_frame) == pytest.approx(expected, abs=1e-14)
         apart = _three(row, WITNESS_A) - _three(row, WITNESS_B)
         assert apart == pytest.approx(row[DISTANCE] * _three(row, NORMAL), abs=1e-14)
+
+
+def test_an_answer_is_one_array_that_nobody_changes_with_the_ids_at_its_end():
+    world = random_world(np.random.default_rng(2), 40, types=(1,))
+    engine, query = Engine(), (filters_of(world), 'exact', math.inf, False, ANSWERS)
+    for _ in range(2):  # with too little room at first, then with enough
+        world.set_poses(np.array([1]), np.eye(3)[None], world.p_PFs[1:2] + 0.1)
+        answers = engine.answer_of(engine.prepared(world, *query))
+        batch = batches.batch_of(answers)
+        assert answers.shape == (40 * 39 // 2, batches.ANSWER_WIDTH)
+        keys = world.geometries.ids.tolist()
+        assert batch.ids.tolist() == [[a, b] for a in keys for b in keys if a < b]
+        assert np.shares_memory(batch.ids, answers)
+        for array in (answers, batch.ids):
+            with pytest.raises(ValueError, match='read-only'):
+                array[0, 0] = 0
 
 
 def test_only_what_overlaps_penetrates_and_an_interval_becomes_a_depth():

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from numba import config
 from numba.core import event
@@ -62,6 +63,32 @@ def test_nobody_else_can_reach_into_the_folder_of_a_cache(tmp_path):
         os.umask(before)
     assert (tmp_path / 'ours').stat().st_mode & 0o777 == 0o700
     assert compiled._own_folder(tmp_path / 'ours')
+
+
+def _count_up(array, room):
+    for k in range(array.size):
+        room[k] = array[k] + 1.0
+    return array.size
+
+
+def test_an_entry_takes_what_it_is_for_and_compiles_nothing_for_others():
+    given, own = compiled.given(np.float64, 1), compiled.own(np.float64, 1)
+    entry = compiled.Entry(_count_up, given, own)
+    some, room = np.arange(6.0), np.zeros(3)
+    held = some[::2]
+    held.flags.writeable = False
+    for _ in range(2):
+        room[:] = 0.0
+        assert entry.call(held, room) == 3  # of any strides, and only read
+        assert room.tolist() == [1.0, 3.0, 5.0]
+        for other in (np.zeros((3, 1)), np.zeros((1, 1, 3))):
+            with pytest.raises(TypeError):
+                entry.call(other, room)
+    if not config.DISABLE_JIT:
+        assert len(entry.call.signatures) == 1
+        for other in (np.zeros(3, dtype=np.float32), [1.0], None):
+            with pytest.raises(TypeError):
+                entry.call(other, room)
 
 
 READING = """

@@ -6,12 +6,13 @@ from oracles.poses import mp, rotation_of_quaternion
 
 from drake_geom_ros.geometry._proximity.tolerances import ROTATION_TAKEN
 from drake_geom_ros.geometry._proximity.world.pose_rows import (
+    FRAME_POSES,
+    KNOWN,
     POSE_WIDTH,
     READ,
     REFUSED,
     RISING,
     positions_of,
-    read_frame_poses,
     read_poses,
     rotations_of,
 )
@@ -69,9 +70,31 @@ def test_positions_must_be_finite_and_not_too_far(column, value):
 )
 def test_ids_that_rise_are_told_from_others_beside_the_poses(ids, rise):
     n, poses = len(ids), random_poses(3)[: len(ids)]
-    values, Xs = np.array(ids, np.int64), np.empty((n, POSE_WIDTH))
-    assert read_frame_poses(values, poses, Xs) == (RISING if rise else READ)
+    values, Xs, other = np.array(ids, np.int64), np.empty((n, POSE_WIDTH)), np.array([8])
+    assert FRAME_POSES.call(values, other, poses, Xs) == (RISING if rise else READ)
     assert (positions_of(Xs) == poses[:, :3]).all()
     if n:
         poses[1, 6] = 5.0
-        assert read_frame_poses(values, poses, Xs) == REFUSED
+        assert FRAME_POSES.call(values, other, poses, Xs) == REFUSED
+        assert FRAME_POSES.call(values, values, poses, Xs) == REFUSED
+
+
+def test_ids_that_are_known_are_told_from_others():
+    poses, Xs = random_poses(3), np.empty((3, POSE_WIDTH))
+    known = np.array([3, 5, 9])
+    assert FRAME_POSES.call(known[::-1][::-1], known.copy(), poses, Xs) == KNOWN
+    assert FRAME_POSES.call(known, known[:2].copy(), poses, Xs) == RISING
+    assert FRAME_POSES.call(known, np.array([3, 5, 8]), poses, Xs) == RISING
+
+
+@pytest.mark.parametrize('shape', [(2, 7), (4, 7), (3, 6), (3, 8)])
+def test_another_number_or_width_of_poses_is_refused(shape):
+    known, Xs = np.arange(3), np.empty((3, POSE_WIDTH))
+    assert FRAME_POSES.call(known, known, np.ones(shape), Xs) == REFUSED
+
+
+@pytest.mark.parametrize('shape', [(21,), (3, 7, 1)])
+def test_another_number_of_dimensions_is_no_such_argument(shape):
+    known, Xs = np.arange(3), np.empty((3, POSE_WIDTH))
+    with pytest.raises(TypeError):
+        FRAME_POSES.call(known, known, np.ones(shape), Xs)

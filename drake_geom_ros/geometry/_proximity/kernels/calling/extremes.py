@@ -19,10 +19,11 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import SUMMITS
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, vector_at
-from drake_geom_ros.geometry._proximity.kinds import CONVEX, VERTEX_COUNT
-from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.kinds import CONVEX, ELLIPSOID, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.addresses import Address, caller
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, inlined
-from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, SMALL_SIZE
+from drake_geom_ros.geometry._proximity.tolerances import LARGE_SIZE, LEAST_LENGTH, SMALL_SIZE
 
 # That of ``at_one_metre``: a kernel's address and the size of its pair come first.
 _SIGNATURE = types.void(types.intp, types.float64, *PAIR_SIGNATURE.args)
@@ -30,7 +31,7 @@ call_at_one_metre = caller(_SIGNATURE)
 
 
 @inlined
-def is_extreme(size, p_AB_W):
+def is_extreme(size: float, p_AB_W: Floats) -> bool:
     """Tell whether products of a few lengths of a pair may leave float64.
 
     ``size`` [m] is that of its shapes, ``p_AB_W`` what is between them.
@@ -39,9 +40,21 @@ def is_extreme(size, p_AB_W):
     return not SMALL_SIZE < size + x + y + z < LARGE_SIZE
 
 
+@inlined
+def vanishes(kind: int, shape: Floats) -> bool:
+    """Tell whether products of lengths of a shape may leave float64, whatever it is paired with.
+
+    Of ellipsoids squares of semi-axes are taken.
+    """
+    return kind == ELLIPSOID and min(shape[0], shape[1], shape[2]) < SMALL_SIZE
+
+
 @allocating
-def resized(kind, shape, exponent):
-    """Return a copy of a shape's parameters with its lengths times 2^exponent."""
+def resized(kind: int, shape: Floats, exponent: int) -> Floats:
+    """Return a copy of a shape's parameters with its lengths times 2^exponent.
+
+    A semi-axis that is nothing beside 1 m is then taken for one whose powers stay within float64.
+    """
     copy = shape.copy()
     first, last = 0, shape.size
     if kind == CONVEX:
@@ -49,13 +62,26 @@ def resized(kind, shape, exponent):
         first, last = 1, min(shape.size, 3 * int(shape[VERTEX_COUNT]) + SUMMITS)
     for k in range(first, last):
         copy[k] = math.ldexp(copy[k], exponent)
+        if kind == ELLIPSOID:
+            copy[k] = max(copy[k], LEAST_LENGTH)
     return copy
 
 
 @allocating
 def at_one_metre(
-    address, size, kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    address: Address,
+    size: float,
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Call the kernel at an address for the pair brought to about 1 m.
 
     Itself called through its address: a copy of a shape may fail, and to Numba that made every

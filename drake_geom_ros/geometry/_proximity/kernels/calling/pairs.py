@@ -13,6 +13,7 @@ from typing import Any
 from numba import types
 
 from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import address_of, inlined
 
 # Columns of a result row.
@@ -51,7 +52,16 @@ PAIR_SIGNATURE = types.void(
 
 
 @inlined
-def write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, error_bound, unique, method):
+def write(
+    out: Floats,
+    distance: float,
+    nhat_BA_W: Vector,
+    p_ACa_W: Vector,
+    p_ACb_W: Vector,
+    error_bound: float,
+    unique: bool,
+    method: int,
+) -> None:
     """Fill one result row."""
     out[DISTANCE] = distance
     out[ERROR_BOUND] = error_bound

@@ -9,7 +9,7 @@ address    of the pair kernel of a sphere and this shape, for ``by_pair_kernel``
 kind       shape type number
 body       the geometry where it is, see ``PointedBody``
 p_WQs      points (m, 3) [m]
-threshold  [m] what is farther away is left out
+threshold  [m] what is certified to be farther away is left out
 span       which points to answer, and where, see ``Span``
 answers    where they are written, see ``PointAnswers``
 ========== ========================================================================
@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, rotate, unrotate
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
 from drake_geom_ros.geometry._proximity.runtime.addresses import caller
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, EPS
 
@@ -82,7 +83,7 @@ call_points_kernel = caller(POINTS_SIGNATURE)
 
 
 @inlined
-def seen(body, p_WQs, k, threshold):
+def seen(body: PointedBody, p_WQs: Floats, k: int, threshold: float) -> tuple[bool, Vector, float]:
     """Return (near, q, rounding): whether G may be within it, p_GQ, and its rounding [m].
 
     The rounding is that of the pose and of the difference.
@@ -97,7 +98,16 @@ def seen(body, p_WQs, k, threshold):
 
 
 @inlined
-def put_point(rows, k, distance, grad_W, p_GN, bound, unique, method):
+def put_point(
+    rows: Floats,
+    k: int,
+    distance: float,
+    grad_W: Vector,
+    p_GN: Vector,
+    bound: float,
+    unique: bool,
+    method: float,
+) -> None:
     """Fill a row."""
     rows[k, POINT_DISTANCE] = distance
     rows[k, POINT_ERROR_BOUND] = bound
@@ -109,11 +119,19 @@ def put_point(rows, k, distance, grad_W, p_GN, bound, unique, method):
 
 
 @inlined
-def take(answers, k, body, threshold, size, rounding, nearest):
-    """Fill row k from a closed form in G, where it is within the threshold."""
+def take(
+    answers: PointAnswers,
+    k: int,
+    body: PointedBody,
+    threshold: float,
+    size: float,
+    rounding: float,
+    nearest: tuple[float, Vector, Vector, bool],
+) -> None:
+    """Fill row k from a closed form in G, where it may be within the threshold."""
     distance, grad, p_GN, unique = nearest
-    if distance <= threshold:
-        bound = CLOSED_FORM_ROUNDING * size + rounding
+    bound = CLOSED_FORM_ROUNDING * size + rounding
+    if distance - bound <= threshold:
         grad_W = rotate(body.R_WG, grad)
         put_point(answers.rows, k, distance, grad_W, p_GN, bound, unique, CLOSED_FORM)
         answers.found[k] = True

@@ -18,12 +18,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 
 @compiled
-def to_first(b, v):
+def to_first(b: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
     """Return v, given along the second box's axes, along those of the first."""
     return (
         b[0][0] * v[0] + b[1][0] * v[1] + b[2][0] * v[2],
@@ -33,13 +34,15 @@ def to_first(b, v):
 
 
 @compiled
-def to_second(b, v):
+def to_second(b: tuple[Vector, Vector, Vector], v: Vector) -> Vector:
     """Return v, given along the first box's axes, along those of the second."""
     return dot(b[0], v), dot(b[1], v), dot(b[2], v)
 
 
 @compiled
-def seen_from_other(b, c):
+def seen_from_other(
+    b: tuple[Vector, Vector, Vector], c: Vector
+) -> tuple[tuple[Vector, Vector, Vector], Vector]:
     """Return the axes and the centre of the first box in the frame of the second."""
     a = (
         (b[0][0], b[1][0], b[2][0]),
@@ -50,7 +53,9 @@ def seen_from_other(b, c):
 
 
 @compiled
-def _closest_edge(h, g, b, c, enough):
+def _closest_edge(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, enough: float
+) -> tuple[float, Vector, Vector]:
     """Return distance, p_CaCb and edge point of the second box's edge nearest to the first.
 
     Ends early once the distance is at most ``enough`` [m].
@@ -81,7 +86,9 @@ def _closest_edge(h, g, b, c, enough):
 
 
 @compiled
-def closest_points(h, g, b, c, enough):
+def closest_points(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, enough: float
+) -> tuple[Vector, Vector]:
     """Return p_CaCb from the first box to the second, and its starting point.
 
     The closest points where the boxes are apart; a pair at most ``enough`` [m] apart will do.
@@ -97,7 +104,9 @@ def closest_points(h, g, b, c, enough):
 
 
 @compiled
-def _clip(c, d, h, half_length):
+def _clip(
+    c: tuple[float, float], d: tuple[float, float], h: tuple[float, float], half_length: float
+) -> tuple[float, float]:
     """Return the interval of t, |t| <= half_length, with c + t d in the rectangle h, all in 2D.
 
     Empty intervals end before they begin.
@@ -113,7 +122,13 @@ def _clip(c, d, h, half_length):
 
 
 @compiled
-def _outline(h, g, u, v, c):
+def _outline(
+    h: tuple[float, float],
+    g: tuple[float, float],
+    u: tuple[float, float],
+    v: tuple[float, float],
+    c: tuple[float, float],
+) -> tuple[float, float, float]:
     """Return length and moment of the edges of rectangle g (axes u, v, centre c) within h, 2D."""
     length, x, y = 0.0, 0.0, 0.0
     for side in (-1.0, 1.0):
@@ -131,7 +146,14 @@ def _outline(h, g, u, v, c):
 
 
 @compiled
-def _patch_centre(h, g, u, v, c, slack):
+def _patch_centre(
+    h: tuple[float, float],
+    g: tuple[float, float],
+    u: tuple[float, float],
+    v: tuple[float, float],
+    c: tuple[float, float],
+    slack: float,
+) -> tuple[bool, tuple[float, float]]:
     """Return whether two rectangles in a plane overlap, and the centre of the overlap's outline.
 
     The outline consists of the stretches of either rectangle's edges within the other, so their
@@ -153,7 +175,15 @@ def _patch_centre(h, g, u, v, c, slack):
 
 
 @compiled
-def common_point(h, g, b, c, n, is_face, slack):
+def common_point(
+    h: Vector,
+    g: Vector,
+    b: tuple[Vector, Vector, Vector],
+    c: Vector,
+    n: Vector,
+    is_face: bool,
+    slack: float,
+) -> tuple[Vector, float]:
     """Return a point of both boxes, which touch, and by how much [m] the second misses it.
 
     n (unit) points out of the first box at the contact; ``is_face``: it is normal to a face.

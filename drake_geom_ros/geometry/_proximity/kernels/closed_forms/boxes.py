@@ -41,6 +41,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
@@ -55,7 +56,7 @@ AXES = 15
 
 
 @compiled
-def _axis(b, m):
+def _axis(b: tuple[Vector, Vector, Vector], m: int) -> Vector:
     """Return candidate m for the separating axis, in A: a unit vector, or 0 if there is none."""
     if m < 3:
         return along(m, 1.0)
@@ -73,7 +74,9 @@ def _axis(b, m):
 
 
 @compiled
-def _separation(h, g, b, c, n, slack):
+def _separation(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, n: Vector, slack: float
+) -> tuple[float, float]:
     """Return the separation of the boxes along n or -n, whichever is larger, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     size_A = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
@@ -82,7 +85,9 @@ def _separation(h, g, b, c, n, slack):
 
 
 @compiled
-def _separating_axis(h, g, b, c, slack):
+def _separating_axis(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, slack: float
+) -> tuple[float, Vector, int, bool]:
     """Return the largest separation, its unit normal out of A, the axis's number, uniqueness."""
     phi, n, best, tie = -math.inf, (1.0, 0.0, 0.0), 0, False
     for m in range(AXES):
@@ -98,7 +103,16 @@ def _separating_axis(h, g, b, c, slack):
 
 
 @compiled
-def _witness_on_first(h, g, b, c, phi, n, axis, slack):
+def _witness_on_first(
+    h: Vector,
+    g: Vector,
+    b: tuple[Vector, Vector, Vector],
+    c: Vector,
+    phi: float,
+    n: Vector,
+    axis: int,
+    slack: float,
+) -> tuple[Vector, float]:
     """Return the point of A, in A, that meets B moved by -phi n, and how far it misses it."""
     moved = add_scaled(c, -phi, n)
     if 3 <= axis < 6:
@@ -109,7 +123,9 @@ def _witness_on_first(h, g, b, c, phi, n, axis, slack):
 
 
 @compiled
-def _signed_distance(h, g, b, c, slack):
+def _signed_distance(
+    h: Vector, g: Vector, b: tuple[Vector, Vector, Vector], c: Vector, slack: float
+) -> tuple[float, Vector, Vector, bool]:
     """Return (phi, n, p_ACa, unique) in A; n is unit and points out of A."""
     phi, n, axis, unique = _separating_axis(h, g, b, c, slack)
     if phi <= -slack:
@@ -130,10 +146,21 @@ def _signed_distance(h, g, b, c, slack):
 
 
 @compiled
-def box_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def box_box(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of two boxes."""
     h, g = vector_at(shape_A, 0), vector_at(shape_B, 0)
-    c = unrotate(R_WA, p_AB_W)
+    c = unrotate(R_WA, vector_at(p_AB_W, 0))
     b = (
         unrotate(R_WA, column(R_WB, 0)),
         unrotate(R_WA, column(R_WB, 1)),

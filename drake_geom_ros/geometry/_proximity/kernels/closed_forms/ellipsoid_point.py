@@ -22,9 +22,8 @@ mirror images (or a circle) are nearest: the medial set.
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from drake_geom_ros.geometry._proximity.kernels.vectors import Vector, norm, unit
+from drake_geom_ros.geometry._proximity.kernels.vectors import norm, unit
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import row
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -66,7 +65,7 @@ class Octant(NamedTuple):
 
 
 @inlined
-def in_octant(e, q):
+def in_octant(e: Vector, q: Vector) -> Octant:
     """Return the octant of the point q for the ellipsoid with semi-axes e."""
     longest = max(e)
     a = (e[0] / longest, e[1] / longest, e[2] / longest)
@@ -86,7 +85,7 @@ def in_octant(e, q):
 
 
 @inlined
-def _image(w, f, u):
+def _image(w: Vector, f: Vector, u: float) -> Vector:
     """Return x_i / e_i at the parameter u, for weights w = e q and poles at -f."""
     return (
         w[0] / (u + f[0]) if w[0] > 0.0 else 0.0,
@@ -96,7 +95,7 @@ def _image(w, f, u):
 
 
 @inlined
-def newton_step(w, f, u):
+def newton_step(w: Vector, f: Vector, u: float) -> float:
     """Return Newton's step for 1 / sqrt(S) = 1 at u, or 0 where S <= 1 to rounding."""
     # Divisions take most of the time here: one an axis, and the last point is exact.
     r = 1.0 / (u + f[0]) if w[0] > 0.0 else 0.0
@@ -109,7 +108,7 @@ def newton_step(w, f, u):
 
 
 @inlined
-def _below_root(w, f, low):
+def _below_root(w: Vector, f: Vector, low: float) -> float:
     """Return a closer lower bound of the root of |_image(w, f, u)| = 1 than a bound low > 0."""
     high = norm(w)
     mean = 0.0
@@ -129,7 +128,7 @@ def _below_root(w, f, low):
 
 
 @inlined
-def first_parameter(octant):
+def first_parameter(octant: Octant) -> float:
     """Return where Newton's method starts: at most at the root, 0 where there is none above 0."""
     w, f = octant.w, octant.f
     low = max(w[0] - f[0], w[1] - f[1], w[2] - f[2])
@@ -142,7 +141,7 @@ def first_parameter(octant):
 
 
 @inlined
-def last_parameter(octant, u):
+def last_parameter(octant: Octant, u: float) -> float:
     """Return the root by Newton's method from a bound below it, or 0."""
     for _ in range(ELLIPSOID_STEPS):
         step = newton_step(octant.w, octant.f, u)
@@ -153,14 +152,14 @@ def last_parameter(octant, u):
 
 
 @compiled
-def step_all(f, work):
+def step_all(f: Vector, work: Floats) -> None:
     """Do some steps of ``last_parameter`` for many points, one step of all of them at a time.
 
     ``work`` (5, n) holds their weights w, their parameters, and 1 for whoever is not there yet.
     """
     xs, ys, zs, us, going = row(work, 0), row(work, 1), row(work, 2), row(work, 3), row(work, 4)
     for _ in range(STEPS_OF_ALL):
-        for k in range(np.uint64(us.size)):
+        for k in range(unsigned(us.size)):
             u = us[k]
             step = going[k] * newton_step((xs[k], ys[k], zs[k]), f, u)
             u += step
@@ -169,7 +168,7 @@ def step_all(f, work):
 
 
 @inlined
-def nearest_at(e, q, slack, octant, u):
+def nearest_at(e: Vector, q: Vector, slack: float, octant: Octant, u: float) -> NearestOnSurface:
     """Return the point of the ellipsoid that is nearest to q, by the parameter of its image."""
     _, _, a, a_min, longest = octant
     y = _image(octant.w, octant.f, u)
@@ -205,7 +204,7 @@ def nearest_at(e, q, slack, octant, u):
 
 
 @inlined
-def ellipsoid_point(e, q, slack):
+def ellipsoid_point(e: Vector, q: Vector, slack: float) -> NearestOnSurface:
     """Return the point of the ellipsoid with semi-axes e that is nearest to q.
 
     See ``points`` for the meaning of slack.

@@ -27,12 +27,13 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SHAPE_RADIUS,
     VERTEX_COUNT,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, RIGHT_ANGLE
 
 
 @compiled
-def _lowest(n, half):
+def _lowest(n: float, half: float) -> float:
     """Return where on [-half, half] an axis that rises by n a metre is lowest: mid if level."""
     if n > RIGHT_ANGLE:
         return -half
@@ -42,19 +43,38 @@ def _lowest(n, half):
 
 
 @compiled
-def _write(out, R_WA, R_WB, p_AB_W, size, depth, p_ACa):
+def _write(
+    out: Floats,
+    R_WA: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    size: float,
+    depth: float,
+    p_ACa: Vector,
+) -> None:
     """Fill the row, A's lowest point Ca (in A) being ``depth`` [m] below Ao."""
     nhat_BA_W = column(R_WB, 2)
-    p_AB_W = vector_at(p_AB_W, 0)
-    distance = -dot(p_AB_W, nhat_BA_W) - depth
+    p = vector_at(p_AB_W, 0)
+    distance = -dot(p, nhat_BA_W) - depth
     p_ACa_W = rotate(R_WA, p_ACa)
     p_ACb_W = add_scaled(p_ACa_W, -distance, nhat_BA_W)
-    bound = CLOSED_FORM_ROUNDING * (size + norm(p_AB_W))
+    bound = CLOSED_FORM_ROUNDING * (size + norm(p))
     write(out, distance, nhat_BA_W, p_ACa_W, p_ACb_W, bound, True, CLOSED_FORM)
 
 
 @compiled
-def box_half_space(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def box_half_space(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a box and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     h = vector_at(shape_A, 0)
@@ -65,8 +85,17 @@ def box_half_space(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, toleran
 
 @compiled
 def capsule_half_space(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a capsule and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     radius, half = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
@@ -77,8 +106,17 @@ def capsule_half_space(
 
 @compiled
 def cylinder_half_space(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a cylinder and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     radius, half = shape_A[SHAPE_RADIUS], shape_A[HALF_LENGTH]
@@ -91,8 +129,17 @@ def cylinder_half_space(
 
 @compiled
 def ellipsoid_half_space(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of an ellipsoid and a half space."""
     n = unrotate(R_WA, column(R_WB, 2))
     e = vector_at(shape_A, 0)
@@ -104,8 +151,17 @@ def ellipsoid_half_space(
 
 @compiled
 def half_space_convex(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a half space (A) and a hull or solid (B): that of its lowest vertices.
 
     The witness is the mean of the vertices that are lowest to rounding; of a solid it is the first

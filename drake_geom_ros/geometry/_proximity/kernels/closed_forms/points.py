@@ -25,12 +25,13 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point imp
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, scale, sub, unit, vector_at
 from drake_geom_ros.geometry._proximity.kinds import HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import inlined
 from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 
 @inlined
-def length_and_direction(v):
+def length_and_direction(v: Vector) -> tuple[float, Vector]:
     """Return |v| and v / |v|; the direction of the zero vector is +x."""
     length = norm(v)
     if length == 0.0:
@@ -39,32 +40,32 @@ def length_and_direction(v):
 
 
 @inlined
-def clamp(x, limit):
+def clamp(x: float, limit: float) -> float:
     """Return the number nearest to x in [-limit, limit]."""
     return min(max(x, -limit), limit)
 
 
 @inlined
-def excess(h, v):
+def excess(h: Vector, v: Vector) -> Vector:
     """Return v minus its nearest point of the box with half sizes h: zero inside."""
     return v[0] - clamp(v[0], h[0]), v[1] - clamp(v[1], h[1]), v[2] - clamp(v[2], h[2])
 
 
 @inlined
-def along(k, s):
+def along(k: int, s: float) -> Vector:
     """Return s times the k-th unit vector."""
     return s if k == 0 else 0.0, s if k == 1 else 0.0, s if k == 2 else 0.0
 
 
 @inlined
-def sphere_point(radius, q, slack):
+def sphere_point(radius: float, q: Vector, slack: float) -> NearestOnSurface:
     """Signed distance to a sphere."""
     rho, grad = length_and_direction(q)
     return NearestOnSurface(rho - radius, grad, scale(radius, grad), rho > slack)
 
 
 @inlined
-def box_point(h, q, slack):
+def box_point(h: Vector, q: Vector, slack: float) -> NearestOnSurface:
     """Signed distance to a box with half sizes h."""
     beyond = (abs(q[0]) - h[0], abs(q[1]) - h[1], abs(q[2]) - h[2])
     if max(beyond) > 0.0:
@@ -92,13 +93,17 @@ def box_point(h, q, slack):
 
 
 @inlined
-def at_no_edge(shape, q, near, nearest):
+def at_no_edge(
+    shape: Floats, q: Vector, near: float, nearest: NearestOnSurface
+) -> NearestOnSurface:
     """Return the nearest point of a shape that has no edge."""
     return nearest
 
 
 @inlined
-def at_box_edge(shape, q, near, nearest):
+def at_box_edge(
+    shape: Floats, q: Vector, near: float, nearest: NearestOnSurface
+) -> NearestOnSurface:
     """Return the nearest point of a box with the gradient of an edge or a corner, if on one."""
     if not abs(nearest.distance) <= near:
         return nearest
@@ -111,7 +116,7 @@ def at_box_edge(shape, q, near, nearest):
 
 
 @inlined
-def _side(x, half, near):
+def _side(x: float, half: float, near: float) -> float:
     """Return the side, 1 or -1, on whose face a coordinate lies; 0: on neither."""
     if abs(x) < half - near:
         return 0.0
@@ -119,7 +124,7 @@ def _side(x, half, near):
 
 
 @inlined
-def capsule_point(radius, half_length, q, slack):
+def capsule_point(radius: float, half_length: float, q: Vector, slack: float) -> NearestOnSurface:
     """Signed distance to a capsule: a segment along z, grown by the radius."""
     z = clamp(q[2], half_length)
     rho, grad = length_and_direction((q[0], q[1], q[2] - z))
@@ -128,7 +133,7 @@ def capsule_point(radius, half_length, q, slack):
 
 
 @inlined
-def cylinder_point(radius, half_length, q, slack):
+def cylinder_point(radius: float, half_length: float, q: Vector, slack: float) -> NearestOnSurface:
     """Signed distance to a cylinder: a rectangle in the plane of the axis and the point."""
     rho, radial = length_and_direction((q[0], q[1], 0.0))
     barrel = rho - radius
@@ -150,7 +155,9 @@ def cylinder_point(radius, half_length, q, slack):
 
 
 @inlined
-def at_cylinder_rim(shape, q, near, nearest):
+def at_cylinder_rim(
+    shape: Floats, q: Vector, near: float, nearest: NearestOnSurface
+) -> NearestOnSurface:
     """Return the nearest point of a cylinder with the gradient of a rim, if on one."""
     if not abs(nearest.distance) <= near:
         return nearest
@@ -163,20 +170,20 @@ def at_cylinder_rim(shape, q, near, nearest):
 
 
 @inlined
-def half_space_point(q):
+def half_space_point(q: Vector) -> NearestOnSurface:
     """Signed distance to the half space z <= 0."""
     return NearestOnSurface(q[2], (0.0, 0.0, 1.0), (q[0], q[1], 0.0), True)
 
 
 @inlined
-def near_sphere(shape, q):
+def near_sphere(shape: Floats, q: Vector) -> tuple[float, NearestOnSurface]:
     """Return the size of the pair and the nearest point of a sphere."""
     extent = shape[SHAPE_RADIUS] + norm(q)
     return extent, sphere_point(shape[SHAPE_RADIUS], q, TIE * extent)
 
 
 @inlined
-def near_box(shape, q):
+def near_box(shape: Floats, q: Vector) -> tuple[float, NearestOnSurface]:
     """Return the size of the pair and the nearest point of a box."""
     h = vector_at(shape, 0)
     extent = norm(h) + norm(q)
@@ -184,21 +191,21 @@ def near_box(shape, q):
 
 
 @inlined
-def near_capsule(shape, q):
+def near_capsule(shape: Floats, q: Vector) -> tuple[float, NearestOnSurface]:
     """Return the size of the pair and the nearest point of a capsule."""
     extent = shape[SHAPE_RADIUS] + shape[HALF_LENGTH] + norm(q)
     return extent, capsule_point(shape[SHAPE_RADIUS], shape[HALF_LENGTH], q, TIE * extent)
 
 
 @inlined
-def near_cylinder(shape, q):
+def near_cylinder(shape: Floats, q: Vector) -> tuple[float, NearestOnSurface]:
     """Return the size of the pair and the nearest point of a cylinder."""
     extent = shape[SHAPE_RADIUS] + shape[HALF_LENGTH] + norm(q)
     return extent, cylinder_point(shape[SHAPE_RADIUS], shape[HALF_LENGTH], q, TIE * extent)
 
 
 @inlined
-def near_ellipsoid(shape, q):
+def near_ellipsoid(shape: Floats, q: Vector) -> tuple[float, NearestOnSurface]:
     """Return the size of the pair and the nearest point of an ellipsoid."""
     e = vector_at(shape, 0)
     extent = max(e) + norm(q)
@@ -206,6 +213,6 @@ def near_ellipsoid(shape, q):
 
 
 @inlined
-def near_half_space(shape, q):
+def near_half_space(shape: Floats, q: Vector) -> tuple[float, NearestOnSurface]:
     """Return the size of the pair and the nearest point of a half space."""
     return norm(q), half_space_point(q)

@@ -35,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALONG_AXIS,
@@ -48,7 +49,7 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 
 @compiled
-def _slope(h, c, d, t, on_face):
+def _slope(h: Vector, c: Vector, d: Vector, t: float, on_face: int) -> float:
     """Return half the slope of the squared distance at t; axis ``on_face`` has none there.
 
     Nor has one that is on a face but for rounding, which could drown the others' small slopes.
@@ -64,7 +65,7 @@ def _slope(h, c, d, t, on_face):
 
 
 @compiled
-def nearest_parameter(h, c, d, half_length):
+def nearest_parameter(h: Vector, c: Vector, d: Vector, half_length: float) -> float:
     """Return the t [m] at which the segment c + t d is nearest to the box with half sizes h.
 
     The middle of the stretch where it is equally near for long, also if it runs inside the box.
@@ -105,7 +106,7 @@ def nearest_parameter(h, c, d, half_length):
 
 
 @compiled
-def _axis(d, m):
+def _axis(d: Vector, m: int) -> Vector:
     """Return candidate m of 6 for the separating axis: a unit vector, or 0 if there is none."""
     if m < 3:
         return along(m, 1.0)
@@ -119,7 +120,9 @@ def _axis(d, m):
 
 
 @compiled
-def _separation(h, c, d, half_length, n, slack):
+def _separation(
+    h: Vector, c: Vector, d: Vector, half_length: float, n: Vector, slack: float
+) -> tuple[float, float]:
     """Return the separation of box and segment along n or -n, the larger one, and its sign."""
     side = -1.0 if dot(c, n) < -slack else 1.0
     box = h[0] * abs(n[0]) + h[1] * abs(n[1]) + h[2] * abs(n[2])
@@ -127,7 +130,9 @@ def _separation(h, c, d, half_length, n, slack):
 
 
 @compiled
-def _separating_axis(h, c, d, half_length, slack):
+def _separating_axis(
+    h: Vector, c: Vector, d: Vector, half_length: float, slack: float
+) -> tuple[float, Vector, bool]:
     """Return the largest separation over 6 axes, its unit normal out of the box, uniqueness."""
     phi, n, tie = -math.inf, (1.0, 0.0, 0.0), False
     for m in range(6):
@@ -143,7 +148,7 @@ def _separating_axis(h, c, d, half_length, slack):
 
 
 @compiled
-def _turned(p_CaCb, d, slack):
+def _turned(p_CaCb: Vector, d: Vector, slack: float) -> Vector:
     """Return p_CaCb at right angles to d if that moves it by rounding only, else as it is."""
     square = dot(d, d)
     if square <= RIGHT_ANGLE * RIGHT_ANGLE:
@@ -155,7 +160,7 @@ def _turned(p_CaCb, d, slack):
 
 
 @compiled
-def _across(p_CaCb, p, h, d, slack):
+def _across(p_CaCb: Vector, p: Vector, h: Vector, d: Vector, slack: float) -> Vector:
     """Return p_CaCb from a box to p on a segment along d, at right angles to d again.
 
     Rounding, of up to ``slack`` [m], has turned a short one. Coordinates in which p is between two
@@ -179,7 +184,9 @@ def _across(p_CaCb, p, h, d, slack):
 
 
 @compiled
-def segment_to_box(h, c, d, half_length, slack):
+def segment_to_box(
+    h: Vector, c: Vector, d: Vector, half_length: float, slack: float
+) -> tuple[float, Vector, Vector, bool]:
     """Return (phi, n, p, unique) of a segment c + t d, |t| <= half_length, from a box.
 
     All in the box's frame; d is unit. phi [m]: signed distance; n: unit, out of the box; p: the
@@ -206,9 +213,18 @@ def segment_to_box(h, c, d, half_length, slack):
 
 
 @compiled
-def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
+def _write(
+    out: Floats,
+    R_WA: Floats,
+    radius_A: float,
+    h: Vector,
+    radius_B: float,
+    R_WB: Floats,
+    half_length_B: float,
+    p_AB_W: Floats,
+) -> None:
     """Fill the row for a box with half sizes h and a segment, each grown by its radius."""
-    c = unrotate(R_WA, p_AB_W)
+    c = unrotate(R_WA, vector_at(p_AB_W, 0))
     d = unrotate(R_WA, column(R_WB, 2))
     extent = norm(h) + half_length_B + norm(c)
     phi, n, p, unique = segment_to_box(h, c, d, half_length_B, TIE * extent)
@@ -227,7 +243,18 @@ def _write(out, R_WA, radius_A, h, radius_B, R_WB, half_length_B, p_AB_W):
 
 
 @compiled
-def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def capsule_capsule(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of two capsules."""
     h = (0.0, 0.0, shape_A[HALF_LENGTH])
     radius_A, radius_B = shape_A[SHAPE_RADIUS], shape_B[SHAPE_RADIUS]
@@ -235,7 +262,18 @@ def capsule_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolera
 
 
 @compiled
-def box_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def box_capsule(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a box and a capsule."""
     h = vector_at(shape_A, 0)
     _write(out, R_WA, 0.0, h, shape_B[SHAPE_RADIUS], R_WB, shape_B[HALF_LENGTH], p_AB_W)

@@ -5,6 +5,9 @@ concentric spheres the normal is the x axis of B.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import write
+from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
+    NearestOnSurface,
+)
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     box_point,
     near_capsule,
@@ -22,18 +25,26 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CLOSED_FORM, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import CLOSED_FORM_ROUNDING, TIE
 
 
 @inlined
-def _centre(R_WB, p_AB_W):
+def _centre(R_WB: Floats, p_AB_W: Floats) -> Vector:
     """Return p_BA in B."""
     return unrotate(R_WB, (-p_AB_W[0], -p_AB_W[1], -p_AB_W[2]))
 
 
 @inlined
-def _write(out, radius, R_WB, p_AB_W, size, nearest):
+def _write(
+    out: Floats,
+    radius: float,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    size: float,
+    nearest: NearestOnSurface,
+) -> None:
     """Fill the row from the point query of A's centre in B's frame."""
     distance, nhat_BA_W = nearest.distance - radius, rotate(R_WB, nearest.grad)
     p_ACb_W = add(vector_at(p_AB_W, 0), rotate(R_WB, nearest.p_GN))
@@ -43,14 +54,36 @@ def _write(out, radius, R_WB, p_AB_W, size, nearest):
 
 
 @compiled
-def sphere_sphere(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def sphere_sphere(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of two spheres."""
     size, nearest = near_sphere(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
-def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def sphere_box(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a sphere and a box."""
     # Not by ``points.near_box``: a function between, though inlined, costs half as much again.
     q, h = _centre(R_WB, p_AB_W), vector_at(shape_B, 0)
@@ -59,21 +92,54 @@ def sphere_box(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, 
 
 
 @compiled
-def sphere_capsule(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def sphere_capsule(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a sphere and a capsule."""
     size, nearest = near_capsule(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
-def sphere_cylinder(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def sphere_cylinder(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a sphere and a cylinder."""
     size, nearest = near_cylinder(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
 
 
 @compiled
-def sphere_ellipsoid(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out):
+def sphere_ellipsoid(
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a sphere and an ellipsoid."""
     size, nearest = near_ellipsoid(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)
@@ -81,8 +147,17 @@ def sphere_ellipsoid(kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, toler
 
 @compiled
 def sphere_half_space(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Signed distance of a sphere and a half space."""
     size, nearest = near_half_space(shape_B, _centre(R_WB, p_AB_W))
     _write(out, shape_A[SHAPE_RADIUS], R_WB, p_AB_W, size, nearest)

@@ -6,6 +6,7 @@ into World and back.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -19,8 +20,16 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
     WITNESS_B,
     call_kernel,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling.points import put_point, seen, take
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
+    PointAnswers,
+    PointedBody,
+    Span,
+    put_point,
+    seen,
+    take,
+)
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.ellipsoid_point import (
+    NearestOnSurface,
     first_parameter,
     in_octant,
     last_parameter,
@@ -39,12 +48,22 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm, sub, unrotate, vector_at
 from drake_geom_ros.geometry._proximity.kinds import SPHERE
+from drake_geom_ros.geometry._proximity.runtime.addresses import Address
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import TIE
 
 
 @inlined
-def _each(near_shape, at_edge, body, p_WQs, threshold, span, answers):
+def _each(
+    near_shape: Callable[[Floats, Vector], tuple[float, NearestOnSurface]],
+    at_edge: Callable[[Floats, Vector, float, NearestOnSurface], NearestOnSurface],
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Answer for the points by ``points.near_<shape>`` and ``at_edge``, if it has any."""
     shape, tilt = body.shape, body.tilt
     for k in range(span.first, span.last):
@@ -57,31 +76,71 @@ def _each(near_shape, at_edge, body, p_WQs, threshold, span, answers):
 
 
 @compiled
-def to_sphere(address, kind, body, p_WQs, threshold, span, answers):
+def to_sphere(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a sphere."""
     _each(near_sphere, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_box(address, kind, body, p_WQs, threshold, span, answers):
+def to_box(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a box."""
     _each(near_box, at_box_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_capsule(address, kind, body, p_WQs, threshold, span, answers):
+def to_capsule(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a capsule."""
     _each(near_capsule, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @compiled
-def to_cylinder(address, kind, body, p_WQs, threshold, span, answers):
+def to_cylinder(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a cylinder."""
     _each(near_cylinder, at_cylinder_rim, body, p_WQs, threshold, span, answers)
 
 
 @allocating
-def to_ellipsoid(address, kind, body, p_WQs, threshold, span, answers):
+def to_ellipsoid(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to an ellipsoid.
 
     Newton's method takes its steps for several points at a time: one by one, each division waits
@@ -108,13 +167,29 @@ def to_ellipsoid(address, kind, body, p_WQs, threshold, span, answers):
 
 
 @compiled
-def to_half_space(address, kind, body, p_WQs, threshold, span, answers):
+def to_half_space(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a half space."""
     _each(near_half_space, at_no_edge, body, p_WQs, threshold, span, answers)
 
 
 @allocating
-def by_pair_kernel(address, kind, body, p_WQs, threshold, span, answers):
+def by_pair_kernel(
+    address: Address,
+    kind: int,
+    body: PointedBody,
+    p_WQs: Floats,
+    threshold: float,
+    span: Span,
+    answers: PointAnswers,
+) -> None:
     """Signed distance of points to a shape without a closed form: spheres without radius."""
     nothing, identity = np.zeros(1), np.eye(3)
     p_QG_W, out = np.empty(3), np.zeros(PAIR_WIDTH)
@@ -127,13 +202,13 @@ def by_pair_kernel(address, kind, body, p_WQs, threshold, span, answers):
             out[NORMAL + c] = 0.0
         pair = SPHERE, nothing, identity, kind, body.shape, body.R_WG, p_QG_W
         call_kernel(address, *pair, 0.0, math.inf, out)
-        if out[DISTANCE] <= threshold:
+        bound = out[ERROR_BOUND] + rounding
+        if out[DISTANCE] - bound <= threshold:
             # The witness on G is measured from the point.
             p_QN_W = vector_at(out, WITNESS_B)
             p_GN = unrotate(body.R_WG, sub(p_QN_W, vector_at(p_QG_W, 0)))
             grad_W = vector_at(out, NORMAL)
-            bound, unique = out[ERROR_BOUND] + rounding, out[UNIQUE] > 0.0
-            at = k * span.n + span.g
+            unique, at = out[UNIQUE] > 0.0, k * span.n + span.g
             put_point(answers.rows, at, out[DISTANCE], grad_W, p_GN, bound, unique, out[METHOD])
             answers.found[at] = True
             answers.counts[int(out[METHOD])] += 1

@@ -1,5 +1,7 @@
 """Pairs of convex bodies whose cores need an iteration.
 
-Enters: two shapes posed to each other. Leaves: distance or depth with its interval, normal and
-witness points. Imports ``kernels.cores`` (GJK, EPA, sums) and ``kernels.shapes``.
+In: two convex shapes posed to each other.
+Out: distance or depth with its interval, normal and witness points.
+May import: ``math``, ``_proximity``, ``runtime``, ``kernels``, ``shapes``, ``calling``,
+    ``closed_forms``, ``cores``, ``revolution``; numpy.
 """

@@ -19,7 +19,15 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
     nearby_minimum,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Least, Overlap, Touch
+from drake_geom_ros.geometry._proximity.kernels.cores.records import (
+    CorePair,
+    Depth,
+    Difference,
+    Least,
+    Minimum,
+    Overlap,
+    Touch,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.remembered import depth_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.cores.settling import settle, settle_by_turns
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
@@ -62,6 +70,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CYLINDER,
     ELLIPSOID,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -79,7 +88,15 @@ MANY_VERTICES = 3000
 
 
 @compiled
-def depth_and_bounds(pair, difference, newton, near, size, tolerance, memory):
+def depth_and_bounds(
+    pair: CorePair,
+    difference: Difference,
+    newton: Minimum,
+    near: bool,
+    size: float,
+    tolerance: float,
+    memory: Floats,
+) -> Depth:
     """Return the depth of two cores; where its bounds are far apart, axes may do better.
 
     That is the case in symmetric positions and where the difference has no volume. ``newton`` is
@@ -102,7 +119,15 @@ def depth_and_bounds(pair, difference, newton, near, size, tolerance, memory):
 
 
 @compiled
-def iterated_depth(pair, difference, newton, near, size, tolerance, memory):
+def iterated_depth(
+    pair: CorePair,
+    difference: Difference,
+    newton: Minimum,
+    near: bool,
+    size: float,
+    tolerance: float,
+    memory: Floats,
+) -> Depth:
     """Return the depth of two cores, by the cheapest way there is for the pair."""
     kind_A, kind_B, n = pair.kind_A, pair.kind_B, newton.n
     noise = ROUNDING * EPS * size
@@ -157,7 +182,7 @@ def iterated_depth(pair, difference, newton, near, size, tolerance, memory):
 
 
 @compiled
-def guarded(difference, floor, noise):
+def guarded(difference: Difference, floor: float, noise: float) -> float:
     """Return what no h is below, [m], after a look at planes that a search did not choose.
 
     A search over candidates is right where their set is complete. Any plane may show that it was
@@ -171,7 +196,15 @@ def guarded(difference, floor, noise):
 
 
 @compiled
-def least_of_ring(pair, difference, n, h, floor, enough, noise):
+def least_of_ring(
+    pair: CorePair,
+    difference: Difference,
+    n: Vector,
+    h: float,
+    floor: float,
+    enough: float,
+    noise: float,
+) -> Least:
     """Return the least h where a ring of directions is almost as good as n."""
     kind_A, kind_B = pair.kind_A, pair.kind_B
     found = Least(False, h, floor, n, False)
@@ -191,7 +224,9 @@ def least_of_ring(pair, difference, n, h, floor, enough, noise):
 
 
 @compiled
-def settled(difference, n, h, noise):
+def settled(
+    difference: Difference, n: Vector, h: float, noise: float
+) -> tuple[Vector, Vector, float]:
     """Return (a, b, aside): points of the cores with ``a - b = h n`` but for ``aside`` [m]."""
     settle(difference, n)
     a, b = witness_points(difference, n)
@@ -203,7 +238,7 @@ def settled(difference, n, h, noise):
 
 
 @compiled
-def points_at(difference, n, h, enough, noise):
+def points_at(difference: Difference, n: Vector, h: float, enough: float, noise: float) -> Touch:
     """Return the ``Touch`` at a normal n of least width h.
 
     Its points are aside by rounding where Newton's method knows the minimum. Where segments are
@@ -233,7 +268,7 @@ def points_at(difference, n, h, enough, noise):
 
 
 @allocating
-def points_on_edges(pair, n, h, enough, noise):
+def points_on_edges(pair: CorePair, n: Vector, h: float, enough: float, noise: float) -> Touch:
     """Return what ``points_at`` does of hulls, by their edges next to n.
 
     The edges are in the hulls, so their h is at most that of these, which counts.

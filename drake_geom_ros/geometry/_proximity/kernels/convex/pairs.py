@@ -26,12 +26,18 @@ from drake_geom_ros.geometry._proximity.kernels.calling.pairs import (
 from drake_geom_ros.geometry._proximity.kernels.convex.depths import (
     depth_and_bounds,
 )
+from drake_geom_ros.geometry._proximity.kernels.convex.newton import (
+    by_newton,
+    has_its_digits,
+    is_polytope,
+    is_strict,
+    sharpened,
+)
 from drake_geom_ros.geometry._proximity.kernels.convex.witnesses import (
     drawn_to,
     off_surfaces,
     witnesses_of_depth,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
     BEYOND_CUTOFF,
     CLOSED,
@@ -43,13 +49,13 @@ from drake_geom_ros.geometry._proximity.kernels.cores.gjk import (
 from drake_geom_ros.geometry._proximity.kernels.cores.memory import is_where_it_was
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
-    nearby_minimum,
     nowhere,
-    set_shares,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.records import (
     Bounds,
     CorePair,
+    Depth,
+    Difference,
     Minimum,
     Overlap,
     Separation,
@@ -66,9 +72,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.starts import (
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     difference_of,
-    difference_of_edges,
-    width,
-    witness_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.revolution.rings import (
     least_of_hull_in_barrel,
@@ -84,16 +87,15 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     norm,
     scale,
     sub,
-    vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import (
     BOUND_ONLY,
     CAPSULE,
     CONVEX,
     CYLINDER,
-    ELLIPSOID,
     ITERATIVE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import part
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -106,83 +108,10 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 )
 
 
-@compiled
-def by_newton(difference, n, noise, tolerance, cutoff):
-    """Return the separation of two cores, as ``gjk.distance_of_cores`` does, from the normal n.
-
-    End OVERLAP means that the bounds have not met; cores may overlap where lower is negative. The
-    second result is the minimum that the separation is of.
-    """
-    terms, _, last, r_A, r_B = difference
-    lower = -width(terms, last, r_A + r_B, n)
-    if lower > cutoff:
-        set_shares(terms, last, n)
-        a, b = witness_points(difference, n)
-        return Separation(BEYOND_CUTOFF, norm(sub(a, b)), lower, n, a, b), nowhere(n)
-    found = nearby_minimum(difference, n, noise)
-    kind, n, h, _ = found
-    if kind == NOTHING:
-        p = vector_in(terms, 0)
-        return Separation(OVERLAP, np.inf, np.inf, n, p, p), found
-    a, b = witness_points(difference, n)
-    upper = norm(sub(a, b))
-    end = CLOSED if upper + h <= max(tolerance, noise) else OVERLAP
-    if -h > cutoff:
-        end = BEYOND_CUTOFF
-    return Separation(end, upper, -h, n, a, b), found
-
-
-@compiled
-def is_strict(difference, n, noise):
-    """Tell whether touching cores have no normal but n.
-
-    Normals of a point of a convex body make a cone: one that is alone around itself is alone, but
-    for its opposite where the body is flat.
-    """
-    terms, _, last, r_A, r_B = difference
-    if width(terms, last, r_A + r_B, scale(-1.0, n)) <= 2.0 * noise:
-        return False
-    return widest_cap(difference, nearby_minimum(difference, n, noise), noise) > 0.0
-
-
-@compiled
-def is_polytope(kind):
-    """Tell whether a core has vertices: EPA comes to an end on such ones, without a tolerance."""
-    return kind != CYLINDER and kind != ELLIPSOID
-
-
-@inlined
-def has_its_digits(pair, difference, found, noise):
-    """Tell whether bounds ``found`` [m] apart are as close as Newton's method could bring them.
-
-    Of two polytopes, one a hull, where they are rounding apart; beside a round body the normal is
-    not as good then.
-    """
-    polytopes = is_polytope(pair.kind_A) and is_polytope(pair.kind_B)
-    return difference.last == 0 and found <= noise and polytopes
-
-
 @allocating
-def sharpened(pair, difference, n, found, noise, tolerance):
-    """Return the separation with its last digits, by Newton's method from near n; CLOSED if done.
-
-    Of hulls it takes the edges next to n: they are no nearer than the hulls, and how near these
-    may be tells the slab along the normal.
-    """
-    hulls = difference.last == 0
-    if hulls:
-        difference = difference_of_edges(pair, n)
-    separation, _ = by_newton(difference, n, noise, tolerance, np.inf)
-    end, distance, lower, n, a, b = separation
-    if hulls:
-        lower = min(lower, separation_along(pair, n))
-        if distance - lower > max(found, noise):
-            end = OVERLAP
-    return Separation(end, distance, lower, n, a, b)
-
-
-@allocating
-def beside_an_axis(pair, difference, found, noise, tolerance):
+def beside_an_axis(
+    pair: CorePair, difference: Difference, found: Bounds, noise: float, tolerance: float
+) -> Bounds:
     """Return closer bounds of a tiny hull just beside a long axis; else those ``found``.
 
     The simplex of GJK is a sliver there, of a normal with few digits. Across the axis the least
@@ -203,7 +132,7 @@ def beside_an_axis(pair, difference, found, noise, tolerance):
 
 
 @inlined
-def bounds_of_depth(pair, depth, size):
+def bounds_of_depth(pair: CorePair, depth: Depth, size: float) -> Bounds:
     """Return the bounds of two cores whose depth is certain to be above 0."""
     h, lower, n, a, b, aside, unique = depth
     a, b, miss = witnesses_of_depth(pair, n, h, size, a, b, aside)
@@ -211,7 +140,16 @@ def bounds_of_depth(pair, depth, size):
 
 
 @allocating
-def bounds_of_both(pair, difference, separation, overlap, size, tolerance, noise, memory):
+def bounds_of_both(
+    pair: CorePair,
+    difference: Difference,
+    separation: Separation,
+    overlap: bool,
+    size: float,
+    tolerance: float,
+    noise: float,
+    memory: Floats,
+) -> Bounds:
     """Return the bounds by EPA, or by axes, and by the ``separation`` of GJK, which was open.
 
     ``overlap`` tells that the cores are thought to overlap, ``tolerance`` [m] is that of a depth.
@@ -255,7 +193,15 @@ def bounds_of_both(pair, difference, separation, overlap, size, tolerance, noise
 
 
 @allocating
-def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
+def bounds_of_cores(
+    pair: CorePair,
+    n: Vector,
+    hinted: bool,
+    size: float,
+    tolerance: float,
+    cutoff: float,
+    memory: Floats,
+) -> Bounds:
     """Return the bounds of the signed distance of two cores; ``memory`` is of ``remembered``."""
     noise = ROUNDING * EPS * size
     depth_tolerance = 0.0 if is_polytope(pair.kind_A) and is_polytope(pair.kind_B) else tolerance
@@ -302,14 +248,14 @@ def bounds_of_cores(pair, n, hinted, size, tolerance, cutoff, memory):
         if end == CLOSED or separation_along(pair, n) >= upper - max(tolerance, noise):
             return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True)
     separation = Separation(end, upper, lower, n, a, b)
-    found = bounds_of_both(
+    both = bounds_of_both(
         pair, difference, separation, overlap, size, depth_tolerance, noise, memory
     )
-    return beside_an_axis(pair, difference, found, noise, tolerance)
+    return beside_an_axis(pair, difference, both, noise, tolerance)
 
 
 @inlined
-def bounds_along(pair, n):
+def bounds_along(pair: CorePair, n: Vector) -> Bounds:
     """Return the bounds that the support points along n give."""
     a, b = support_points(pair, n, RIGHT_ANGLE)
     lower, upper = dot(sub(b, a), n), norm(sub(b, a))
@@ -317,19 +263,28 @@ def bounds_along(pair, n):
 
 
 @inlined
-def is_loose(found, enough):
+def is_loose(found: Bounds, enough: float) -> bool:
     """Tell whether the bounds of ``bounds_of_cores`` are far apart, or its points off."""
     return found.end != BEYOND_CUTOFF and width_of(found) > 4.0 * enough
 
 
 @inlined
-def width_of(found):
+def width_of(found: Bounds) -> float:
     """Return how far [m] the bounds of ``bounds_of_cores`` are apart, or its points off."""
     return max(found.upper - found.lower, found.miss)
 
 
 @inlined
-def bounds_of_best_start(pair, n, width, hinted, size, tolerance, cutoff, memory):
+def bounds_of_best_start(
+    pair: CorePair,
+    n: Vector,
+    width: float,
+    hinted: bool,
+    size: float,
+    tolerance: float,
+    cutoff: float,
+    memory: Floats,
+) -> Bounds:
     """Return the bounds of the signed distance of two cores, from another start if one is bad.
 
     ``width`` [m] is that of their overlap along n.
@@ -358,8 +313,17 @@ def bounds_of_best_start(pair, n, width, hinted, size, tolerance, cutoff, memory
 
 @compiled
 def signed_distance_of_cores(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Write the result row of two convex shapes, given by type number and parameters."""
     r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)
     p = (p_AB_W[0], p_AB_W[1], p_AB_W[2])

@@ -20,12 +20,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     sub,
     unrotate,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, LOOSE_SLOPE, ROUNDING
 
 
 @compiled
-def drawn_to(distance, n, a, b):
+def drawn_to(distance: float, n: Vector, a: Vector, b: Vector) -> tuple[Vector, Vector, float]:
     """Return (a, b, miss): a and b moved by ``miss``, the least with ``b - a = distance n``."""
     centre, away = scale(0.5, add(a, b)), 0.5 * distance
     miss = 0.5 * norm(add_scaled(sub(b, a), -distance, n))
@@ -33,7 +34,9 @@ def drawn_to(distance, n, a, b):
 
 
 @compiled
-def witnesses_of_depth(pair, n, depth, size, a, b, aside):
+def witnesses_of_depth(
+    pair: CorePair, n: Vector, depth: float, size: float, a: Vector, b: Vector, aside: float
+) -> tuple[Vector, Vector, float]:
     """Return (a, b, miss): points of A and B with ``a - b = depth n``, off the cores by ``miss``.
 
     Those given are ``aside`` [m] of one another. Where that is more than Newton's method leaves,
@@ -59,7 +62,7 @@ def witnesses_of_depth(pair, n, depth, size, a, b, aside):
 
 
 @compiled
-def off_surfaces(pair, n, a, b, miss):
+def off_surfaces(pair: CorePair, n: Vector, a: Vector, b: Vector, miss: float) -> float:
     """Return how far [m] points a and b, which were moved by ``miss``, are off both surfaces."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     r_A, r_B = core_radius(kind_A, shape_A), core_radius(kind_B, shape_B)

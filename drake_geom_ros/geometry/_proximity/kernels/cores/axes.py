@@ -7,13 +7,15 @@ trying, and nothing is claimed: this set is not called complete, and the bound f
 """
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.vectors import column, cross, dot, scale, sub, unit
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE
 
 
 @compiled
-def candidate(R_WA, R_WB, k):
+def candidate(R_WA: Floats, R_WB: Floats, k: int) -> Vector:
     """Return the k-th of 15 normals: axes of A, of B, cross products; (0, 0, 0) for parallels."""
     if k < 3:
         return column(R_WA, k)
@@ -23,7 +25,7 @@ def candidate(R_WA, R_WB, k):
 
 
 @compiled
-def least_along_axes(pair, best):
+def least_along_axes(pair: CorePair, best: float) -> tuple[float, Vector, Vector, Vector]:
     """Return (h, n, a, b): the least width of the overlap along an axis, if below ``best``.
 
     Points a and b are midpoints of what is extreme along n. Where no axis does better h is

@@ -9,14 +9,12 @@ behind the contact: EPA need not grow there.
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import OFFSET
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes.bounds import inner_radius
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import ball_in_hull
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     dot,
     norm,
@@ -25,6 +23,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Integers32, Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
@@ -37,7 +36,7 @@ class Ball(NamedTuple):
 
 
 @inlined
-def ball_in_core(kind, shape):
+def ball_in_core(kind: int, shape: Floats) -> tuple[Vector, float]:
     """Return (centre, radius) [m] of a ball in a core; of radius -infinity if none is known."""
     if kind == CONVEX:
         centre, radius = ball_in_hull(shape)
@@ -46,7 +45,7 @@ def ball_in_core(kind, shape):
 
 
 @compiled
-def ball_in_difference(pair):
+def ball_in_difference(pair: CorePair) -> Ball:
     """Return the ball that balls in two cores make; of radius -infinity where one is not known."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     a, r_A = ball_in_core(kind_A, shape_A)
@@ -56,7 +55,9 @@ def ball_in_difference(pair):
 
 
 @inlined
-def is_cap_of_ball(x, y, z, n, offset, ball, rival):
+def is_cap_of_ball(
+    x: Vector, y: Vector, z: Vector, n: Vector, offset: float, ball: Ball, rival: float
+) -> bool:
     """Tell whether h is at least ``rival`` wherever a face is nearer than that, by the ball.
 
     The face has the corners x, y, z and a plane. Of a point p of it that is true if ``c . p >=
@@ -81,9 +82,11 @@ def is_cap_of_ball(x, y, z, n, offset, ball, rival):
 
 
 @inlined
-def is_in_ball_cap(points, faces, planes, f, ball, rival):
+def is_in_ball_cap(
+    points: Floats, faces: Integers32, planes: Floats, f: int, ball: Ball, rival: float
+) -> bool:
     """Tell whether face f of a ``polytope`` is in the cap of a ball."""
-    f = np.uint64(f)
+    f = unsigned(f)
     return is_cap_of_ball(
         vector_in(points, faces[f, 0]),
         vector_in(points, faces[f, 1]),

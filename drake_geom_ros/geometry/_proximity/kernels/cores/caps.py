@@ -12,6 +12,7 @@ once, where a polytope would need faces by the dozen.
 import math
 
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import CREASE, FLAT, SMOOTH
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference, Minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -26,6 +27,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
@@ -39,7 +41,9 @@ CLEAR = 0.125 * (1.0 - SAME_DIRECTION)
 
 
 @compiled
-def sharpness(terms, radius, n, e, f, cap):
+def sharpness(
+    terms: Floats, radius: float, n: Vector, e: Vector, f: Vector, cap: float
+) -> tuple[float, float, float]:
     """Return the least radii of curvature [m] of D within ``cap`` [rad] of n (see above)."""
     m11, m12, m22 = -radius, 0.0, -radius
     cosine, sine = math.cos(cap), math.sin(cap)
@@ -54,7 +58,9 @@ def sharpness(terms, radius, n, e, f, cap):
 
 
 @compiled
-def is_cap(terms, last, radius, found, cap, enough):
+def is_cap(
+    terms: Floats, last: int, radius: float, found: Minimum, cap: float, enough: float
+) -> bool:
     """Tell whether no h within ``cap`` [rad] of the minimum ``found`` is less than it."""
     kind, n, h, margin = found
     half = math.tan(0.5 * cap)
@@ -77,7 +83,7 @@ def is_cap(terms, last, radius, found, cap, enough):
 
 
 @compiled
-def widest_cap(difference, found, enough):
+def widest_cap(difference: Difference, found: Minimum, enough: float) -> float:
     """Return the angle [rad] of a cap around the minimum ``found``, 0 if none is known."""
     terms, _, last, r_A, r_B = difference
     cap = WIDEST_CAP

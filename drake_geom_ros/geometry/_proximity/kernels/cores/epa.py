@@ -33,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
     is_in_ball_cap,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
+from drake_geom_ros.geometry._proximity.kernels.cores.epa_witnesses import witness
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put, support_points
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     NOTHING,
@@ -40,7 +41,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     onto_kink,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
-    ALIVE,
     OFFSET,
     add_faces,
     expand,
@@ -50,18 +50,12 @@ from drake_geom_ros.geometry._proximity.kernels.cores.polytope import (
     link_tetrahedron,
     pop_living,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
-from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
-    closest_on_triangle,
-    weighted,
-)
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Depth, Difference
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     difference_of_edges,
     witness_points,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
-    add,
     add_scaled,
     cross,
     dot,
@@ -72,6 +66,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Integers32, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import outlive
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -104,7 +99,7 @@ class Known(NamedTuple):
 
 
 @compiled
-def first_points(pair, n, points):
+def first_points(pair: CorePair, n: Vector, points: Floats) -> None:
     """Fill in support points 1 to 3, so that they span a volume with point 0, extreme along n."""
     along = n
     m = scale(-1.0, n)
@@ -128,7 +123,7 @@ def first_points(pair, n, points):
 
 
 @compiled
-def ring_points(pair, n, tilt, points):
+def ring_points(pair: CorePair, n: Vector, tilt: float, points: Floats) -> None:
     """Fill in four support points: three around n, at the angle ``tilt`` from it, and opposite."""
     e = perpendicular(n)
     f = cross(n, e)
@@ -142,52 +137,8 @@ def ring_points(pair, n, tilt, points):
         put(points, k, a, b)
 
 
-@compiled
-def closest_in_face(points, i, j, k, foot):
-    """Return (away, a, b): how far the triangle of vertices i, j, k is from ``foot``, and where.
-
-    a and b are the points of A and of B whose difference is nearest.
-    """
-    x = sub(vector_in(points, i), foot)
-    y, z = sub(vector_in(points, j), foot), sub(vector_in(points, k), foot)
-    t = closest_on_triangle(x, y, z)
-    a = weighted(vector_in(points, i, 3), vector_in(points, j, 3), vector_in(points, k, 3), t)
-    b = weighted(vector_in(points, i, 6), vector_in(points, j, 6), vector_in(points, k, 6), t)
-    return norm(weighted(x, y, z, t)), a, b
-
-
 @inlined
-def moved_to_planes(a, b, n, upper, s_A, s_B):
-    """Return (a, b): moved along n to the planes of the points s_A, s_B, with a - b = upper n."""
-    rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
-    centre = scale(0.5, add_scaled(add(a, b), rise, n))
-    return add_scaled(centre, 0.5 * upper, n), add_scaled(centre, -0.5 * upper, n)
-
-
-@compiled
-def witness(points, faces, planes, total, n, upper, rival, s_A, s_B):
-    """Return (a, b, aside): points on the supporting planes of A and B with a - b = upper n.
-
-    They come from the point of the faces nearest to upper n, moved out to the planes. On a flat of
-    the difference it may be in any face, and not in the one that was expanded. ``aside`` is how
-    far that point is from upper n: as far, at most, a and b were put off their surfaces.
-    """
-    foot = scale(upper, n)
-    a, b, least = s_A, s_B, np.inf
-    for f in range(np.uint64(total)):
-        if planes[f, OFFSET] > rival or faces[f, ALIVE] == 0:  # most are too far away
-            continue
-        if dot((planes[f, 0], planes[f, 1], planes[f, 2]), n) < SAME_DIRECTION:
-            continue
-        away, x, y = closest_in_face(points, faces[f, 0], faces[f, 1], faces[f, 2], foot)
-        if away < least:
-            a, b, least = x, y, away
-    a, b = moved_to_planes(a, b, n, upper, s_A, s_B)
-    return a, b, least
-
-
-@inlined
-def is_in_cap(m, offset, n, rival, cap):
+def is_in_cap(m: Vector, offset: float, n: Vector, rival: float, cap: float) -> bool:
     """Tell whether all directions in which a face is nearer than ``rival`` are in the cap of n.
 
     A ray at an angle x from the normal m crosses the face at ``offset / cos x`` or later. (Angles
@@ -204,7 +155,16 @@ def is_in_cap(m, offset, n, rival, cap):
 
 
 @allocating
-def nearest_known(pair, difference, n, width, a, b, enough, noise):
+def nearest_known(
+    pair: CorePair,
+    difference: Difference,
+    n: Vector,
+    width: float,
+    a: Vector,
+    b: Vector,
+    enough: float,
+    noise: float,
+) -> Known:
     """Return (exact, width, n, a, b, cap): the minimum next to n, or what was given if none is.
 
     ``a`` and ``b`` are the points extreme along n; a minimum's are one over the other along it.
@@ -227,7 +187,7 @@ def nearest_known(pair, difference, n, width, a, b, enough, noise):
 
 
 @compiled
-def is_flat(points, share, size):
+def is_flat(points: Floats, share: float, size: float) -> bool:
     """Tell whether the tetrahedron of vertices 0 to 3 is thinner than a share of the size."""
     a, b, c, d = (
         vector_in(points, 0),
@@ -240,7 +200,14 @@ def is_flat(points, share, size):
 
 
 @compiled
-def start(pair, known, near, growth, size, noise):
+def start(
+    pair: CorePair,
+    known: Known,
+    near: bool,
+    growth: tuple[Floats, Integers32, Floats, Integers32, Integers32, Integers32, Integers32],
+    size: float,
+    noise: float,
+) -> tuple[int, int, int]:
     """Make the first polytope, around a minimum that has a cap; return (count, total, waiting).
 
     They are the numbers of vertices, of faces, and of those on the heap. ``near`` tells that the n
@@ -266,7 +233,7 @@ def start(pair, known, near, growth, size, noise):
 
 
 @compiled
-def guarded_hulls(pair, found, noise):
+def guarded_hulls(pair: CorePair, found: Depth, noise: float) -> Depth:
     """Return a depth of hulls after a look at planes that no search chose.
 
     EPA's lower bound is that of a difference with a volume. That of a segment and a hull which is
@@ -287,7 +254,16 @@ def guarded_hulls(pair, found, noise):
 
 
 @compiled
-def depth_at(points, faces, planes, total, least, lower, enough, unique):
+def depth_at(
+    points: Floats,
+    faces: Integers32,
+    planes: Floats,
+    total: int,
+    least: Known,
+    lower: float,
+    enough: float,
+    unique: bool,
+) -> Depth:
     """Return the depth that a polytope has come to, with the least width that is known."""
     best, n, a, b, aside = least.width, least.n, least.a, least.b, 0.0
     if least.exact:
@@ -300,7 +276,15 @@ def depth_at(points, faces, planes, total, least, lower, enough, unique):
 
 
 @allocating
-def depth_of_cores(pair, difference, n, near, size, tolerance, most_vertices):
+def depth_of_cores(
+    pair: CorePair,
+    difference: Difference,
+    n: Vector,
+    near: bool,
+    size: float,
+    tolerance: float,
+    most_vertices: int,
+) -> Depth:
     """Return the depth of two overlapping or touching cores.
 
     ``pair`` is that of ``support_points``, ``difference`` that of ``sums``, and n any direction to

@@ -9,7 +9,7 @@ them.
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Separation
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Separation
 from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_segment,
     closest_on_tetrahedron,
@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -45,7 +46,7 @@ WEIGHT = 9  # column of a simplex row: w, a, b, weight
 
 
 @inlined
-def support_points(pair, n, right_angle):
+def support_points(pair: CorePair, n: Vector, right_angle: float) -> tuple[Vector, Vector]:
     """Return the points (a, b), from Ao, of A extreme along the unit n and of B along -n."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB = pair
     a = support(kind_A, shape_A, R_WA, n, right_angle)
@@ -54,7 +55,7 @@ def support_points(pair, n, right_angle):
 
 
 @inlined
-def put(points, k, a, b):
+def put(points: Floats, k: int, a: Vector, b: Vector) -> None:
     """Store w = a - b, a and b in row k, at the columns 0, 3 and 6."""
     for i in range(3):
         points[k, i] = a[i] - b[i]
@@ -63,7 +64,7 @@ def put(points, k, a, b):
 
 
 @compiled
-def closest_weights(points, count):
+def closest_weights(points: Floats, count: int) -> tuple[float, float, float, float]:
     """Return the weights of up to four simplex points, 0 for those beyond count."""
     if count == 1:
         return 1.0, 0.0, 0.0, 0.0
@@ -79,7 +80,7 @@ def closest_weights(points, count):
 
 
 @compiled
-def reduce_simplex(points, count):
+def reduce_simplex(points: Floats, count: int) -> int:
     """Keep the points that hold the one closest to the origin, with weights; return how many."""
     weights = closest_weights(points, count)
     kept = 0
@@ -93,7 +94,7 @@ def reduce_simplex(points, count):
 
 
 @compiled
-def combine(points, count, column):
+def combine(points: Floats, count: int, column: int) -> Vector:
     """Return the weighted sum of three columns of the simplex points."""
     x, y, z = 0.0, 0.0, 0.0
     for k in range(count):
@@ -104,7 +105,7 @@ def combine(points, count, column):
 
 
 @inlined
-def is_known(points, count, w):
+def is_known(points: Floats, count: int, w: Vector) -> bool:
     """Tell whether w is a point of the simplex: a polytope has no better vertex to offer."""
     for k in range(count):
         if points[k, 0] == w[0] and points[k, 1] == w[1] and points[k, 2] == w[2]:
@@ -113,7 +114,9 @@ def is_known(points, count, w):
 
 
 @allocating
-def distance_of_cores(pair, n, size, tolerance, cutoff):
+def distance_of_cores(
+    pair: CorePair, n: Vector, size: float, tolerance: float, cutoff: float
+) -> Separation:
     """Return the separation of two cores, walking from the unit n, with points a and b from Ao.
 
     With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import (
     clamp,
     cylinder_point,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -42,6 +43,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
     VERTEX_COUNT,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 
 SHARES = (0.5, 0.0, 1.0)  # of the way from a to b
@@ -49,7 +51,7 @@ SEARCH_STEPS = 24  # of a search along a line: each leaves two thirds, all a 170
 
 
 @compiled
-def depth_of_point(kind, shape, q, slack):
+def depth_of_point(kind: int, shape: Floats, q: Vector, slack: float) -> tuple[float, bool]:
     """Return (depth, unique) of the point q in a core, in its frame; -infinity for a hull.
 
     ``unique`` tells that one direction out is shorter than all others, by more than ``slack``.
@@ -72,7 +74,7 @@ def depth_of_point(kind, shape, q, slack):
 
 
 @compiled
-def depth_in_both(pair, c, slack):
+def depth_in_both(pair: CorePair, c: Vector, slack: float) -> tuple[float, bool]:
     """Return (depth, unique) of the point c, from Ao, in both cores together."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     in_A, only_A = depth_of_point(kind_A, shape_A, unrotate(R_WA, c), slack)
@@ -81,7 +83,9 @@ def depth_in_both(pair, c, slack):
 
 
 @compiled
-def depth_between(pair, a, b, slack):
+def depth_between(
+    pair: CorePair, a: Vector, b: Vector, slack: float
+) -> tuple[float, bool, Vector]:
     """Return (depth, unique, c): the largest of a, b and their middle, and where that is."""
     best, unique, at = -math.inf, False, a
     for share in SHARES:
@@ -93,7 +97,7 @@ def depth_between(pair, a, b, slack):
 
 
 @compiled
-def deepest_along(pair, c, u, reach):
+def deepest_along(pair: CorePair, c: Vector, u: Vector, reach: float) -> tuple[float, Vector]:
     """Return (depth, c) at the deepest point in both cores on c + t u, t within reach.
 
     The depth is a concave function, so thirds of the interval tell where to look on.
@@ -113,7 +117,9 @@ def deepest_along(pair, c, u, reach):
 
 
 @compiled
-def deepest_vertex(kind, shape, R, hull, R_hull, p):
+def deepest_vertex(
+    kind: int, shape: Floats, R: Floats, hull: Floats, R_hull: Floats, p: Vector
+) -> float:
     """Return the depth of the deepest vertex of a hull in the core of another shape.
 
     A vertex is a point of the hull, so its depth there is 0 at least. ``p`` is from the shape to
@@ -128,7 +134,7 @@ def deepest_vertex(kind, shape, R, hull, R_hull, p):
 
 
 @compiled
-def deepest(pair, a, b, size):
+def deepest(pair: CorePair, a: Vector, b: Vector, size: float) -> float:
     """Return the depth in both cores of a deep point: sought from ab and both origins, by axes.
 
     Of a hull only the vertices are tried.

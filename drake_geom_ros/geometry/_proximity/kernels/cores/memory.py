@@ -6,9 +6,8 @@ that of B's. A face is, in eight bits each, its three vertices. Nothing is remem
 first number is 0. All of it is looked at before it is believed.
 """
 
-import numpy as np
-
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair
 from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
     MOST_GROWN,
     NAME,
@@ -19,6 +18,14 @@ from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import add, dot, rotate, sub, vector_at
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.arrays import (
+    Floats,
+    Indices,
+    Integers32,
+    Vector,
+    signed,
+    unsigned,
+)
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 MOST_VERTICES = 22
@@ -32,40 +39,42 @@ MOST_BITS = 2**48  # which names and pairs of faces are below
 
 
 @inlined
-def is_where_it_was(memory, p, size):
+def is_where_it_was(memory: Floats, p: Vector, size: float) -> bool:
     """Tell whether B is about where it was from A when it was remembered."""
     moved = sub(p, vector_at(memory, POSITION))
     return dot(moved, moved) <= (FAR * size) * (FAR * size)
 
 
 @inlined
-def remember_position(memory, p):
+def remember_position(memory: Floats, p: Vector) -> None:
     """Remember where B is from A."""
     for k in range(3):
         memory[POSITION + k] = p[k]
 
 
 @compiled
-def recall_faces(memory, corners, count, total):
+def recall_faces(memory: Floats, corners: Integers32, count: int, total: int) -> bool:
     """Fill in the faces; tell whether their numbers can be such."""
     for k in range((total + 1) // 2):
         number = memory[FIRST_FACE + k]
         if not 0.0 <= number < MOST_BITS:
             return False
-        bits = np.int64(number)
+        bits = signed(number)
         f = 2 * k
         set_corners(corners, f, bits & 255, (bits >> 8) & 255, (bits >> 16) & 255)
         f += 1  # beyond the last one it is written, but nobody looks there
         set_corners(corners, f, (bits >> 24) & 255, (bits >> 32) & 255, bits >> 40)
     highest = 0
     for k in range(3):
-        for f in range(np.uint64(total)):
+        for f in range(unsigned(total)):
             highest = max(highest, corners[at(k, f)])
     return highest < count
 
 
 @compiled
-def recall(memory, pair, points, corners, masks):
+def recall(
+    memory: Floats, pair: CorePair, points: Floats, corners: Integers32, masks: Indices
+) -> tuple[int, int]:
     """Fill in the vertices at their poses, and the faces; return (count, total), 0 for nothing."""
     _, shape_A, R_WA, _, shape_B, R_WB, p = pair
     if not (4.0 <= memory[0] <= MOST_VERTICES and 4.0 <= memory[1] <= MOST_FACES):
@@ -89,7 +98,9 @@ def recall(memory, pair, points, corners, masks):
 
 
 @compiled
-def keep(memory, points, corners, total, numbers):
+def keep(
+    memory: Floats, points: Floats, corners: Integers32, total: int, numbers: Indices
+) -> None:
     """Remember the faces and their vertices; nothing where they are too many.
 
     ``numbers`` is scratch, for those of the vertices.
@@ -100,10 +111,10 @@ def keep(memory, points, corners, total, numbers):
     count = 0
     for v in range(MOST_GROWN):
         numbers[v] = -1
-    for f in range(np.uint64(total)):
-        bits = np.int64(0)
+    for f in range(unsigned(total)):
+        bits = signed(0)
         for k in range(3):
-            v = np.uint64(corners[at(k, f)])
+            v = unsigned(corners[at(k, f)])
             if numbers[v] < 0:
                 if count == MOST_VERTICES:
                     return
@@ -111,6 +122,6 @@ def keep(memory, points, corners, total, numbers):
                 memory[FIRST_NAME + count] = points[v, NAME]
                 count += 1
             bits |= numbers[v] << (8 * k)
-        here = FIRST_FACE + np.int64(f) // 2
-        memory[here] = float(bits) if np.int64(f) % 2 == 0 else memory[here] + 2.0**24 * bits
+        here = FIRST_FACE + signed(f) // 2
+        memory[here] = float(bits) if signed(f) % 2 == 0 else memory[here] + 2.0**24 * bits
     memory[0], memory[1] = float(count), float(total)

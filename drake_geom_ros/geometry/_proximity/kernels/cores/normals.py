@@ -13,7 +13,7 @@ foot of the origin.
 
 import math
 
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Minimum
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference, Minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -37,6 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import (
     ALMOST_RIGHT_ANGLE,
@@ -57,13 +58,13 @@ LONGEST_STEP = 0.5  # tangent of the angle
 
 
 @inlined
-def nowhere(n):
+def nowhere(n: Vector) -> Minimum:
     """Return no minimum, but a direction to start from."""
     return Minimum(NOTHING, n, math.inf, 0.0)
 
 
 @compiled
-def set_shares(terms, last, n):
+def set_shares(terms: Floats, last: int, n: Vector) -> None:
     """Set the shares of the segments at n: their ends, 0 for those at right angles."""
     for k in range(SEGMENT, last):
         d = dot(vector_in(terms, k), n)
@@ -73,7 +74,7 @@ def set_shares(terms, last, n):
 
 
 @compiled
-def onto_kink(difference, n):
+def onto_kink(difference: Difference, n: Vector) -> Vector:
     """Return n, or, where it is almost at right angles to a segment, the direction that is so."""
     terms, _, last, _, _ = difference
     for k in range(SEGMENT, last):
@@ -84,7 +85,7 @@ def onto_kink(difference, n):
 
 
 @compiled
-def held_line(terms, last):
+def held_line(terms: Floats, last: int) -> tuple[Vector, float, bool]:
     """Return (e, reach, flat): direction and half length of held segments, if not in one line."""
     e, reach, flat = (0.0, 0.0, 0.0), 0.0, False
     for k in range(SEGMENT, last):
@@ -98,7 +99,7 @@ def held_line(terms, last):
 
 
 @compiled
-def free_segments(terms, last, e, slope):
+def free_segments(terms: Floats, last: int, e: Vector, slope: float) -> None:
     """Let held segments go to the end that lowers h against a slope along e."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
@@ -106,7 +107,7 @@ def free_segments(terms, last, e, slope):
 
 
 @compiled
-def held_sum(terms, last):
+def held_sum(terms: Floats, last: int) -> Vector:
     """Return the sum of -p and the segments' ends."""
     base = scale(-1.0, vector_in(terms, 0))
     for k in range(SEGMENT, last):
@@ -115,7 +116,7 @@ def held_sum(terms, last):
 
 
 @compiled
-def part_before_kink(terms, last, n, step):
+def part_before_kink(terms: Floats, last: int, n: Vector, step: Vector) -> tuple[float, bool]:
     """Return the part of a step up to the first kink, and hold the segments whose kink that is."""
     part, first = 1.0, -1
     for k in range(SEGMENT, last):
@@ -133,7 +134,7 @@ def part_before_kink(terms, last, n, step):
 
 
 @compiled
-def at_disk(terms, n, axes):
+def at_disk(terms: Floats, n: Vector, axes: int) -> bool:
     """Tell whether n is along the axis of a disk."""
     return (
         terms[axes, LENGTH] > 0.0
@@ -149,7 +150,7 @@ def at_disk(terms, n, axes):
 
 
 @compiled
-def face_normal(terms, last, n):
+def face_normal(terms: Floats, last: int, n: Vector) -> Vector:
     """Return the unit normal, on the side of n, of two held segments or of a disk at its axis.
 
     n itself where segments are parallel but for rounding, by which another test took them apart.
@@ -170,7 +171,7 @@ def face_normal(terms, last, n):
 
 
 @compiled
-def shares_on_face(terms, last, n, x):
+def shares_on_face(terms: Floats, last: int, n: Vector, x: Vector) -> float:
     """Let two held segments balance x in the face normal to n; return the margin left.
 
     Where they cannot, the margin is -1 and a segment that would have to be longer is released.
@@ -206,7 +207,7 @@ def shares_on_face(terms, last, n, x):
 
 
 @compiled
-def lean_on_disks(terms, n, x):
+def lean_on_disks(terms: Floats, n: Vector, x: Vector) -> float:
     """Let the disks whose axis is along n balance x; return the margin left, negative if none."""
     on_A, on_B = at_disk(terms, n, AXES_A), at_disk(terms, n, AXES_B)
     r_A, r_B = (
@@ -222,7 +223,9 @@ def lean_on_disks(terms, n, x):
 
 
 @compiled
-def on_face(terms, last, radius, n, flat):
+def on_face(
+    terms: Floats, last: int, radius: float, n: Vector, flat: bool
+) -> tuple[Vector, float, float, Vector]:
     """Return (n, h, margin, step) at the face normal next to n.
 
     Where the face does not hold the foot of the origin the margin is negative: a segment was
@@ -250,7 +253,9 @@ def on_face(terms, last, radius, n, flat):
 
 
 @compiled
-def slope_and_curvature(terms, last, radius, n, e, f):
+def slope_and_curvature(
+    terms: Floats, last: int, radius: float, n: Vector, e: Vector, f: Vector
+) -> tuple[float, float, float, float, float, float]:
     """Return h at n, its two slopes along e and f, and its three second derivatives."""
     base = held_sum(terms, last)
     y, x_A, z_A, m11, m12, m22 = curvature(terms, AXES_A, n, e, f)
@@ -261,7 +266,9 @@ def slope_and_curvature(terms, last, radius, n, e, f):
 
 
 @inlined
-def newton_step(x, z, m11, m12, m22, e, f, held):
+def newton_step(
+    x: float, z: float, m11: float, m12: float, m22: float, e: Vector, f: Vector, held: bool
+) -> Vector:
     """Return the step to where the slopes x along e and z along f vanish; held, that along f."""
     if held:
         return scale(-z / m22, f)
@@ -270,13 +277,13 @@ def newton_step(x, z, m11, m12, m22, e, f, held):
 
 
 @inlined
-def downhill(x, z, aside, e, f, held):
+def downhill(x: float, z: float, aside: float, e: Vector, f: Vector, held: bool) -> Vector:
     """Return the longest step against the slopes, ``aside`` long; held, that along f."""
     return scale(-LONGEST_STEP / aside, add_scaled(scale(0.0 if held else x, e), z, f))
 
 
 @compiled
-def lowest_tip(terms, last, radius, n, h):
+def lowest_tip(terms: Floats, last: int, radius: float, n: Vector, h: float) -> Vector:
     """Return the axis of a disk along which the width is least, if that is below h [m]; else n.
 
     There h has a tip like that of a cone, which the slopes around it do not lead to.
@@ -292,7 +299,7 @@ def lowest_tip(terms, last, radius, n, h):
 
 
 @compiled
-def descend(difference, n, noise):
+def descend(difference: Difference, n: Vector, noise: float) -> Minimum:
     """Return what ``nearby_minimum`` does, with h by the shares."""
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
@@ -356,7 +363,7 @@ def descend(difference, n, noise):
 
 
 @compiled
-def share_out(terms, last, e, share):
+def share_out(terms: Floats, last: int, e: Vector, share: float) -> None:
     """Put the support point of held parallel segments at the same share of each."""
     for k in range(SEGMENT, last):
         if terms[k, SHARE] == 0.0:
@@ -364,7 +371,7 @@ def share_out(terms, last, e, share):
 
 
 @compiled
-def nearby_minimum(difference, n, noise):
+def nearby_minimum(difference: Difference, n: Vector, noise: float) -> Minimum:
     """Return a local minimum near n, and set the shares to those there."""
     kind, n, h, margin = descend(difference, n, noise)
     terms, _, last, r_A, r_B = difference

@@ -25,6 +25,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Integers32, Vector, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import integers, part, table
 from drake_geom_ros.geometry._proximity.tolerances import (
@@ -45,14 +46,16 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 @inlined
-def growth_numbers(most_vertices):
+def growth_numbers(most_vertices: int) -> int:
     """Return how many numbers a polytope of so many vertices needs to grow in."""
     rows = 8 * most_vertices
     return 10 * most_vertices + PLANE_WIDTH * rows + ((FACE_WIDTH + 5) * rows + most_vertices) // 2
 
 
 @allocating
-def growth_arrays(block, most_vertices):
+def growth_arrays(
+    block: Floats, most_vertices: int
+) -> tuple[Floats, Integers32, Floats, Integers32, Integers32, Integers32, Integers32]:
     """Return what a polytope of so many vertices grows in, views of a block.
 
     They are handed on one by one: as a record they made EPA take an eighth longer. All are of one
@@ -76,7 +79,7 @@ def growth_arrays(block, most_vertices):
 
 
 @inlined
-def normal(a, b, c):
+def normal(a: Vector, b: Vector, c: Vector) -> Vector:
     """Return the unit normal of a triangle from its two shorter edges, 0 for corners in a row.
 
     The angle between the longer two of a thin triangle is mostly rounding.
@@ -91,7 +94,7 @@ def normal(a, b, c):
 
 
 @compiled
-def plane_of(a, b, c, size):
+def plane_of(a: Vector, b: Vector, c: Vector, size: float) -> tuple[Vector, float]:
     """Return (n, offset) of a triangle: of its corners, or at a sliver of its point nearest to 0.
 
     ``n`` is a unit normal, ``offset`` [m] the least one of the corners along it.
@@ -114,9 +117,9 @@ def plane_of(a, b, c, size):
 
 
 @compiled
-def set_plane(faces, planes, points, f, size):
+def set_plane(faces: Integers32, planes: Floats, points: Floats, f: int, size: float) -> None:
     """Fill the plane of face f."""
-    f = np.uint64(f)
+    f = unsigned(f)
     n, offset = plane_of(
         vector_in(points, faces[f, 0]),
         vector_in(points, faces[f, 1]),
@@ -129,14 +132,14 @@ def set_plane(faces, planes, points, f, size):
 
 
 @inlined
-def is_corner(points, faces, f, w):
+def is_corner(points: Floats, faces: Integers32, f: int, w: Vector) -> bool:
     """Tell whether w is a vertex of face f: then rounding has nothing more to offer there."""
     i, j, k = faces[f, 0], faces[f, 1], faces[f, 2]
     return vector_in(points, i) == w or vector_in(points, j) == w or vector_in(points, k) == w
 
 
 @compiled
-def link_tetrahedron(points, faces):
+def link_tetrahedron(points: Floats, faces: Integers32) -> None:
     """Link vertices 0 to 3 to faces 0 to 3, counter-clockwise seen from outside."""
     a, b, c, d = (
         vector_in(points, 0),
@@ -155,7 +158,15 @@ def link_tetrahedron(points, faces):
 
 
 @inlined
-def cut_visible(faces, planes, f, w, thickness, stack, horizon):
+def cut_visible(
+    faces: Integers32,
+    planes: Floats,
+    f: int,
+    w: Vector,
+    thickness: float,
+    stack: Integers32,
+    horizon: Integers32,
+) -> int:
     """Kill the faces that see w, from f outwards, and fill in their horizon; return its length.
 
     A row of the horizon is an edge of a killed face and the living face across it. A
@@ -167,9 +178,9 @@ def cut_visible(faces, planes, f, w, thickness, stack, horizon):
     waiting, edges = 1, 0
     while waiting > 0:
         waiting -= 1
-        g = np.uint64(stack[waiting])
+        g = unsigned(stack[waiting])
         for k in range(3):
-            other = np.uint64(faces[g, ACROSS + k])
+            other = unsigned(faces[g, ACROSS + k])
             if faces[other, ALIVE] == 0:
                 continue
             if dot(vector_in(planes, other), w) > planes[other, OFFSET] + thickness:
@@ -185,7 +196,14 @@ def cut_visible(faces, planes, f, w, thickness, stack, horizon):
 
 
 @inlined
-def link_cone(faces, horizon, edges, apex, total, starting_at):
+def link_cone(
+    faces: Integers32,
+    horizon: Integers32,
+    edges: int,
+    apex: int,
+    total: int,
+    starting_at: Integers32,
+) -> int:
     """Link a new face from each horizon edge to the vertex apex; return the new number of faces.
 
     ``starting_at`` is scratch, -1 for a new vertex: the new face whose first vertex is a given
@@ -194,10 +212,10 @@ def link_cone(faces, horizon, edges, apex, total, starting_at):
     """
     for i in range(edges):
         start, end = horizon[i, START], horizon[i, END]
-        other = np.uint64(horizon[i, BEYOND])
+        other = unsigned(horizon[i, BEYOND])
         if starting_at[start] >= total:
             return total
-        f = np.uint64(total + i)
+        f = unsigned(total + i)
         faces[f, 0], faces[f, 1], faces[f, 2] = start, end, apex
         faces[f, ACROSS], faces[f, ALIVE] = other, 1
         for k in range(3):
@@ -205,21 +223,21 @@ def link_cone(faces, horizon, edges, apex, total, starting_at):
                 faces[other, ACROSS + k] = f
         starting_at[start] = f
     for i in range(edges):
-        f = np.uint64(total + i)
-        after = np.uint64(starting_at[np.uint64(faces[f, 1])])
+        f = unsigned(total + i)
+        after = unsigned(starting_at[unsigned(faces[f, 1])])
         faces[f, ACROSS + 1] = after
         faces[after, ACROSS + 2] = f
     return total + edges
 
 
 @inlined
-def push(heap, count, planes, f):
+def push(heap: Integers32, count: int, planes: Floats, f: int) -> None:
     """Add face f to the heap of offsets."""
-    k, one = np.uint64(count), np.uint64(1)
-    offset = planes[np.uint64(f), OFFSET]
+    k, one = unsigned(count), unsigned(1)
+    offset = planes[unsigned(f), OFFSET]
     while k > 0:
         parent = (k - one) >> one
-        if planes[np.uint64(heap[parent]), OFFSET] <= offset:
+        if planes[unsigned(heap[parent]), OFFSET] <= offset:
             break
         heap[k] = heap[parent]
         k = parent
@@ -227,22 +245,24 @@ def push(heap, count, planes, f):
 
 
 @compiled
-def pop_living(faces, planes, heap, waiting):
+def pop_living(
+    faces: Integers32, planes: Floats, heap: Integers32, waiting: int
+) -> tuple[int, int]:
     """Take the living face of least offset off the heap; return it or -1, and how many wait."""
-    least, one = -1, np.uint64(1)
+    least, one = -1, unsigned(1)
     while waiting > 0 and least < 0:
-        if faces[np.uint64(heap[0]), ALIVE] == 1:
+        if faces[unsigned(heap[0]), ALIVE] == 1:
             least = heap[0]
         waiting -= 1
-        end = np.uint64(waiting)
+        end = unsigned(waiting)
         last = heap[end]
-        offset = planes[np.uint64(last), OFFSET]
-        k, child = np.uint64(0), one
+        offset = planes[unsigned(last), OFFSET]
+        k, child = unsigned(0), one
         while child < end:
             right = child + one
-            ahead = planes[np.uint64(heap[child]), OFFSET]
-            if right < end and planes[np.uint64(heap[right]), OFFSET] < ahead:
-                child, ahead = right, planes[np.uint64(heap[right]), OFFSET]
+            ahead = planes[unsigned(heap[child]), OFFSET]
+            if right < end and planes[unsigned(heap[right]), OFFSET] < ahead:
+                child, ahead = right, planes[unsigned(heap[right]), OFFSET]
             if offset <= ahead:
                 break
             heap[k] = heap[child]
@@ -252,7 +272,9 @@ def pop_living(faces, planes, heap, waiting):
 
 
 @compiled
-def set_planes(points, faces, planes, first, total, size):
+def set_planes(
+    points: Floats, faces: Integers32, planes: Floats, first: int, total: int, size: float
+) -> float:
     """Set the planes of the faces from first to total; return the least offset of them [m].
 
     All in one loop without choices take a quarter of the time of as many calls of ``set_plane``,
@@ -260,7 +282,7 @@ def set_planes(points, faces, planes, first, total, size):
     squares may vanish or overflow.
     """
     least, unset = np.inf, False
-    for f in range(np.uint64(first), np.uint64(total)):
+    for f in range(unsigned(first), unsigned(total)):
         a, b, c = (
             vector_in(points, faces[f, 0]),
             vector_in(points, faces[f, 1]),
@@ -278,7 +300,7 @@ def set_planes(points, faces, planes, first, total, size):
         planes[f, 0], planes[f, 1], planes[f, 2], planes[f, OFFSET] = (n[0], n[1], n[2], offset)
         least, unset = min(least, offset), unset | (not usual)
     if unset:
-        for f in range(np.uint64(first), np.uint64(total)):
+        for f in range(unsigned(first), unsigned(total)):
             if planes[f, OFFSET] == np.inf:
                 set_plane(faces, planes, points, f, size)
                 least = min(least, planes[f, OFFSET])
@@ -286,16 +308,27 @@ def set_planes(points, faces, planes, first, total, size):
 
 
 @compiled
-def add_faces(points, faces, planes, heap, first, total, waiting, size):
+def add_faces(
+    points: Floats,
+    faces: Integers32,
+    planes: Floats,
+    heap: Integers32,
+    first: int,
+    total: int,
+    waiting: int,
+    size: float,
+) -> int:
     """Set the planes of the faces from first to total and add them to the heap."""
     set_planes(points, faces, planes, first, total, size)
     return push_nearest(heap, planes, first, total, waiting, np.inf)
 
 
 @inlined
-def push_nearest(heap, planes, first, total, waiting, rival):
+def push_nearest(
+    heap: Integers32, planes: Floats, first: int, total: int, waiting: int, rival: float
+) -> int:
     """Add the faces from first to total that are as near as ``rival`` [m] to the heap."""
-    for f in range(np.uint64(first), np.uint64(total)):
+    for f in range(unsigned(first), unsigned(total)):
         if planes[f, OFFSET] <= rival:
             push(heap, waiting, planes, f)
             waiting += 1
@@ -303,7 +336,20 @@ def push_nearest(heap, planes, first, total, waiting, rival):
 
 
 @compiled
-def expand(points, faces, planes, horizon, stack, starting_at, f, a, b, count, total, size):
+def expand(
+    points: Floats,
+    faces: Integers32,
+    planes: Floats,
+    horizon: Integers32,
+    stack: Integers32,
+    starting_at: Integers32,
+    f: int,
+    a: Vector,
+    b: Vector,
+    count: int,
+    total: int,
+    size: float,
+) -> int:
     """Make a - b vertex number count, in place of the faces that see it, among them f.
 
     Return the new number of faces: not grown where the surface could not be closed again, for no

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drake_geom_ros.geometry._proximity.kernels.vectors import Vector
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 
 Floats = NDArray[np.float64]
 

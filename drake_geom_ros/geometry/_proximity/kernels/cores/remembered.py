@@ -20,10 +20,14 @@ import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import MEMORY_WIDTH
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import (
+    Ball,
     ball_in_difference,
     is_cap_of_ball,
 )
-from drake_geom_ros.geometry._proximity.kernels.cores.epa import closest_in_face, moved_to_planes
+from drake_geom_ros.geometry._proximity.kernels.cores.epa_witnesses import (
+    closest_in_face,
+    moved_to_planes,
+)
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import put
 from drake_geom_ros.geometry._proximity.kernels.cores.memory import (
     NAMES,
@@ -33,7 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.memory import (
     remember_position,
 )
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import ZERO
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth, Overlap
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Depth, Overlap
 from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
     KEY,
     MOST_GROWN,
@@ -52,7 +56,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.small_polytope import (
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest, vertex_at
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     add_scaled,
     cross,
@@ -62,6 +65,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     sub,
     unrotate,
+)
+from drake_geom_ros.geometry._proximity.runtime.arrays import (
+    Floats,
+    Indices,
+    Integers32,
+    Vector,
+    unsigned,
 )
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.views import outlive
@@ -82,7 +92,7 @@ MORE = 8
 
 
 @inlined
-def named_support(pair, n):
+def named_support(pair: CorePair, n: Vector) -> tuple[Vector, Vector, float]:
     """Return (a, b, name): the vertices of ``gjk.support_points`` and the name of their pair."""
     _, shape_A, R_WA, _, shape_B, R_WB, p = pair
     x, y, z = unrotate(R_WA, n)
@@ -94,7 +104,7 @@ def named_support(pair, n):
 
 
 @inlined
-def put_named(pair, n, points, k, narrow):
+def put_named(pair: CorePair, n: Vector, points: Floats, k: int, narrow: Overlap) -> Overlap:
     """Store the support point along n in row k, with its name; return the narrower overlap."""
     a, b, name = named_support(pair, n)
     put(points, k, a, b)
@@ -104,7 +114,9 @@ def put_named(pair, n, points, k, narrow):
 
 
 @compiled
-def double_pyramid(pair, narrow, points, corners):
+def double_pyramid(
+    pair: CorePair, narrow: Overlap, points: Floats, corners: Integers32
+) -> Overlap:
     """Make a polytope with tips along n and -n, a ring between; return the narrowest of these.
 
     n is that of ``narrow``. A tetrahedron grows to it in more steps. It need not be convex.
@@ -125,7 +137,7 @@ def double_pyramid(pair, narrow, points, corners):
 
 
 @compiled
-def outweighs_slivers(points, corners, f, size):
+def outweighs_slivers(points: Floats, corners: Integers32, f: int, size: float) -> bool:
     """Tell whether a face is seen from the origin under more than what rounding makes of others.
 
     Slivers may be turned the wrong way. The solid angles of all faces add up to a whole number of
@@ -160,13 +172,23 @@ class Grown(NamedTuple):
 
 
 @inlined
-def not_grown(narrow):
+def not_grown(narrow: Overlap) -> Grown:
     """Return no closed polytope, but the narrowest overlap that was seen."""
     return Grown(False, False, 0, 0, 0, narrow.width, narrow.n, ZERO, ZERO)
 
 
 @compiled
-def grown(pair, growth, ball, count, total, most, narrow, size, noise):
+def grown(
+    pair: CorePair,
+    growth: tuple[Floats, Integers32, Floats, Indices, Integers32, Integers32],
+    ball: Ball,
+    count: int,
+    total: int,
+    most: int,
+    narrow: Overlap,
+    size: float,
+    noise: float,
+) -> Grown:
     """Grow a polytope of ``count`` vertices, whose faces have planes, to ``most`` vertices.
 
     Faces that are farther away than the ``narrow`` overlap that is known need not be looked at.
@@ -211,26 +233,28 @@ def grown(pair, growth, ball, count, total, most, narrow, size, noise):
 
 
 @compiled
-def is_unique(planes, total, n, rival):
+def is_unique(planes: Floats, total: int, n: Vector, rival: float) -> bool:
     """Tell whether all faces as near as ``rival`` [m], but settled ones, have the normal n."""
-    for f in range(np.uint64(total)):
+    for f in range(unsigned(total)):
         if planes[at(KEY, f)] <= rival and dot(normal_of(planes, f), n) < SAME_DIRECTION:
             return False
     return True
 
 
 @compiled
-def witness(points, corners, planes, total, found, rival):
+def witness(
+    points: Floats, corners: Integers32, planes: Floats, total: int, found: Grown, rival: float
+) -> tuple[Vector, Vector, float]:
     """Return (a, b, aside) as ``epa.witness`` does, of a polytope that was ``found`` closed.
 
     If the face is alone, only that one is looked at.
     """
     foot, n = scale(found.width, found.n), found.n
-    f = np.uint64(found.face)
+    f = unsigned(found.face)
     least, a, b = closest_in_face(
         points, corners[at(0, f)], corners[at(1, f)], corners[at(2, f)], foot
     )
-    for f in range(np.uint64(0 if found.alone else total)):
+    for f in range(unsigned(0 if found.alone else total)):
         if planes[at(OFFSET, f)] > rival or dot(normal_of(planes, f), n) < SAME_DIRECTION:
             continue
         away, x, y = closest_in_face(
@@ -243,13 +267,18 @@ def witness(points, corners, planes, total, found, rival):
 
 
 @inlined
-def unsure(found):
+def unsure(found: Grown) -> Depth:
     """Return the depth of which no more is known than the overlap that was found."""
     return Depth(found.width, -np.inf, found.n, found.a, found.b, 0.0, False)
 
 
 @compiled
-def closed_depth(growth, found, size, noise):
+def closed_depth(
+    growth: tuple[Floats, Integers32, Floats, Indices, Integers32, Integers32],
+    found: Grown,
+    size: float,
+    noise: float,
+) -> tuple[bool, Depth]:
     """Return (sure, depth) of a polytope that was grown: sure if closed and the normal unique."""
     points, corners, planes = growth[:3]
     width, n, rival = found.width, found.n, found.width + noise
@@ -263,7 +292,9 @@ def closed_depth(growth, found, size, noise):
 
 
 @allocating
-def remembered_depth(pair, narrow, memory, size, noise):
+def remembered_depth(
+    pair: CorePair, narrow: Overlap, memory: Floats, size: float, noise: float
+) -> tuple[bool, Depth]:
     """Return (sure, depth) of two hulls by the polytope that is remembered; forget one that fails.
 
     Sure are bounds that are rounding apart, and a unique normal. ``narrow`` is the overlap along
@@ -292,7 +323,9 @@ def remembered_depth(pair, narrow, memory, size, noise):
 
 
 @allocating
-def depth_of_hulls(pair, narrow, memory, size, noise):
+def depth_of_hulls(
+    pair: CorePair, narrow: Overlap, memory: Floats, size: float, noise: float
+) -> tuple[bool, Depth]:
     """Return (sure, depth) of two hulls as ``remembered_depth`` does, from any overlap known.
 
     The polytope is remembered where there is room in ``memory``. What is not sure is the narrowest

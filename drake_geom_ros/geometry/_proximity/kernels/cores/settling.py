@@ -16,6 +16,7 @@ from drake_geom_ros.geometry._proximity.kernels.cores.normals import (
     share_out,
     slope_and_curvature,
 )
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -34,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unit,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS
 
@@ -42,7 +44,7 @@ INNER = 1.0 - EPS  # a share of 1 or -1 says that a segment is not held
 
 
 @compiled
-def settle(difference, n):
+def settle(difference: Difference, n: Vector) -> None:
     """Set the shares at n to where the points extreme along it are least aside of one another."""
     terms, _, last, r_A, r_B = difference
     for k in range(3):
@@ -58,7 +60,7 @@ def settle(difference, n):
 
 
 @compiled
-def settle_by_turns(difference, n, noise):
+def settle_by_turns(difference: Difference, n: Vector, noise: float) -> None:
     """Do what ``settle`` does where held segments are almost parallel, and where it finds nothing.
 
     The face that such segments span is narrow, and rounding may put the foot of the origin beside

@@ -9,17 +9,18 @@ region.
 """
 
 from drake_geom_ros.geometry._proximity.kernels.vectors import add_scaled, cross, dot, scale, sub
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
 @inlined
-def weighted(a, b, c, weights):
+def weighted(a: Vector, b: Vector, c: Vector, weights: Vector) -> Vector:
     """Return the sum of three vectors times their weights."""
     return add_scaled(add_scaled(scale(weights[0], a), weights[1], b), weights[2], c)
 
 
 @compiled
-def closest_on_segment(a, b):
+def closest_on_segment(a: Vector, b: Vector) -> tuple[float, float]:
     """Return the weights of a and b."""
     d = sub(b, a)
     length2 = dot(d, d)
@@ -32,7 +33,7 @@ def closest_on_segment(a, b):
 
 
 @compiled
-def closest_on_triangle(a, b, c):
+def closest_on_triangle(a: Vector, b: Vector, c: Vector) -> tuple[float, float, float]:
     """Return the weights of a, b and c."""
     ab, ac = sub(b, a), sub(c, a)
     n = cross(ab, ac)
@@ -60,7 +61,9 @@ def closest_on_triangle(a, b, c):
 
 
 @compiled
-def closest_on_tetrahedron(a, b, c, d):
+def closest_on_tetrahedron(
+    a: Vector, b: Vector, c: Vector, d: Vector
+) -> tuple[float, float, float, float]:
     """Return the weights of a, b, c and d; all are positive if the origin is inside."""
     ab, ac, ad = sub(b, a), sub(c, a), sub(d, a)
     volume = dot(ab, cross(ac, ad))

@@ -22,6 +22,14 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.kernels.cores.polytope import plane_of
 from drake_geom_ros.geometry._proximity.kernels.shapes.summit import LANES
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, sub, vector_in
+from drake_geom_ros.geometry._proximity.runtime.arrays import (
+    Floats,
+    Indices,
+    Integers32,
+    Vector,
+    signed,
+    unsigned,
+)
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.larger import larger
 from drake_geom_ros.geometry._proximity.runtime.views import (
@@ -51,13 +59,15 @@ MOST_EDGES = 3 * MOST_ROWS + 1
 
 
 @inlined
-def growth_numbers():
+def growth_numbers() -> int:
     """Return how many numbers a polytope needs to grow in."""
     return (POINT_WIDTH + 2) * MOST_GROWN + (PLACES + 9) * MOST_ROWS + 2 * MOST_ROWS + MOST_EDGES
 
 
 @allocating
-def growth_arrays(block):
+def growth_arrays(
+    block: Floats,
+) -> tuple[Floats, Integers32, Floats, Indices, Integers32, Integers32]:
     """Return what a polytope grows in: (points, corners, planes, masks, seen, horizon).
 
     All are views of a block of ``growth_numbers``; the last three are scratch.
@@ -76,44 +86,46 @@ def growth_arrays(block):
 
 
 @inlined
-def at(row, f):
+def at(row: int, f: int) -> int:
     """Return the place of face f in a row of corners or planes."""
-    return np.uint64(row * MOST_ROWS) + np.uint64(f)
+    return unsigned(row * MOST_ROWS) + unsigned(f)
 
 
 @inlined
-def corner(points, corners, k, f):
+def corner(points: Floats, corners: Integers32, k: int, f: int) -> Vector:
     """Return corner k of face f."""
     return vector_in(points, corners[at(k, f)])
 
 
 @inlined
-def normal_of(planes, f):
+def normal_of(planes: Floats, f: int) -> Vector:
     """Return the unit normal of face f."""
     return planes[at(0, f)], planes[at(1, f)], planes[at(2, f)]
 
 
 @inlined
-def set_corners(corners, f, i, j, k):
+def set_corners(corners: Integers32, f: int, i: int, j: int, k: int) -> None:
     """Make face f that of the vertices i, j and k."""
     corners[at(0, f)], corners[at(1, f)], corners[at(2, f)] = i, j, k
 
 
 @inlined
-def place_of(planes, row, f):
+def place_of(planes: Floats, row: int, f: int) -> Vector:
     """Return the three numbers of scratch of a face that begin in a row."""
     return planes[at(row, f)], planes[at(row + 1, f)], planes[at(row + 2, f)]
 
 
 @inlined
-def set_plane(planes, f, n, offset):
+def set_plane(planes: Floats, f: int, n: Vector, offset: float) -> None:
     """Set the plane and the key of face f."""
     planes[at(0, f)], planes[at(1, f)], planes[at(2, f)] = n
     planes[at(OFFSET, f)], planes[at(KEY, f)] = offset, offset
 
 
 @inlined
-def set_planes(points, corners, planes, first, total, size):
+def set_planes(
+    points: Floats, corners: Integers32, planes: Floats, first: int, total: int, size: float
+) -> None:
     """Set the planes and keys of the faces from first to total.
 
     What ``polytope.set_planes`` does: a loop without choices, and ``plane_of`` for the faces that
@@ -121,13 +133,13 @@ def set_planes(points, corners, planes, first, total, size):
     then all is done for LANES of them at a time (what comes out of the rows beyond the last face,
     whatever these hold, nobody looks at).
     """
-    for f in range(np.uint64(first), np.uint64(total)):
+    for f in range(unsigned(first), unsigned(total)):
         for k in range(3):
-            v = np.uint64(corners[at(k, f)])
-            for c in range(3):
-                planes[at(PLACES + 3 * k + c, f)] = points[v, c]
-    whole = np.uint64((total - first + LANES - 1) // LANES * LANES)
-    for f in range(np.uint64(first), np.uint64(first) + whole):
+            v = unsigned(corners[at(k, f)])
+            for axis in range(3):
+                planes[at(PLACES + 3 * k + axis, f)] = points[v, axis]
+    whole = unsigned((total - first + LANES - 1) // LANES * LANES)
+    for f in range(unsigned(first), unsigned(first) + whole):
         a, b, c = (
             place_of(planes, PLACES, f),
             place_of(planes, PLACES + 3, f),
@@ -143,16 +155,18 @@ def set_planes(points, corners, planes, first, total, size):
         usual = usual & (highest - offset <= COPLANAR * EPS * size)
         set_plane(planes, f, n, offset if usual else np.inf)
     unset = 0
-    for f in range(np.uint64(first), np.uint64(total)):
+    for f in range(unsigned(first), unsigned(total)):
         unset |= 1 if planes[at(OFFSET, f)] == np.inf else 0
     if unset != 0:
         set_slivers(points, corners, planes, first, total, size)
 
 
 @compiled
-def set_slivers(points, corners, planes, first, total, size):
+def set_slivers(
+    points: Floats, corners: Integers32, planes: Floats, first: int, total: int, size: float
+) -> None:
     """Set the planes that ``set_planes`` left out."""
-    for f in range(np.uint64(first), np.uint64(total)):
+    for f in range(unsigned(first), unsigned(total)):
         if planes[at(OFFSET, f)] == np.inf:
             n, offset = plane_of(
                 corner(points, corners, 0, f),
@@ -164,57 +178,61 @@ def set_slivers(points, corners, planes, first, total, size):
 
 
 @inlined
-def nearest(planes, total):
+def nearest(planes: Floats, total: int) -> int:
     """Return the first of the faces whose key is least; the number of faces if that is 0."""
-    end, least = np.uint64(total), -np.inf  # of the keys' opposites, for the sake of ``larger``
-    for f in range(np.uint64(0), end):
+    end, least = unsigned(total), -np.inf  # of the keys' opposites, for the sake of ``larger``
+    for f in range(unsigned(0), end):
         least = larger(-planes[at(KEY, f)], least)
     best = end
-    for f in range(np.uint64(0), end):
+    for f in range(unsigned(0), end):
         best = min(best, f if -planes[at(KEY, f)] == least else end)
-    return np.int64(best)
+    return signed(best)
 
 
 @inlined
-def faces_that_see(planes, total, w, thickness, seen):
+def faces_that_see(
+    planes: Floats, total: int, w: Vector, thickness: float, seen: Integers32
+) -> int:
     """List the faces that see w, which is more than ``thickness`` [m] above them; return how many.
 
     Faces in one plane with w would else be taken out as rounding falls.
     """
-    for f in range(np.uint64(total)):
+    for f in range(unsigned(total)):
         m = planes[at(0, f)], planes[at(1, f)], planes[at(2, f)]
         planes[at(ABOVE, f)] = dot(m, w) - planes[at(OFFSET, f)]
     count = 0
-    for f in range(np.uint64(total)):
-        seen[np.uint64(count)] = f
+    for f in range(unsigned(total)):
+        seen[unsigned(count)] = f
         count += 1 if planes[at(ABOVE, f)] > thickness else 0
     return count
 
 
 @inlined
-def horizon_of(corners, seen, count, masks, horizon):
+def horizon_of(
+    corners: Integers32, seen: Integers32, count: int, masks: Indices, horizon: Integers32
+) -> int:
     """Fill in the edges around ``count`` faces that are listed; return how many, or 0.
 
     None are told of where they come to a vertex twice, which only rounding, or a polytope that is
     not convex, can make: a cone over them would not be linked in one way.
     """
-    one = np.int64(1)
-    for s in range(np.uint64(count)):
-        f = np.uint64(seen[s])
+    one = signed(1)
+    for s in range(unsigned(count)):
+        f = unsigned(seen[s])
         for k in range(3):
-            masks[np.uint64(corners[at(k, f)])] = 0
-    for s in range(np.uint64(count)):
-        f = np.uint64(seen[s])
+            masks[unsigned(corners[at(k, f)])] = 0
+    for s in range(unsigned(count)):
+        f = unsigned(seen[s])
         for k in range(3):
-            masks[np.uint64(corners[at(k, f)])] |= one << np.int64(corners[at((k + 1) % 3, f)])
-    edges, starts, twice = 0, np.int64(0), np.int64(0)
-    for s in range(np.uint64(count)):
-        f = np.uint64(seen[s])
+            masks[unsigned(corners[at(k, f)])] |= one << signed(corners[at((k + 1) % 3, f)])
+    edges, starts, twice = 0, signed(0), signed(0)
+    for s in range(unsigned(count)):
+        f = unsigned(seen[s])
         for k in range(3):
-            start, end = np.int64(corners[at(k, f)]), np.int64(corners[at((k + 1) % 3, f)])
-            here = np.uint64(2 * edges)
-            horizon[here], horizon[here + np.uint64(1)] = start, end
-            outer = one - ((masks[np.uint64(end)] >> start) & one)
+            start, end = signed(corners[at(k, f)]), signed(corners[at((k + 1) % 3, f)])
+            here = unsigned(2 * edges)
+            horizon[here], horizon[here + unsigned(1)] = start, end
+            outer = one - ((masks[unsigned(end)] >> start) & one)
             twice |= outer & (starts >> start)
             starts |= outer << start
             edges += outer
@@ -222,7 +240,12 @@ def horizon_of(corners, seen, count, masks, horizon):
 
 
 @inlined
-def expand(growth, count, total, thickness):
+def expand(
+    growth: tuple[Floats, Integers32, Floats, Indices, Integers32, Integers32],
+    count: int,
+    total: int,
+    thickness: float,
+) -> tuple[int, int]:
     """Put a cone with the apex ``count`` in place of the faces that see it.
 
     Return the new number of faces, whose last ones are those of the cone, and how many these are:
@@ -234,34 +257,34 @@ def expand(growth, count, total, thickness):
     if edges == 0 or total - killed + edges > MOST_ROWS - LANES:
         return total, 0
     for s in range(killed):
-        here, last = np.uint64(seen[np.uint64(killed - 1 - s)]), np.uint64(total - 1 - s)
+        here, last = unsigned(seen[unsigned(killed - 1 - s)]), unsigned(total - 1 - s)
         for k in range(3):
             corners[at(k, here)] = corners[at(k, last)]
         for k in range(PLANE_ROWS):
             planes[at(k, here)] = planes[at(k, last)]
     first = total - killed
-    for e in range(np.uint64(edges)):
-        start, end = horizon[e + e], horizon[e + e + np.uint64(1)]
-        set_corners(corners, np.uint64(first) + e, start, end, count)
+    for e in range(unsigned(edges)):
+        start, end = horizon[e + e], horizon[e + e + unsigned(1)]
+        set_corners(corners, unsigned(first) + e, start, end, count)
     return first + edges, edges
 
 
 @compiled
-def is_closed(corners, count, total, masks):
+def is_closed(corners: Integers32, count: int, total: int, masks: Indices) -> bool:
     """Tell whether faces of ``count`` vertices are closed surfaces.
 
     Then each edge is there once in each direction.
     """
-    one, spoilt = np.int64(1), np.int64(0)
-    for v in range(np.uint64(2 * count)):
+    one, spoilt = signed(1), signed(0)
+    for v in range(unsigned(2 * count)):
         masks[v] = 0
-    for f in range(np.uint64(total)):
+    for f in range(unsigned(total)):
         for k in range(3):
-            start, end = np.int64(corners[at(k, f)]), np.int64(corners[at((k + 1) % 3, f)])
-            there, back = np.uint64(start), np.uint64(count + end)
-            spoilt |= ((masks[there] >> end) & one) | np.int64(start == end)
+            start, end = signed(corners[at(k, f)]), signed(corners[at((k + 1) % 3, f)])
+            there, back = unsigned(start), unsigned(count + end)
+            spoilt |= ((masks[there] >> end) & one) | signed(start == end)
             masks[there] |= one << end
             masks[back] |= one << start
-    for v in range(np.uint64(count)):
-        spoilt |= masks[v] ^ masks[v + np.uint64(count)]
+    for v in range(unsigned(count)):
+        spoilt |= masks[v] ^ masks[v + unsigned(count)]
     return spoilt == 0

@@ -10,22 +10,23 @@ import numpy as np
 from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
 from drake_geom_ros.geometry._proximity.kernels.cores.ball_caps import ball_in_difference
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Overlap
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Difference, Overlap
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import likely_normal, width
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, scale, sub, unit
 from drake_geom_ros.geometry._proximity.kinds import CONVEX
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
 @compiled
-def along_centres(p):
+def along_centres(p: Vector) -> Vector:
     """Return the unit vector along p, or any where p is 0."""
     n = unit(p)
     return n if dot(n, n) > 0.5 else (1.0, 0.0, 0.0)
 
 
 @compiled
-def hint_of(out, p):
+def hint_of(out: Floats, p: Vector) -> tuple[Vector, bool]:
     """Return (n, hinted): a unit vector out of A by the hint in a result row, else along p."""
     n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
     if dot(n, n) > 0.5:
@@ -34,14 +35,14 @@ def hint_of(out, p):
 
 
 @compiled
-def separation_along(pair, n):
+def separation_along(pair: CorePair, n: Vector) -> float:
     """Return the separation of the supporting planes along n: at most the signed distance."""
     a, b = support_points(pair, n, 0.0)
     return dot(sub(b, a), n)
 
 
 @inlined
-def start_of_sums(difference, p, n, hinted):
+def start_of_sums(difference: Difference, p: Vector, n: Vector, hinted: bool) -> Vector:
     """Return where to begin with the sums of a difference, from a hint n if that is good."""
     terms, _, last, r_A, r_B = difference
     line, radius = along_centres(p), r_A + r_B
@@ -51,20 +52,20 @@ def start_of_sums(difference, p, n, hinted):
 
 
 @compiled
-def narrower(pair, n, narrow):
+def narrower(pair: CorePair, n: Vector, narrow: Overlap) -> Overlap:
     """Return the overlap along n, or ``narrow`` where that is as narrow or n is 0."""
     width = -separation_along(pair, n)
     return Overlap(width, n) if width < narrow.width and dot(n, n) > 0.5 else narrow
 
 
 @inlined
-def narrower_on_line(pair, narrow):
+def narrower_on_line(pair: CorePair, narrow: Overlap) -> Overlap:
     """Return the overlap along the line of the balls in two cores, or one as narrow."""
     return narrower(pair, unit(scale(-1.0, ball_in_difference(pair).centre)), narrow)
 
 
 @inlined
-def start_of_hulls(pair, n, hinted, noise):
+def start_of_hulls(pair: CorePair, n: Vector, hinted: bool, noise: float) -> tuple[Overlap, bool]:
     """Return (narrow, overlap): where to begin with hulls, and whether they seem to overlap there.
 
     EPA looks at all of both hulls: before, the line of centres may show that they are apart.

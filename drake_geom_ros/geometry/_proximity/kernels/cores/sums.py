@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import clamp
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Difference
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest_edge
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import core_radius
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
@@ -51,6 +51,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_LENGTH,
     SHAPE_RADIUS,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import LEAST_LENGTH, RIGHT_ANGLE
 
@@ -78,7 +79,7 @@ class Curvature(NamedTuple):
 
 
 @inlined
-def _put(terms, k, s, R, axis):
+def _put(terms: Floats, k: int, s: float, R: Floats, axis: int) -> None:
     """Store s times an axis of R in row k, with its length; a vanishing one as the least."""
     s = max(s, LEAST_LENGTH)
     for i in range(3):
@@ -87,7 +88,7 @@ def _put(terms, k, s, R, axis):
 
 
 @compiled
-def _put_shape(terms, kind, shape, R, segment, axes):
+def _put_shape(terms: Floats, kind: int, shape: Floats, R: Floats, segment: int, axes: int) -> int:
     """Store the terms of one core; return the row of the next segment."""
     if kind == BOX:
         for k in range(3):
@@ -107,7 +108,7 @@ def _put_shape(terms, kind, shape, R, segment, axes):
 
 
 @allocating
-def difference_of(pair):
+def difference_of(pair: CorePair) -> Difference:
     """Return the Minkowski difference of the two cores of a pair."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     if kind_A == CONVEX or kind_B == CONVEX:
@@ -124,13 +125,13 @@ def difference_of(pair):
 
 
 @inlined
-def _taken_away(kind, shape):
+def _taken_away(kind: int, shape: Floats) -> float:
     """Return the radius [m] of the ball that the core of a shape lacks of its terms."""
     return core_radius(kind, shape) if kind == ELLIPSOID else 0.0
 
 
 @compiled
-def _put_edge(terms, shape, R, n, segment):
+def _put_edge(terms: Floats, shape: Floats, R: Floats, n: Vector, segment: int) -> Vector:
     """Store the edge of a hull next to the unit n; return its middle, from Go in World axes."""
     x, y, z = unrotate(R, n)
     u, v = farthest_edge(shape, x, y, z)
@@ -142,7 +143,7 @@ def _put_edge(terms, shape, R, n, segment):
 
 
 @allocating
-def difference_of_edges(pair, n):
+def difference_of_edges(pair: CorePair, n: Vector) -> Difference:
     """Return ``difference_of`` a pair with hulls, of which it takes but the edges next to n."""
     kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p = pair
     terms = np.zeros((ROWS, 5))
@@ -164,7 +165,7 @@ def difference_of_edges(pair, n):
 
 
 @inlined
-def _stretch(terms, axes, n):
+def _stretch(terms: Floats, axes: int, n: Vector) -> float:
     """Return |E n| of the ellipsoid with semi-axes from row ``axes``."""
     if terms[axes, LENGTH] == 0.0:  # none, as in most cores
         return 0.0
@@ -177,7 +178,7 @@ def _stretch(terms, axes, n):
 
 
 @inlined
-def width(terms, last, radius, n):
+def width(terms: Floats, last: int, radius: float, n: Vector) -> float:
     """Return h(n) [m] for the unit n."""
     h = -radius - dot(vector_in(terms, 0), n)
     for k in range(SEGMENT, last):
@@ -186,7 +187,7 @@ def width(terms, last, radius, n):
 
 
 @compiled
-def likely_normal(difference, n):
+def likely_normal(difference: Difference, n: Vector) -> Vector:
     """Return n or what separates better: faces, crossed edges and axes of the two cores."""
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
@@ -206,7 +207,9 @@ def likely_normal(difference, n):
 
 
 @inlined
-def _better(terms, last, radius, m, n, least):
+def _better(
+    terms: Floats, last: int, radius: float, m: Vector, n: Vector, least: float
+) -> tuple[Vector, float]:
     """Return (m, h(m)), or (-m, h(-m)), if that is less than (n, least), else (n, least)."""
     if dot(m, m) == 0.0:
         return n, least
@@ -217,7 +220,7 @@ def _better(terms, last, radius, m, n, least):
 
 
 @compiled
-def curvature(terms, axes, n, e, f):
+def curvature(terms: Floats, axes: int, n: Vector, e: Vector, f: Vector) -> Curvature:
     """Return the slopes and the curvature at n of the support function ``y = |E n|``.
 
     For the unit n and e, f at right angles to it and to each other. The radii of curvature are
@@ -246,7 +249,7 @@ def curvature(terms, axes, n, e, f):
 
 
 @inlined
-def ellipsoid_support(terms, axes, n):
+def ellipsoid_support(terms: Floats, axes: int, n: Vector) -> Vector:
     """Return the point of the ellipsoid that is extreme along n; its centre at a disk's axis."""
     if terms[axes, LENGTH] == 0.0:
         return 0.0, 0.0, 0.0
@@ -259,7 +262,7 @@ def ellipsoid_support(terms, axes, n):
 
 
 @inlined
-def ends_at(terms, last, n):
+def ends_at(terms: Floats, last: int, n: Vector) -> Vector:
     """Return the sum of -p and of the segments' ends that are extreme along n."""
     base = scale(-1.0, vector_in(terms, 0))
     for k in range(SEGMENT, last):
@@ -269,7 +272,7 @@ def ends_at(terms, last, n):
 
 
 @compiled
-def witness_points(difference, n):
+def witness_points(difference: Difference, n: Vector) -> tuple[Vector, Vector]:
     """Return the points (a, b), from Ao, of the cores, extreme along n and -n by the shares."""
     terms, first, last, r_A, r_B = difference
     a = add_scaled(add(ellipsoid_support(terms, AXES_A, n), vector_in(terms, LEAN_A)), -r_A, n)
@@ -283,7 +286,7 @@ def witness_points(difference, n):
 
 
 @compiled
-def is_point_of(kind, shape, q):
+def is_point_of(kind: int, shape: Floats, q: Vector) -> bool:
     """Tell whether q, in the shape's frame, is a point of a core that is a solid."""
     if kind == BOX:
         return abs(q[0]) <= shape[0] and abs(q[1]) <= shape[1] and abs(q[2]) <= shape[2]
@@ -294,7 +297,7 @@ def is_point_of(kind, shape, q):
 
 
 @compiled
-def nearest_to(kind, shape, q):
+def nearest_to(kind: int, shape: Floats, q: Vector) -> Vector:
     """Return a point of a box or of the axis of a cylinder or capsule that is near to q, in G."""
     if kind == BOX:
         return clamp(q[0], shape[0]), clamp(q[1], shape[1]), clamp(q[2], shape[2])
@@ -302,7 +305,7 @@ def nearest_to(kind, shape, q):
 
 
 @compiled
-def share_a_point(pair, a, b):
+def share_a_point(pair: CorePair, a: Vector, b: Vector) -> bool:
     """Tell whether a box, cylinder or capsule is seen to have a point in common with a cylinder B.
 
     ``a`` is a point of A and ``b`` one of B, from Ao. Tried are they, the point of each core that

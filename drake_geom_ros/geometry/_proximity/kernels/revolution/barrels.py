@@ -35,7 +35,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import nowhere
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference, Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -62,13 +62,16 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     scale,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 
 STEEPEST = 0.9  # sine of the largest caps about the axes that are tried
 
 
 @allocating
-def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
+def least_in_long_barrel(
+    difference: Difference, k: int, axes: int, n: Vector, h: float, enough: float, noise: float
+) -> Least:
     """Return the least h for the cylinder with segment k and disk ``axes``, 0 of a capsule.
 
     ``n`` is a direction to start from, and h [m] its value. Complete if the barrel is long beside
@@ -102,7 +105,7 @@ def least_in_long_barrel(difference, k, axes, n, h, enough, noise):
 
 
 @compiled
-def reach_beside(terms, last, k, axes):
+def reach_beside(terms: Floats, last: int, k: int, axes: int) -> float:
     """Return within how far [m] of the origin the difference is, without the cylinder k, axes."""
     reach = norm(vector_in(terms, 0))
     for i in range(SEGMENT, last):
@@ -114,7 +117,7 @@ def reach_beside(terms, last, k, axes):
 
 
 @compiled
-def least_in_caps(terms, u, other, sine, radius):
+def least_in_caps(terms: Floats, u: Vector, other: Vector, sine: float, radius: float) -> float:
     """Return what no h is below within the caps of that sine about u and -u [m].
 
     ``other`` is the other cylinder's axis and ``radius`` [m] the sum of both radii.
@@ -134,7 +137,9 @@ def least_in_caps(terms, u, other, sine, radius):
 
 
 @compiled
-def least_of_barrels(difference, n, floor, enough, noise):
+def least_of_barrels(
+    difference: Difference, n: Vector, floor: float, enough: float, noise: float
+) -> Least:
     """Return the least h of two cylinders, no h being below ``floor`` > 0 [m].
 
     Complete if they are parallel enough (see *Two cylinders almost parallel*).

@@ -27,6 +27,7 @@ from typing import NamedTuple
 
 from drake_geom_ros.geometry._proximity.kernels.cores.caps import widest_cap
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING, nearby_minimum
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference, Minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -38,7 +39,6 @@ from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     width,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     add_scaled,
     cross,
@@ -51,6 +51,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import RIGHT_ANGLE, SAME_DIRECTION, TIE
 
@@ -68,7 +69,9 @@ KINK_WIDTH = 7
 
 
 @compiled
-def put_arc(arc, start, end, start_point, end_point):
+def put_arc(
+    arc: Floats, start: Vector, end: Vector, start_point: Vector, end_point: Vector
+) -> None:
     """Store an arc."""
     for k in range(3):
         arc[START + k], arc[END + k] = start[k], end[k]
@@ -76,14 +79,14 @@ def put_arc(arc, start, end, start_point, end_point):
 
 
 @compiled
-def turn_of(x, y):
+def turn_of(x: float, y: float) -> float:
     """Return a number in [-2, 2] that grows with the angle of (x, y)."""
     t = x / (abs(x) + abs(y))
     return 1.0 - t if y >= 0.0 else t - 1.0
 
 
 @inlined
-def across(n, e):
+def across(n: Vector, e: Vector) -> Vector:
     """Return the unit n with what rounding left of it along the unit e taken off.
 
     A vector product of almost parallel vectors is at right angles to neither.
@@ -92,7 +95,7 @@ def across(n, e):
 
 
 @compiled
-def put_kink(kinks, count, n, x, y):
+def put_kink(kinks: Floats, count: int, n: Vector, x: Vector, y: Vector) -> int:
     """Put the direction n among ``count`` others by its angle in the plane of x and y."""
     turn = turn_of(dot(n, x), dot(n, y))
     at = count
@@ -106,7 +109,7 @@ def put_kink(kinks, count, n, x, y):
 
 
 @compiled
-def kinks_on_circle(terms, last, e, kinks):
+def kinks_on_circle(terms: Floats, last: int, e: Vector, kinks: Floats) -> int:
     """Fill in the directions at right angles to e and a segment, in turn; return how many.
 
     Where they leave arcs wider than a right angle, directions without a kink are put between
@@ -135,7 +138,9 @@ def kinks_on_circle(terms, last, e, kinks):
 
 
 @compiled
-def may_reach(start, end, e, q, reach, noise):
+def may_reach(
+    start: Vector, end: Vector, e: Vector, q: Vector, reach: float, noise: float
+) -> bool:
     """Tell whether q . n may be as large as ``reach`` on an arc of the circle about e.
 
     q . n is largest at an end of the arc, or along q, where it is the length of q, if that is on
@@ -149,7 +154,9 @@ def may_reach(start, end, e, q, reach, noise):
 
 
 @compiled
-def first_arcs(terms, last, e, reach, noise, arcs, kinks):
+def first_arcs(
+    terms: Floats, last: int, e: Vector, reach: float, noise: float, arcs: Floats, kinks: Floats
+) -> int:
     """Fill in the arcs between the kinks of the circle about e; return how many.
 
     Arcs on which p . n is certain to be below ``reach`` [m] are left out. On the circle p . n is
@@ -178,7 +185,7 @@ def first_arcs(terms, last, e, reach, noise, arcs, kinks):
 
 
 @inlined
-def put_round_point(terms, kink):
+def put_round_point(terms: Floats, kink: Floats) -> None:
     """Store the support point of the ellipsoids at a kink."""
     point = point_on_arc(terms, (0.0, 0.0, 0.0), vector_at(kink, 0))
     for c in range(3):
@@ -186,13 +193,13 @@ def put_round_point(terms, kink):
 
 
 @inlined
-def point_on_arc(terms, base, n):
+def point_on_arc(terms: Floats, base: Vector, n: Vector) -> Vector:
     """Return the support point at n of an arc on which the segments' ends add up to ``base``."""
     return add(base, add(ellipsoid_support(terms, AXES_A, n), ellipsoid_support(terms, AXES_B, n)))
 
 
 @compiled
-def largest_radius(terms, e):
+def largest_radius(terms: Floats, e: Vector) -> float:
     """Return a bound of the radius of curvature [m] of disks and ellipsoids on the circle about e.
 
     There ``|E n|`` is the support function of an ellipse, whose semi-axes a >= b have the
@@ -217,7 +224,7 @@ def largest_radius(terms, e):
 
 
 @compiled
-def chord_of_cap(difference, found, enough):
+def chord_of_cap(difference: Difference, found: Minimum, enough: float) -> float:
     """Return the chord of the cap of a minimum that was just found, or NO_CAP.
 
     A chord, not a cosine: caps may be as small as 1e-9 rad, whose cosine is 1.
@@ -227,7 +234,9 @@ def chord_of_cap(difference, found, enough):
 
 
 @compiled
-def improved(difference, n, h, enough, noise):
+def improved(
+    difference: Difference, n: Vector, h: float, enough: float, noise: float
+) -> tuple[Vector, float, float]:
     """Return (n, h, chord of its cap) of the minimum near n, or of n if there is none."""
     found = nearby_minimum(difference, n, noise)
     if found.kind == NOTHING or found.h > h + noise:
@@ -236,7 +245,7 @@ def improved(difference, n, h, enough, noise):
 
 
 @compiled
-def chord_normal(arc, e):
+def chord_normal(arc: Floats, e: Vector) -> Vector:
     """Return the unit normal of an arc's chord on the circle about e, or 0 if beyond the arc."""
     start, end = vector_at(arc, START), vector_at(arc, END)
     m = across(unit(cross(sub(vector_at(arc, END_POINT), vector_at(arc, START_POINT)), e)), e)
@@ -248,7 +257,7 @@ def chord_normal(arc, e):
 
 
 @inlined
-def values_at_ends(arc, radius):
+def values_at_ends(arc: Floats, radius: float) -> tuple[float, float, float]:
     """Return h at the start and the end of an arc [m], and, where positive, a lower bound on it.
 
     An n of the arc is a start + b end for a + b >= 1: so no point of D is less far along n than
@@ -262,7 +271,7 @@ def values_at_ends(arc, radius):
 
 
 @compiled
-def least_on_arc(arc, m, radius, rho):
+def least_on_arc(arc: Floats, m: Vector, radius: float, rho: float) -> float:
     """Return a lower bound of h [m] on an arc with the chord's normal m (see *chord*, *bend*).
 
     ``radius`` [m] is that of the balls that are taken away, ``rho`` what no radius of curvature of
@@ -284,7 +293,7 @@ def least_on_arc(arc, m, radius, rho):
 
 
 @inlined
-def is_away(from_n, to_n, span):
+def is_away(from_n: float, to_n: float, span: float) -> bool:
     """Tell whether any of an arc of width ``span`` [rad] is clearly another direction than n.
 
     The cosines of its ends with n are given. An arc across the border of what counts as another
@@ -309,7 +318,16 @@ class Best(NamedTuple):
 
 
 @compiled
-def least_on_circle(difference, e, best, inner, enough, noise, arcs, kinks):
+def least_on_circle(
+    difference: Difference,
+    e: Vector,
+    best: Best,
+    inner: float,
+    enough: float,
+    noise: float,
+    arcs: Floats,
+    kinks: Floats,
+) -> tuple[bool, Best]:
     """Return (complete, best) for the circle of directions at right angles to the unit e.
 
     ``best`` is the ``Best`` so far. ``inner`` [m] is how far both cores together reach from their

@@ -19,7 +19,7 @@ import math
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.cores.normals import NOTHING
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference, Least, Minimum
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -39,12 +39,13 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     least_on_circle,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot, scale, unit, vector_in
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
 
 @compiled
-def reach_across(terms, first, last, axes, i):
+def reach_across(terms: Floats, first: int, last: int, axes: int, i: int) -> float:
     """Return how far [m] the core whose segments are from first to last reaches across segment i.
 
     That is, at least, from its centre along any direction at right angles to the segment.
@@ -61,7 +62,7 @@ def reach_across(terms, first, last, axes, i):
 
 
 @compiled
-def best_of_starts(difference, newton, enough, noise):
+def best_of_starts(difference: Difference, newton: Minimum, enough: float, noise: float) -> Best:
     """Return the ``Best`` of what Newton's method found, the line of centres, faces and axes."""
     terms, _, last, r_A, r_B = difference
     radius = r_A + r_B
@@ -78,7 +79,9 @@ def best_of_starts(difference, newton, enough, noise):
 
 
 @allocating
-def least_on_creases(difference, newton, enough, noise):
+def least_on_creases(
+    difference: Difference, newton: Minimum, enough: float, noise: float
+) -> Least:
     """Return the least h over all faces and creases, and where.
 
     ``newton`` is what ``nearby_minimum`` of the difference has just found, or any direction to

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drake_geom_ros.geometry._proximity.kernels.cores.gjk import support_points
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Depth
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Depth
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     bounding_radius,
     core_radius,
@@ -50,6 +50,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_LENGTH,
     SHAPE_RADIUS,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Integers32, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     COPLANAR,
@@ -74,7 +75,7 @@ class Planar(NamedTuple):
 
 
 @compiled
-def axis_of_revolution(kind, shape):
+def axis_of_revolution(kind: int, shape: Floats) -> tuple[int, float]:
     """Return (k, move): the axis of the core, and how far [m] its surface is from round about it.
 
     ``move`` is infinite for shapes with no axis.
@@ -96,7 +97,7 @@ def axis_of_revolution(kind, shape):
 
 
 @compiled
-def common_axis(pair):
+def common_axis(pair: CorePair) -> tuple[Vector, float]:
     """Return (u, move): an axis both cores are round about when their surfaces move so far.
 
     The smaller core is turned; one that is a point, of a ball, is round about any axis.
@@ -114,7 +115,7 @@ def common_axis(pair):
 
 
 @compiled
-def profile(kind, shape, s, c):
+def profile(kind: int, shape: Floats, s: float, c: float) -> Planar:
     """Return the point of the core's profile where its normal is (s, c), both >= 0."""
     if kind == CAPSULE:
         return Planar(0.0, shape[HALF_LENGTH])
@@ -130,7 +131,9 @@ def profile(kind, shape, s, c):
 
 
 @compiled
-def put_corner(corners, k, pair, radial, axial, s, c):
+def put_corner(
+    corners: Floats, k: int, pair: CorePair, radial: float, axial: float, s: float, c: float
+) -> None:
     """Store direction, point of the difference and width along (s, c) in row k."""
     a, b = profile(pair.kind_A, pair.shape_A, s, c), profile(pair.kind_B, pair.shape_B, s, c)
     x, z = a.radial + b.radial - radial, a.axial + b.axial - axial
@@ -140,7 +143,7 @@ def put_corner(corners, k, pair, radial, axial, s, c):
 
 
 @compiled
-def set_chord(corners, k, following):
+def set_chord(corners: Floats, k: int, following: int) -> None:
     """Store the normal of the chord from corner k to the following one and the width at it.
 
     A width between the two is at least the larger of those of the two points. Both are sinusoids,
@@ -161,7 +164,9 @@ def set_chord(corners, k, following):
 
 
 @compiled
-def touching_points(corners, after, best, pair, radial, axial):
+def touching_points(
+    corners: Floats, after: Integers32, best: int, pair: CorePair, radial: float, axial: float
+) -> tuple[Planar, Planar]:
     """Return a point of each profile, one over the other along the best normal.
 
     The best corner's points are aside of each other by ``aside``. Its neighbour on the other side
@@ -212,7 +217,9 @@ class PlanarDepth(NamedTuple):
 
 
 @allocating
-def planar_depth(pair, radial, axial, enough, noise):
+def planar_depth(
+    pair: CorePair, radial: float, axial: float, enough: float, noise: float
+) -> PlanarDepth:
     """Return the least width over directions s, c >= 0, and where."""
     corners = np.empty((MOST_CORNERS, CORNER_WIDTH))
     after = np.empty(MOST_CORNERS, dtype=np.int32)
@@ -250,7 +257,9 @@ def planar_depth(pair, radial, axial, enough, noise):
 
 
 @compiled
-def depth_of_revolution(pair, u, move, size, tolerance):
+def depth_of_revolution(
+    pair: CorePair, u: Vector, move: float, size: float, tolerance: float
+) -> Depth:
     """Return the depth of two cores that are round about the common axis u."""
     enough = max(0.5 * tolerance, ROUNDING * EPS * size)
     u = unit(u)  # orientations are rotations to rounding only
@@ -265,12 +274,14 @@ def depth_of_revolution(pair, u, move, size, tolerance):
         side = cross(u, column(pair.R_WB, 0))
         e = unit(cross(u, side if norm(side) > 0.5 else cross(u, column(pair.R_WB, 1))))
         radial = 0.0
-    lower, s, c, a, b, unique = planar_depth(pair, radial, axial, enough, COPLANAR * EPS * size)
+    lower, s, c, at_A, at_B, unique = planar_depth(
+        pair, radial, axial, enough, COPLANAR * EPS * size
+    )
     n = unit(add_scaled(scale(s, e), c, u))
     s_A, s_B = support_points(pair, n, 0.0)
     upper = dot(sub(s_A, s_B), n)
-    a = add_scaled(scale(a.radial, e), a.axial, u)
-    b = add_scaled(scale(b.radial, e), b.axial, u)
+    a = add_scaled(scale(at_A.radial, e), at_A.axial, u)
+    b = add_scaled(scale(at_B.radial, e), at_B.axial, u)
     lower = (lower if lower > 0.0 else -norm(sub(a, b))) - move
     rise = dot(sub(s_A, a), n) + dot(sub(s_B, b), n)
     # Where h is level along the quarter, the points of the best corner are not one over the other.

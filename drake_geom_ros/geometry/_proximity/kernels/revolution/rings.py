@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
+from drake_geom_ros.geometry._proximity.kernels.cores.records import CorePair, Least
 from drake_geom_ros.geometry._proximity.kernels.revolution.circles import across
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import hull_radius
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import support
@@ -32,6 +32,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_in,
 )
 from drake_geom_ros.geometry._proximity.kinds import CAPSULE, CONVEX, HALF_LENGTH, SHAPE_RADIUS
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION
 
@@ -41,7 +42,7 @@ X, VALUE = 3, 6
 
 
 @compiled
-def is_bulged(radius, length, reach):
+def is_bulged(radius: float, length: float, reach: float) -> bool:
     """Tell whether the least h of all is that of those across the axis and along it.
 
     For a cylinder with a rest whose support function k is within -reach and reach [m] (see
@@ -53,7 +54,9 @@ def is_bulged(radius, length, reach):
 
 
 @compiled
-def look_along(known, count, n, shape, R_WB, p):
+def look_along(
+    known: Floats, count: int, n: Vector, shape: Floats, R_WB: Floats, p: Vector
+) -> None:
     """Put the unit n, and the vertex of the hull that is extreme against it, in row ``count``."""
     x = add(p, support(CONVEX, shape, R_WB, scale(-1.0, n), 0.0))
     for i in range(3):
@@ -63,7 +66,7 @@ def look_along(known, count, n, shape, R_WB, p):
 
 
 @compiled
-def least_of_two(known, i, j, u):
+def least_of_two(known: Floats, i: int, j: int, u: Vector) -> tuple[Vector, float]:
     """Return (n, least): where on the arc from row i to j the larger of ``-x . n`` is least."""
     start, end = vector_in(known, i), vector_in(known, j)
     x, y = vector_in(known, i, X), vector_in(known, j, X)
@@ -82,7 +85,9 @@ def least_of_two(known, i, j, u):
 
 
 @allocating
-def least_across(known, u, shape, R_WB, p, enough, noise):
+def least_across(
+    known: Floats, u: Vector, shape: Floats, R_WB: Floats, p: Vector, enough: float, noise: float
+) -> tuple[bool, int, float, int]:
     """Return (complete, best, floor, count): the least k at right angles to the unit u.
 
     Rows of ``known`` below ``count`` are directions looked along, ``best`` is that of the least,
@@ -118,7 +123,7 @@ def least_across(known, u, shape, R_WB, p, enough, noise):
 
 
 @allocating
-def least_of_hull_in_barrel(pair, enough, noise):
+def least_of_hull_in_barrel(pair: CorePair, enough: float, noise: float) -> Least:
     """Return (complete, h, floor, n, unique) of a barrel A that is large beside a hull B.
 
     A is the core of a cylinder or of a capsule, whose radius is 0.

@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drake_geom_ros.geometry._proximity.kernels.cores.records import Least
+from drake_geom_ros.geometry._proximity.kernels.cores.records import Difference, Least
 from drake_geom_ros.geometry._proximity.kernels.cores.sums import (
     AXES_A,
     AXES_B,
@@ -54,7 +54,6 @@ from drake_geom_ros.geometry._proximity.kernels.revolution.circles import (
     put_arc,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     add_scaled,
     cross,
@@ -67,6 +66,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
     vector_in,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import SAME_DIRECTION, TIE
 
@@ -87,7 +87,7 @@ class Direction(NamedTuple):
 
 
 @compiled
-def largest_curvatures(terms, u):
+def largest_curvatures(terms: Floats, u: Vector) -> tuple[float, float]:
     """Return (M_0, M_1) [m] about the axis u, along which all segments and disks are."""
     x = perpendicular(u)
     y = cross(u, x)
@@ -109,7 +109,7 @@ def largest_curvatures(terms, u):
 
 
 @compiled
-def roundest_axis(difference):
+def roundest_axis(difference: Difference) -> tuple[Vector, float, float]:
     """Return (u, M_0, M_1) for the axis u about which the cores are most nearly round.
 
     That of a segment or disk if there is one; else one of the ellipsoids' own.
@@ -130,7 +130,16 @@ def roundest_axis(difference):
 
 
 @compiled
-def slice_holds(difference, u, e, span, bends, best, enough, arcs):
+def slice_holds(
+    difference: Difference,
+    u: Vector,
+    e: Vector,
+    span: float,
+    bends: tuple[float, float],
+    best: Direction,
+    enough: float,
+    arcs: Floats,
+) -> tuple[bool, float, Vector]:
     """Return (holds, floor, m): whether h is high enough on the half circle from -u over e to u.
 
     For a cell of width ``span`` [rad], with ``bends`` M_0 and M_1, it is compared with the best h
@@ -184,7 +193,9 @@ def slice_holds(difference, u, e, span, bends, best, enough, arcs):
 
 
 @compiled
-def bettered(difference, best, m, enough, noise):
+def bettered(
+    difference: Difference, best: Direction, m: Vector, enough: float, noise: float
+) -> Direction:
     """Return the best ``Direction`` now that m was looked at."""
     terms, _, last, r_A, r_B = difference
     n, h, unique = best
@@ -198,7 +209,9 @@ def bettered(difference, best, m, enough, noise):
 
 
 @allocating
-def least_over_slices(difference, n, h, enough, noise):
+def least_over_slices(
+    difference: Difference, n: Vector, h: float, enough: float, noise: float
+) -> Least:
     """Return the least h there is.
 
     ``n`` is a direction to start from and h [m] its value. ``floor`` is what no h is below, and

@@ -13,12 +13,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     hull_defect,
 )
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import bounding_radius
-from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    dot,
-    norm,
-    rotate,
-    unrotate,
-)
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, rotate, unrotate
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
@@ -31,6 +26,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 Floats = NDArray[np.float64]
@@ -46,13 +42,13 @@ class PosedShape(NamedTuple):
 
 
 @inlined
-def has_hull(shape_type):
+def has_hull(shape_type: int) -> bool:
     """Tell whether the shape's parameters begin with the vertices of its hull."""
     return shape_type == CONVEX or shape_type == SOLID
 
 
 @inlined
-def support_value(shape_type, shape, n_G):
+def support_value(shape_type: int, shape: Floats, n_G: Vector) -> float:
     """Return the support value h(n) [m] from Go; n a unit vector in G. A half space has none.
 
     Every shape but a hull is symmetric about Go: h(-n) is the same. That of a solid is its hull's.
@@ -75,7 +71,7 @@ def support_value(shape_type, shape, n_G):
 
 
 @compiled
-def box_half_extents(shape_type, shape, R_WG, half_extents):
+def box_half_extents(shape_type: int, shape: Floats, R_WG: Floats, half_extents: Floats) -> None:
     """Write the half extents (3,) [m] of the World-aligned box about Go that holds the shape."""
     if has_hull(shape_type):
         half_extents[0], half_extents[1], half_extents[2] = farthest_along_axes(shape, R_WG)
@@ -86,13 +82,13 @@ def box_half_extents(shape_type, shape, R_WG, half_extents):
 
 
 @compiled
-def outer_radius(shape_type, shape):
+def outer_radius(shape_type: int, shape: Floats) -> float:
     """Return the largest distance [m] of a point of the shape from Go; infinite for a plane."""
     return math.inf if shape_type == HALF_SPACE else bounding_radius(shape_type, shape)
 
 
 @compiled
-def inner_radius(shape_type, shape):
+def inner_radius(shape_type: int, shape: Floats) -> float:
     """Return the radius of a ball about Go that lies in the shape; 0 for hulls and solids."""
     if shape_type == SPHERE or shape_type == CAPSULE:
         return shape[SHAPE_RADIUS]
@@ -104,7 +100,7 @@ def inner_radius(shape_type, shape):
 
 
 @allocating
-def shape_radii(types, starts, pool):
+def shape_radii(types: Indices, starts: Indices, pool: Floats) -> tuple[Floats, Floats]:
     """Return outer and inner radii (n,), (n,) [m] about each Go."""
     outer, inner = np.empty(types.size), np.empty(types.size)
     for k in range(types.size):
@@ -115,7 +111,7 @@ def shape_radii(types, starts, pool):
 
 
 @inlined
-def point_inside(shape_type, shape, R_WG, n_W):
+def point_inside(shape_type: int, shape: Floats, R_WG: Floats, n_W: Vector) -> Vector:
     """Return the centre of the ball inside a shape, from Go in World: a vertex of a hull, else Go.
 
     The origin of a hull may lie outside it, and that of a solid too.
@@ -127,7 +123,7 @@ def point_inside(shape_type, shape, R_WG, n_W):
 
 
 @allocating
-def balls_inside(types, starts, pool):
+def balls_inside(types: Indices, starts: Indices, pool: Floats) -> tuple[Floats, Floats]:
     """Return centres (n, 3) from Go, in G, and radii (n,) [m] of balls in shapes; 0: none."""
     centres, radii = np.zeros((types.size, 3)), np.zeros(types.size)
     for k in range(types.size):

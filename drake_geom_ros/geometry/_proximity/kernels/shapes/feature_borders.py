@@ -6,7 +6,7 @@ is not the only one, and the point has no derivative.
 
 import math
 
-from drake_geom_ros.geometry._proximity.kernels.shapes.features import FACE, POINT
+from drake_geom_ros.geometry._proximity.kernels.shapes.features import FACE, POINT, Feature
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import farthest_vertex
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add_scaled,
@@ -24,6 +24,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     HALF_SPACE,
     SHAPE_RADIUS,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS
 
@@ -36,7 +37,7 @@ TILT = 4.0 * DISTINCT_NORMALS
 
 
 @compiled
-def _in_box(shape, n, q, slack):
+def _in_box(shape: Floats, n: Vector, q: Vector, slack: float) -> bool:
     """Tell whether q is inside along the axes of the edge or face."""
     for k in range(3):
         if abs(n[k]) <= DISTINCT_NORMALS and abs(q[k]) > shape[k] - slack:
@@ -45,7 +46,7 @@ def _in_box(shape, n, q, slack):
 
 
 @compiled
-def _in_hull_edge(shape, along, n, q, slack):
+def _in_hull_edge(shape: Floats, along: Vector, n: Vector, q: Vector, slack: float) -> bool:
     """Tell whether q is between the vertices at both ends of an edge along a unit vector."""
     for k in range(2):
         side = scale(1.0 - 2.0 * k, along)
@@ -56,7 +57,7 @@ def _in_hull_edge(shape, along, n, q, slack):
 
 
 @compiled
-def _in_hull_face(shape, n, u, v, q, slack):
+def _in_hull_face(shape: Floats, n: Vector, u: Vector, v: Vector, q: Vector, slack: float) -> bool:
     """Tell whether q is inside the polygon of the corners of a face."""
     step = 2.0 * math.pi / SIDES
     x, y, z = unit(add_scaled(n, TILT, u))
@@ -76,7 +77,16 @@ def _in_hull_face(shape, n, u, v, q, slack):
 
 
 @compiled
-def is_inside(kind, shape, feature, n, u, v, q, slack):
+def is_inside(
+    kind: int,
+    shape: Floats,
+    feature: Feature,
+    n: Vector,
+    u: Vector,
+    v: Vector,
+    q: Vector,
+    slack: float,
+) -> bool:
     """Tell whether the extreme point q is inside its segment or face by more than ``slack`` [m].
 
     Everything is in the shape's frame; n is out of it, and u, v, n right-handed. A single point is

@@ -22,12 +22,7 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import (
     hull_defect,
     vertex_at,
 )
-from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    dot,
-    norm,
-    sub,
-    unrotate,
-)
+from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub, unrotate
 from drake_geom_ros.geometry._proximity.kinds import (
     BOX,
     CAPSULE,
@@ -38,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
     VERTEX_COUNT,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import DISTINCT_NORMALS
 
@@ -65,7 +61,7 @@ class Feature(NamedTuple):
 
 
 @inlined
-def hold_one_point(A, B):
+def hold_one_point(A: Feature, B: Feature) -> bool:
     """Tell whether the features of two bodies leave no room: one pair of points is nearest.
 
     Not so of faces and edges in line with each other, whose nearest points fill more than a point.
@@ -77,7 +73,7 @@ def hold_one_point(A, B):
 
 
 @inlined
-def along(d, u, v, uu, uv, vv):
+def along(d: Vector, u: Vector, v: Vector, uu: float, uv: float, vv: float) -> Feature:
     """Return the segment along the unit d, which is at right angles to n."""
     x, y = dot(d, u), dot(d, v)
     length = math.hypot(x, y)
@@ -85,18 +81,18 @@ def along(d, u, v, uu, uv, vv):
 
 
 @inlined
-def vertex(radius):
+def vertex(radius: float) -> Feature:
     """Return a point with a ball around it."""
     return Feature(POINT, 0.0, 0.0, radius, 0.0, radius)
 
 
 @inlined
-def _face():
+def _face() -> Feature:
     return Feature(FACE, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @compiled
-def _of_box(n, u, v):
+def _of_box(n: Vector, u: Vector, v: Vector) -> Feature:
     """Return the vertex, edge or face of a box."""
     flat, axis = 0, (0.0, 0.0, 0.0)
     for k in range(3):
@@ -111,7 +107,7 @@ def _of_box(n, u, v):
 
 
 @compiled
-def _of_cylinder(radius, n, u, v):
+def _of_cylinder(radius: float, n: Vector, u: Vector, v: Vector) -> Feature:
     """Return a point of a rim, a line of the side, or a cap."""
     radial = math.hypot(n[0], n[1])
     if radial <= DISTINCT_NORMALS:
@@ -124,12 +120,12 @@ def _of_cylinder(radius, n, u, v):
 
 
 @inlined
-def _times(axes, a):
+def _times(axes: Vector, a: Vector) -> Vector:
     return axes[0] * a[0], axes[1] * a[1], axes[2] * a[2]
 
 
 @compiled
-def _of_ellipsoid(shape, n, u, v):
+def _of_ellipsoid(shape: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
     """Return the point of an ellipsoid: (S^2 - s s^T) / h for s = S^2 n / h, h = |S n|."""
     largest = max(shape[0], shape[1], shape[2])
     axes = (shape[0] / largest, shape[1] / largest, shape[2] / largest)
@@ -144,7 +140,7 @@ def _of_ellipsoid(shape, n, u, v):
 
 
 @compiled
-def _of_hull(shape, n, u, v):
+def _of_hull(shape: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
     """Return the vertex, edge or face of a hull, by the edges that leave an extreme vertex."""
     here = farthest(shape, n[0], n[1], n[2])
     end = 3 * int(shape[VERTEX_COUNT])
@@ -168,7 +164,7 @@ def _of_hull(shape, n, u, v):
 
 
 @compiled
-def feature_of(kind, shape, R, n, u, v):
+def feature_of(kind: int, shape: Floats, R: Floats, n: Vector, u: Vector, v: Vector) -> Feature:
     """Return the extreme points of a shape along its outward unit n, for axes u and v.
 
     The three are in World axes, in which the shape has the orientation R. A solid is taken for its

@@ -16,11 +16,10 @@ defect [m] is by how much the vertex found elsewhere may fall short of the true 
 
 import math
 
-import numpy as np
-
 from drake_geom_ros.geometry._proximity.kernels.shapes.summit import summit
 from drake_geom_ros.geometry._proximity.kernels.vectors import dot, norm, sub
 from drake_geom_ros.geometry._proximity.kinds import VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector, signed, unsigned
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 from drake_geom_ros.geometry._proximity.runtime.larger import larger
 from drake_geom_ros.geometry._proximity.tolerances import LARGE_SQUARE, SMALL_SQUARE
@@ -36,14 +35,14 @@ SEVERAL = 32
 
 
 @inlined
-def hull_defect(shape):
+def hull_defect(shape: Floats) -> float:
     """Return how far [m] the vertices of ``farthest_vertex`` may fall short of the true ones."""
     end = 3 * int(shape[VERTEX_COUNT])
     return shape[end + DEFECT] if shape.size > end + DEFECT else 0.0
 
 
 @inlined
-def ball_in_hull(shape):
+def ball_in_hull(shape: Floats) -> tuple[Vector, float]:
     """Return (centre, radius) [m] of a ball in a hull; the radius is 0 where none is known."""
     place = 3 * int(shape[VERTEX_COUNT]) + BALL
     if shape.size <= place + 3:
@@ -52,47 +51,47 @@ def ball_in_hull(shape):
 
 
 @inlined
-def vertex_at(shape, k):
+def vertex_at(shape: Floats, k: int) -> Vector:
     """Return vertex k of a hull, 1 to n."""
     # Unsigned numbers: the test for negative ones would double the time of a loop.
-    n, k = _count(shape), np.uint64(k)
+    n, k = _count(shape), unsigned(k)
     return shape[k], shape[k + n], shape[k + n + n]
 
 
 @inlined
-def _count(shape):
-    return np.uint64(int(shape[VERTEX_COUNT]))
+def _count(shape: Floats) -> int:
+    return unsigned(int(shape[VERTEX_COUNT]))
 
 
 @inlined
-def _along(shape, n, k, x, y, z):
+def _along(shape: Floats, n: int, k: int, x: float, y: float, z: float) -> float:
     """Return how far vertex k of n is along (x, y, z)."""
     return shape[k] * x + shape[k + n] * y + shape[k + n + n] * z
 
 
 @inlined
-def _farthest_of_few(shape, n, x, y, z):
+def _farthest_of_few(shape: Floats, n: int, x: float, y: float, z: float) -> int:
     """Return the first of n vertices that are extreme along (x, y, z)."""
-    first = np.uint64(1)
+    first = unsigned(1)
     best, value = first, _along(shape, n, first, x, y, z)
-    for k in range(np.uint64(2), n + first):
+    for k in range(unsigned(2), n + first):
         candidate = _along(shape, n, k, x, y, z)
         if candidate > value:
             best, value = k, candidate
-    return np.int64(best)
+    return signed(best)
 
 
 @compiled
-def _farthest_of_all(shape, x, y, z):
+def _farthest_of_all(shape: Floats, x: float, y: float, z: float) -> int:
     """Return the first of the vertices that are extreme along (x, y, z)."""
     n = _count(shape)
     if n < SEVERAL:
         return _farthest_of_few(shape, n, x, y, z)
-    return summit(shape, np.int64(n), x, y, z)
+    return summit(shape, signed(n), x, y, z)
 
 
 @inlined
-def _summit(shape, end, x, y, z):
+def _summit(shape: Floats, end: int, x: float, y: float, z: float) -> int:
     """Return the vertex that is extreme along the axis nearest to (x, y, z)."""
     along, value = 0, x
     if abs(y) > abs(value):
@@ -103,7 +102,7 @@ def _summit(shape, end, x, y, z):
 
 
 @compiled
-def _climbed(shape, end, x, y, z):
+def _climbed(shape: Floats, end: int, x: float, y: float, z: float) -> int:
     """Return the place of the vertex that is extreme along (x, y, z), up to the defect."""
     here = _summit(shape, end, x, y, z)
     # The path visits no vertex twice, for each is farther than the one before.
@@ -126,7 +125,7 @@ def _climbed(shape, end, x, y, z):
 
 
 @inlined
-def farthest(shape, x, y, z):
+def farthest(shape: Floats, x: float, y: float, z: float) -> int:
     """Return the place of the vertex that is extreme along the unit vector (x, y, z)."""
     if hull_defect(shape) > 0.0:
         return _climbed(shape, 3 * int(shape[VERTEX_COUNT]), x, y, z)
@@ -134,13 +133,13 @@ def farthest(shape, x, y, z):
 
 
 @compiled
-def farthest_vertex(shape, x, y, z):
+def farthest_vertex(shape: Floats, x: float, y: float, z: float) -> Vector:
     """Return the vertex of a hull that is extreme along the unit vector (x, y, z)."""
     return vertex_at(shape, farthest(shape, x, y, z))
 
 
 @inlined
-def _slope(shape, here, k, x, y, z):
+def _slope(shape: Floats, here: int, k: int, x: float, y: float, z: float) -> float:
     """Return the squared slope of the line from vertex ``here`` to k, inf where they are one.
 
     Down along (x, y, z); the square needs no square root.
@@ -151,20 +150,20 @@ def _slope(shape, here, k, x, y, z):
 
 
 @inlined
-def _least_slope(shape, here, x, y, z):
+def _least_slope(shape: Floats, here: int, x: float, y: float, z: float) -> int:
     """Return the vertex to which the line from vertex ``here`` has the least slope."""
-    n, first = _count(shape), np.uint64(1)
+    n, first = _count(shape), unsigned(1)
     steepest = -math.inf  # of the slopes' opposites, for the sake of ``larger``
     for k in range(first, n + first):
         steepest = larger(-_slope(shape, here, k, x, y, z), steepest)
     best = n
     for k in range(first, n + first):
         best = min(best, k if -_slope(shape, here, k, x, y, z) == steepest else n)
-    return np.int64(best)
+    return signed(best)
 
 
 @compiled
-def farthest_edge(shape, x, y, z):
+def farthest_edge(shape: Floats, x: float, y: float, z: float) -> tuple[Vector, Vector]:
     """Return the vertex of a hull extreme along the unit (x, y, z), and another.
 
     The line to the other falls away from the direction with the least slope: it is an edge of the
@@ -186,13 +185,13 @@ def farthest_edge(shape, x, y, z):
 
 
 @compiled
-def hull_radius(shape):
+def hull_radius(shape: Floats) -> float:
     """Return the largest distance [m] of a vertex from Go."""
     place = 3 * int(shape[VERTEX_COUNT]) + RADIUS
     if shape.size > place:
         return shape[place]
     n, farthest = _count(shape), 0.0
-    for k in range(np.uint64(1), n + np.uint64(1)):
+    for k in range(unsigned(1), n + unsigned(1)):
         x, y, z = shape[k], shape[k + n], shape[k + n + n]
         farthest = larger(x * x + y * y + z * z, farthest)
     if SMALL_SQUARE < farthest < LARGE_SQUARE:
@@ -204,10 +203,10 @@ def hull_radius(shape):
 
 
 @compiled
-def farthest_along_axes(shape, R):
+def farthest_along_axes(shape: Floats, R: Floats) -> Vector:
     """Return how far [m] the vertices reach along each row of R (3, 3), or against it."""
     along_x, along_y, along_z = 0.0, 0.0, 0.0
-    for k in range(np.uint64(1), _count(shape) + np.uint64(1)):
+    for k in range(unsigned(1), _count(shape) + unsigned(1)):
         x, y, z = vertex_at(shape, k)
         along_x = larger(abs(R[0, 0] * x + R[0, 1] * y + R[0, 2] * z), along_x)
         along_y = larger(abs(R[1, 0] * x + R[1, 1] * y + R[1, 2] * z), along_y)

@@ -115,7 +115,7 @@ def _at(typing: Any, address: Any, n: Any, x: Any, y: Any, z: Any) -> Any:
 @inlined
 def _compiled_summit(numbers: Any, n: int, x: float, y: float, z: float) -> int:
     """Do what ``_summit`` does."""
-    return _at(numbers.ctypes.data, n, x, y, z)  # type: ignore[no-any-return]
+    return _at(numbers.ctypes.data, n, x, y, z)
 
 
 summit = _summit if config.DISABLE_JIT else _compiled_summit

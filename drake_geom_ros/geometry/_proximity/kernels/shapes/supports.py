@@ -31,11 +31,12 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SPHERE,
     TRIANGLE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 
 @inlined
-def core_radius(kind, shape):
+def core_radius(kind: int, shape: Floats) -> float:
     """Return the radius [m] of the ball that the core of a shape is grown by."""
     if kind == SPHERE or kind == CAPSULE:
         return shape[SHAPE_RADIUS]
@@ -46,7 +47,7 @@ def core_radius(kind, shape):
 
 
 @compiled
-def bounding_radius(kind, shape):
+def bounding_radius(kind: int, shape: Floats) -> float:
     """Return the radius [m] of a ball around the shape's origin that holds the shape."""
     if kind == SPHERE:
         return shape[SHAPE_RADIUS]
@@ -62,7 +63,7 @@ def bounding_radius(kind, shape):
 
 
 @inlined
-def signed(size, direction, right_angle):
+def signed(size: float, direction: float, right_angle: float) -> float:
     """Return size with the sign of direction, 0 for a direction below right_angle."""
     if direction >= right_angle:
         return size
@@ -72,7 +73,7 @@ def signed(size, direction, right_angle):
 
 
 @inlined
-def farthest_corner(shape, x, y, z):
+def farthest_corner(shape: Floats, x: float, y: float, z: float) -> Vector:
     """Return the corner of TRIANGLE parameters, 3 x 3 numbers, that is extreme along (x, y, z)."""
     best = 0
     value = shape[0] * x + shape[1] * y + shape[2] * z
@@ -85,7 +86,7 @@ def farthest_corner(shape, x, y, z):
 
 
 @compiled
-def local_support(kind, shape, n, right_angle):
+def local_support(kind: int, shape: Floats, n: Vector, right_angle: float) -> Vector:
     """Return the point of the core that is extreme along the unit vector n, both in G."""
     x, y, z = n
     if kind == BOX:
@@ -117,6 +118,6 @@ def local_support(kind, shape, n, right_angle):
 
 
 @inlined
-def support(kind, shape, R, n, right_angle):
+def support(kind: int, shape: Floats, R: Floats, n: Vector, right_angle: float) -> Vector:
     """Return the point of the core extreme along the unit n, from Go, both in World axes [m]."""
     return rotate(R, local_support(kind, shape, unrotate(R, n), right_angle))

@@ -19,11 +19,15 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
     closest_on_triangle,
     weighted,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import CORNERS, first_of_leaf, tree_of
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    CORNERS,
+    Tree,
+    first_of_leaf,
+    tree_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NODE_WIDTH, UPPER
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import DEEPEST, is_leaf
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add_scaled,
     cross,
     dot,
@@ -33,6 +37,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, TRIANGLE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import CROSSING, EPS, ROUNDING
 
@@ -56,7 +61,7 @@ class TrianglePlane(NamedTuple):
 
 
 @compiled
-def rounding_of_corners(shape, tree):
+def rounding_of_corners(shape: Floats, tree: Tree) -> float:
     """Return how far apart [m] corners may be that rounding has parted: some of their spacings."""
     largest = 0.0
     for c in range(3):
@@ -66,7 +71,7 @@ def rounding_of_corners(shape, tree):
 
 
 @compiled
-def boxes_meet(shape, tree, i, j, apart):
+def boxes_meet(shape: Floats, tree: Tree, i: int, j: int, apart: float) -> bool:
     """Tell whether the boxes of two nodes are no more than ``apart`` from each other.
 
     Nothing is lost by what this leaves out. A point that two triangles have in common is in both
@@ -83,7 +88,7 @@ def boxes_meet(shape, tree, i, j, apart):
 
 
 @compiled
-def triangles_may_meet(shape, at, other, apart):
+def triangles_may_meet(shape: Floats, at: int, other: int, apart: float) -> bool:
     """Tell of the boxes around two triangles what ``boxes_meet`` tells of those of nodes."""
     for c in range(3):
         a, b = at + c, other + c
@@ -95,13 +100,13 @@ def triangles_may_meet(shape, at, other, apart):
 
 
 @inlined
-def least_and_largest(x, y, z):
+def least_and_largest(x: float, y: float, z: float) -> tuple[float, float]:
     """Return the least and the largest of three numbers."""
     return min(x, y, z), max(x, y, z)
 
 
 @compiled
-def bluntest_corner(shape, at):
+def bluntest_corner(shape: Floats, at: int) -> int:
     """Return which corner of a triangle, 0 to 2, lies opposite its longest edge."""
     best, longest = 0, -1.0
     for k in range(3):
@@ -113,7 +118,7 @@ def bluntest_corner(shape, at):
 
 
 @compiled
-def plane_of(shape, at, other, apart):
+def plane_of(shape: Floats, at: int, other: int, apart: float) -> TrianglePlane:
     """Return the plane of a triangle, with the rounding of heights of the corners at ``other``.
 
     All corners are as much as ``apart`` off, and the edges u and v at a corner leave an error of
@@ -132,7 +137,7 @@ def plane_of(shape, at, other, apart):
 
 
 @compiled
-def heights_over(shape, at, plane):
+def heights_over(shape: Floats, at: int, plane: TrianglePlane) -> Vector:
     """Return the heights of a triangle's corners over a plane."""
     return (
         dot(sub(vector_at(shape, at), plane.p), plane.n),
@@ -142,19 +147,21 @@ def heights_over(shape, at, plane):
 
 
 @compiled
-def straddles(heights, enough):
+def straddles(heights: Vector, enough: float) -> bool:
     """Tell whether a triangle has corners on both sides of a plane, by their heights over it."""
     return min(heights) < -enough and max(heights) > enough
 
 
 @compiled
-def is_beyond(heights, enough):
+def is_beyond(heights: Vector, enough: float) -> bool:
     """Tell whether a triangle is on one side of a plane, by their heights over it."""
     return min(heights) > enough or max(heights) < -enough
 
 
 @compiled
-def part_of_line(shape, at, heights, origin, along):
+def part_of_line(
+    shape: Floats, at: int, heights: Vector, origin: Vector, along: Vector
+) -> tuple[float, float]:
     """Return where the line in which a triangle meets a plane enters and leaves the triangle.
 
     ``heights`` are those of its corners over the plane; ``along`` is the line's direction.
@@ -171,7 +178,13 @@ def part_of_line(shape, at, heights, origin, along):
 
 
 @compiled
-def cross_in_line(shape, at, other, planes, heights):
+def cross_in_line(
+    shape: Floats,
+    at: int,
+    other: int,
+    planes: tuple[TrianglePlane, TrianglePlane],
+    heights: tuple[Vector, Vector],
+) -> bool:
     """Tell whether two triangles go through each other along a line of some length.
 
     Each has corners on both sides of the other's plane, and the parts of the common line in them
@@ -191,7 +204,7 @@ def cross_in_line(shape, at, other, planes, heights):
 
 
 @compiled
-def overlap_in_plane(shape, at, other, n, enough):
+def overlap_in_plane(shape: Floats, at: int, other: int, n: Vector, enough: float) -> bool:
     """Tell whether two triangles of one plane with the normal n have an area in common.
 
     They have none if all of one is beyond an edge of the other, to ``enough``: where two convex
@@ -214,7 +227,7 @@ def overlap_in_plane(shape, at, other, n, enough):
 
 
 @compiled
-def is_corner(shape, p, at):
+def is_corner(shape: Floats, p: Vector, at: int) -> bool:
     """Tell whether a point is a corner of a triangle."""
     for k in range(3):
         if p == vector_at(shape, at + 3 * k):
@@ -223,7 +236,7 @@ def is_corner(shape, p, at):
 
 
 @compiled
-def corner_touches(shape, at, other, near):
+def corner_touches(shape: Floats, at: int, other: int, near: float) -> bool:
     """Tell whether a corner of a triangle, but one of both, is within ``near`` of another."""
     for k in range(3):
         p = vector_at(shape, at + 3 * k)
@@ -237,7 +250,7 @@ def corner_touches(shape, at, other, near):
 
 
 @allocating
-def touch(shape, at, other, near):
+def touch(shape: Floats, at: int, other: int, near: float) -> bool:
     """Tell whether two triangles are within ``near`` elsewhere than in a common corner or edge.
 
     Of two with a corner in common, edges may cross far from any corner of either: then the edge
@@ -259,7 +272,7 @@ def touch(shape, at, other, near):
 
 
 @compiled
-def meeting(shape, at, other, apart):
+def meeting(shape: Floats, at: int, other: int, apart: float) -> int:
     """Return how two triangles meet: APART, TOUCHING (beyond what they share) or CROSSED.
 
     Only what is proven apart, by a plane and more than rounding, is not looked at.
@@ -279,7 +292,7 @@ def meeting(shape, at, other, apart):
 
 
 @allocating
-def first_crossing(shape, found, touching):
+def first_crossing(shape: Floats, found: Floats, touching: Booleans) -> bool:
     """Tell whether triangles of a solid's surface cross; ``found`` (2, 3, 3) gets the first.
 
     ``touching`` (n,) gets which touch others, where they share neither edge nor corner.

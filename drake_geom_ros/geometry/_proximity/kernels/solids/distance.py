@@ -28,13 +28,14 @@ from drake_geom_ros.geometry._proximity.kernels.cores.simplices import (
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import width_of_hulls
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
+    Solid,
+    TreeBody,
     edge_of,
     first_of_leaf,
     normal_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.trees.walks import next_leaves, walk
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
     add,
     column,
     cross,
@@ -47,6 +48,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE, TRIANGLE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -75,7 +77,7 @@ class Nearest(NamedTuple):
 
 
 @compiled
-def leaf_pair(A, i, B, j, p):
+def leaf_pair(A: TreeBody, i: int, B: Solid, j: int, p: Vector) -> CorePair:
     """Return the pair, as GJK takes it, of A's core or triangle i and of B's triangle j."""
     kind, shape = A.kind, A.shape
     if kind == SOLID:
@@ -87,7 +89,7 @@ def leaf_pair(A, i, B, j, p):
 
 
 @compiled
-def slab_axis(A, i, B, j, turn):
+def slab_axis(A: TreeBody, i: int, B: Solid, j: int, turn: int) -> Vector:
     """Return one of the 11 axes that may separate two leaves, or the zero vector.
 
     They are the normals of both triangles and the products of their edges; of a core, which has no
@@ -105,7 +107,9 @@ def slab_axis(A, i, B, j, turn):
 
 
 @compiled
-def widest_slab(A, i, B, j, pair, noise):
+def widest_slab(
+    A: TreeBody, i: int, B: Solid, j: int, pair: CorePair, noise: float
+) -> tuple[float, Vector]:
     """Return (width, n) of the widest slab between two leaves along ``slab_axis``.
 
     Of slabs that are as wide to rounding n is the first one's, out of A's triangle and into B's:
@@ -127,7 +131,7 @@ def widest_slab(A, i, B, j, pair, noise):
 
 
 @compiled
-def separation_of_point(q, B, j, noise):
+def separation_of_point(q: Vector, B: Solid, j: int, noise: float) -> tuple[float, Vector, Vector]:
     """Return (d, n, b) for the point b of triangle j nearest to q, at d along the unit n."""
     at = B.tree.corners + CORNERS * j
     x = sub(vector_at(B.shape, at), q)
@@ -143,7 +147,17 @@ def separation_of_point(q, B, j, noise):
 
 
 @compiled
-def separation_of_leaves(A, i, B, j, p, n, size, tolerance, limit):
+def separation_of_leaves(
+    A: TreeBody,
+    i: int,
+    B: Solid,
+    j: int,
+    p: Vector,
+    n: Vector,
+    size: float,
+    tolerance: float,
+    limit: float,
+) -> Separation:
     """Return the separation of two leaves, as GJK does, but a and b are from Bo."""
     noise = ROUNDING * EPS * size
     if A.kind == SPHERE:
@@ -170,7 +184,7 @@ def separation_of_leaves(A, i, B, j, p, n, size, tolerance, limit):
 
 
 @compiled
-def is_wider(A, B, p, n, other):
+def is_wider(A: TreeBody, B: Solid, p: Vector, n: Vector, other: Vector) -> bool:
     """Tell whether the hulls are less of an overlap along n than along another direction.
 
     Of walls that are in line and floors that lie on each other, the floors are in contact.
@@ -180,7 +194,9 @@ def is_wider(A, B, p, n, other):
 
 
 @allocating
-def nearest(A, B, p, n, size, tolerance, limit):
+def nearest(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, limit: float
+) -> Nearest:
     """Return where the surfaces of A's core and of B are nearest.
 
     Nothing nearer is missed: left out, by boxes or within a leaf by GJK, is what is beyond the
@@ -226,7 +242,9 @@ def nearest(A, B, p, n, size, tolerance, limit):
 
 
 @compiled
-def push_out(A, i, B, j, p, radius, found):
+def push_out(
+    A: TreeBody, i: int, B: Solid, j: int, p: Vector, radius: float, found: Separation
+) -> tuple[Vector, float]:
     """Return (m, s): moving A by s along the unit m takes it, as far as these leaves go, out of B.
 
     ``found`` is their ``separation_of_leaves``. Where the leaves cross, m is the normal of B's
@@ -241,7 +259,16 @@ def push_out(A, i, B, j, p, radius, found):
 
 
 @allocating
-def close_pairs(A, B, p, n, size, tolerance, cutoff, pairs):
+def close_pairs(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    n: Vector,
+    size: float,
+    tolerance: float,
+    cutoff: float,
+    pairs: Indices,
+) -> int:
     """Fill ``pairs`` (k, 2) with leaves of A and of B within ``cutoff``; return how many.
 
     Whoever asks has room for as many as matter; the rest is left out: they are where to begin, and
@@ -271,7 +298,17 @@ PUSH_WIDTH = 4
 
 
 @allocating
-def contacts(A, B, p, n, size, tolerance, radius, slots, most):
+def contacts(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    n: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+    slots: Floats,
+    most: int,
+) -> int:
     """Fill ``slots`` (k, PUSH_WIDTH) with pushes of distinct directions; return how many.
 
     Of A's core grown by a ball of ``radius``. At most ``most`` pairs of leaves in contact are
@@ -290,7 +327,7 @@ def contacts(A, B, p, n, size, tolerance, radius, slots, most):
 
 
 @compiled
-def add_slot(slots, count, m, s):
+def add_slot(slots: Floats, count: int, m: Vector, s: float) -> int:
     """Put a push into the slot of its direction, or into a new one while there is room."""
     for k in range(count):
         if dot(vector_at(slots[k], PUSH_WAY), m) >= SAME_DIRECTION:

@@ -7,7 +7,7 @@ import math
 
 from drake_geom_ros.geometry._proximity.kernels.shapes.hulls import vertex_at
 from drake_geom_ros.geometry._proximity.kernels.shapes.supports import local_support, support
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import PLANE, Solid, TreeBody
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -20,11 +20,12 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import CONVEX, SOLID, VERTEX_COUNT
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled
 
 
 @compiled
-def middle_of(A, p):
+def middle_of(A: TreeBody, p: Vector) -> Vector:
     """Return a point of A's core, inside where that has a volume, from Bo."""
     if A.kind != CONVEX:
         return p
@@ -35,7 +36,7 @@ def middle_of(A, p):
 
 
 @compiled
-def hull_support(A, n):
+def hull_support(A: TreeBody, n: Vector) -> Vector:
     """Return the point of A's core, or of its hull, that is extreme along n, from Ao in B."""
     if A.kind == SOLID:
         return rotate(A.R, local_support(CONVEX, A.shape, unrotate(A.R, n), 0.0))
@@ -43,14 +44,14 @@ def hull_support(A, n):
 
 
 @compiled
-def width_of_hulls(A, B, p, m, radius):
+def width_of_hulls(A: TreeBody, B: Solid, p: Vector, m: Vector, radius: float) -> float:
     """Return how far A must move along m to be beyond B's hull [m]."""
     b = local_support(CONVEX, B.shape, m, 0.0)
     return dot(sub(b, add(p, hull_support(A, scale(-1.0, m)))), m) + radius
 
 
 @compiled
-def way_out_of_hull(A, B, p, radius):
+def way_out_of_hull(A: TreeBody, B: Solid, p: Vector, radius: float) -> tuple[Vector, float]:
     """Return (m, s) of the shortest of some moves by s along m that separate the hulls.
 
     Tried are the normals of their largest faces and the axes of A; no direction is wrong.

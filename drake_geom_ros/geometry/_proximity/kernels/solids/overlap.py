@@ -11,6 +11,9 @@ caught between two bounds, and the same steps serve every kind of A:
 - *Below*: a ball of A around a point that lies at depth d in B moves at least its radius plus d.
   The deepest points of A in the contacts found above are tried, and its middle.
 
+Of solids and boxes the boxes within them come first (``separations``): the least translation that
+parts these is a lower bound, and where it is seen to part the bodies it is the depth.
+
 Bodies are given as in ``distance``. A is its core grown by a ball of ``radius``.
 """
 
@@ -30,6 +33,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.distance import (
     PUSH_LENGTH,
     PUSH_WAY,
     PUSH_WIDTH,
+    Nearest,
     close_pairs,
     contacts,
     nearest,
@@ -39,7 +43,13 @@ from drake_geom_ros.geometry._proximity.kernels.solids.hulls import (
     middle_of,
     way_out_of_hull,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import Solid, middle_of_triangle
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import boxes_in, boxes_of
+from drake_geom_ros.geometry._proximity.kernels.solids.separations import least_parting
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    Solid,
+    TreeBody,
+    middle_of_triangle,
+)
 from drake_geom_ros.geometry._proximity.kernels.solids.winding import is_inside
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
@@ -64,6 +74,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     SOLID,
     SPHERE,
 )
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     EPS,
@@ -80,10 +91,13 @@ MOST_MIDDLES = 16  # of touching triangles that are tried
 STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
 MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
+BEYOND_HULL = 1e-3  # of the hulls' way out [-]: so far ways as short are told from it
 
 
 @compiled
-def clearance(A, B, p, n, size, tolerance, radius):
+def clearance(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, tolerance: float, radius: float
+) -> tuple[bool, Nearest]:
     """Return (clear, found): whether A at p is apart from B, and what ``nearest`` found.
 
     It is apart if no surfaces cross or are nearer than touching, and neither body is in the other:
@@ -96,7 +110,9 @@ def clearance(A, B, p, n, size, tolerance, radius):
 
 
 @allocating
-def where_it_touches(A, B, p, m, size, tolerance, radius):
+def where_it_touches(
+    A: TreeBody, B: Solid, p: Vector, m: Vector, size: float, tolerance: float, radius: float
+) -> Vector:
     """Return the point of B where A at p touches the hull of B, out along the unit m.
 
     Rounding says that they cross. Somewhat farther out they do not, and are nearest at that point,
@@ -115,7 +131,16 @@ def where_it_touches(A, B, p, m, size, tolerance, radius):
 
 
 @allocating
-def push_of(A, B, p, found, size, tolerance, radius, pushes):
+def push_of(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+    pushes: Floats,
+) -> int:
     """Fill ``pushes`` (k, PUSH_WIDTH) with ways out, the shortest first; return how many."""
     count = contacts(A, B, p, found.n, size, tolerance, radius, pushes, MOST_CONTACTS)
     if count == 0 and found.end != OVERLAP and is_inside(B.shape, B.tree, found.a):
@@ -130,7 +155,16 @@ def push_of(A, B, p, found, size, tolerance, radius, pushes):
 
 
 @allocating
-def escape(A, B, p, t, size, tolerance, radius, most):
+def escape(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+    most: float,
+) -> tuple[bool, Vector, Nearest]:
     """Return (clear, t, found): t grown, push after push, until A is out or it is too long."""
     pushes = np.empty((MOST_PUSHES, PUSH_WIDTH))
     back_off = BACK_OFF * ROUNDING * EPS * size
@@ -149,7 +183,16 @@ def escape(A, B, p, t, size, tolerance, radius, most):
 
 
 @compiled
-def draw_back(A, B, p, t, found, size, tolerance, radius):
+def draw_back(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> tuple[Vector, Nearest]:
     """Return (t, found): t shortened along itself until A touches, and what is near then.
 
     So it is drawn into a hole that it rests on from several sides. Newton's method on the
@@ -172,7 +215,16 @@ def draw_back(A, B, p, t, found, size, tolerance, radius):
 
 
 @compiled
-def slide(A, B, p, t, found, size, tolerance, radius):
+def slide(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> tuple[Vector, Vector, Vector, Vector]:
     """Return (t, m, a, b) for a t that is no longer, where A is apart and touches, if it can.
 
     There it touches with the point a of its core, at b, and m is the normal out of B.
@@ -192,7 +244,9 @@ def slide(A, B, p, t, found, size, tolerance, radius):
 
 
 @compiled
-def depth_in_body(A, B, p, x, size, radius):
+def depth_in_body(
+    A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float
+) -> float:
     """Return how deep x, in B's frame, lies in A [m], or less: minus infinity where unknown."""
     q = unrotate(A.R, sub(x, p))
     kind, shape = A.kind, A.shape
@@ -214,7 +268,7 @@ def depth_in_body(A, B, p, x, size, radius):
 
 
 @compiled
-def deepest_at(A, B, p, x, size, radius):
+def deepest_at(A: TreeBody, B: Solid, p: Vector, x: Vector, size: float, radius: float) -> float:
     """Return a lower bound of the depth [m] by a point x of A or of B: balls of both around it.
 
     Balls of radius a in A and b in B about one point are apart only after a move by a + b. With x
@@ -224,7 +278,18 @@ def deepest_at(A, B, p, x, size, radius):
 
 
 @allocating
-def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
+def deepest_touching(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    t: Vector,
+    a: Vector,
+    b: Vector,
+    m: Vector,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> float:
     """Return a lower bound of the depth [m] by points near where A touches after the move by t.
 
     They are the point a of A's core and b of B's surface that touch then, what is half-way between
@@ -248,10 +313,40 @@ def deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius):
 
 
 @allocating
-def bounds_of_depth(A, B, p, found, size, tolerance, radius):
-    """Return (depth, least, t, b) of A at p, which overlaps with B.
+def by_boxes(
+    A: TreeBody, B: Solid, p: Vector, least: float, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector, bool]:
+    """Return (least, depth, t, b, alone) of the depth by boxes within the bodies, if they tell.
+
+    The least translation that parts the boxes is a lower bound, ``least`` or more. If it is seen
+    to part the bodies too it is the depth, ``alone`` if no other is as short; else the depth is
+    infinite.
+    """
+    noise = ROUNDING * EPS * size
+    if A.kind != SOLID and A.kind != BOX and A.kind != CONVEX:
+        return least, math.inf, p, p, True
+    _, longest = way_out_of_hull(A, B, p, radius)
+    upper = longest + max(2.0 * BACK_OFF * noise, BEYOND_HULL * longest)
+    found = least_parting(boxes_of(A), boxes_in(B.shape, B.tree), A.R, p, upper, noise)
+    least = max(least, min(found.lower, longest))
+    if not found.parts:
+        return least, math.inf, p, p, True
+    for turn in range(2):  # as it is, and a little farther
+        t = add_scaled(found.t, turn * BACK_OFF * noise, unit(found.t))
+        clear, ahead = clearance(A, B, add(p, t), scale(-1.0, unit(t)), size, tolerance, radius)
+        if clear:  # whoever reports it takes the step back off
+            return least, norm(found.t) + BACK_OFF * noise, t, ahead.b, found.alone
+    return least, math.inf, p, p, True
+
+
+@allocating
+def bounds_of_depth(
+    A: TreeBody, B: Solid, p: Vector, found: Nearest, size: float, tolerance: float, radius: float
+) -> tuple[float, float, Vector, Vector, bool]:
+    """Return (depth, least, t, b, alone) of A at p, which overlaps with B.
 
     ``least <= depth of A in B <= depth = |t|``: moved by t A is apart, and b is where it touches.
+    Not ``alone``: another way out, along a clearly different direction, is known to be as short.
     """
     # Whatever is tried or left out, both bounds hold: each t was seen to separate, and each depth
     # is of balls in both bodies. Trying less only leaves them farther apart, which is told.
@@ -265,6 +360,9 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
         ball = max(radius, inner_radius(A.kind, A.shape))
         least = max(least, ball + depth_in_solid(B, middle_of(A, p), size))
     depth, t_best, b_best = math.inf, p, p
+    least, depth, t_best, b_best, alone = by_boxes(A, B, p, least, size, tolerance, radius)
+    if depth - least <= enough:
+        return depth, min(least, depth), t_best, b_best, alone
     count = push_of(A, B, p, found, size, tolerance, radius, pushes)
     for k in range(count + 1):
         if depth - least <= enough:
@@ -287,4 +385,4 @@ def bounds_of_depth(A, B, p, found, size, tolerance, radius):
                 depth, t_best, b_best = norm(t), t, b
             deep = deepest_touching(A, B, p, t, a, b, m, size, tolerance, radius)
             least = max(least, deep)
-    return depth, min(least, depth), t_best, b_best
+    return depth, min(least, depth), t_best, b_best, found.unique

@@ -11,20 +11,30 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from drake_geom_ros.geometry._proximity.kernels.solids.inner_boxes import inner_boxes
+from drake_geom_ros.geometry._proximity.kernels.solids.lane_tree import lane_parameters
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     AREA,
     AREA_VECTOR,
     CENTRE,
+    CORNERS,
+    HEADER,
     MOMENT,
     MOST_IN_LEAF,
     RADIUS,
+    tree_of,
 )
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import LOWER, NODE_WIDTH, UPPER
+from drake_geom_ros.geometry._proximity.kinds import SOLID
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 SUMS = 16  # numbers that a node is made of
+
+MOST_LINES = 12  # of a kind, between the cells of a solid along an axis
+FEW = 0.2  # of triangles at right angles to an axis: what has so few is round, or turned
+MOST_BOXES, KEPT_BOXES = 512, 32  # that are found, and the thickest, which are kept
 
 
 def solid_parameters(
@@ -43,12 +53,51 @@ def solid_parameters(
     order = _order(corners.mean(axis=1), leaves)
     corners = corners[order]
     nodes = _nodes(corners, leaves)
-    header = np.array([len(corners), leaves, len(pieces), len(planes)], dtype=np.float64)
+    header = np.array([len(corners), leaves, len(pieces), len(planes), 0], dtype=np.float64)
     numbers = np.empty(len(corners), dtype=np.int64)
     numbers[order] = np.arange(len(corners))
-    on_pieces = corners[numbers[pieces]].mean(axis=1)
-    parts = hull, header, nodes, corners, on_pieces, planes, np.array([float(len(hull))])
+    on_pieces = numbers[pieces].astype(np.float64)
+    lanes = lane_parameters(
+        corners, nodes[:, LOWER : UPPER + 3], leaf_bounds(len(corners), leaves)
+    )
+    parts = hull, header, nodes, corners, on_pieces, planes, lanes, np.array([float(len(hull))])
     return np.concatenate([part.ravel() for part in parts]), numbers
+
+
+def with_boxes(parameters: Floats) -> Floats:
+    """Return the parameters of a solid with the boxes (k, 6) [m] that are found within it."""
+    tree = tree_of(SOLID, parameters)
+    end = tree.corners + CORNERS * tree.triangles
+    corners = parameters[tree.corners : end].reshape(-1, 3, 3)
+    lines = [_lines(corners[:, :, k], corners) for k in range(3)]
+    cells = np.empty((MOST_BOXES, 6), dtype=np.int64)
+    cells = cells[: inner_boxes(parameters, lines[0], lines[1], lines[2], cells)]
+    boxes = np.column_stack([lines[k % 3][cells[:, k]] for k in range(6)])
+    thickness = (boxes[:, 3:] - boxes[:, :3]).min(axis=1)
+    boxes = boxes[np.argsort(-thickness, kind='stable')[:KEPT_BOXES]]
+    header = int(parameters[-1])
+    before, behind = parameters[: tree.boxes_at], parameters[tree.boxes_at :]
+    parameters = np.concatenate((before, boxes.ravel(), behind))
+    parameters[header + HEADER - 1] = len(boxes)
+    return parameters
+
+
+def _lines(places: Floats, corners: Floats) -> Floats:
+    """Return the places (l,) along an axis that cut a solid into cells, by its ``places`` (n, 3).
+
+    Those of the largest areas at right angles to the axis, which a union of boxes has alone, and
+    both ends; where there are few, some between.
+    """
+    low, high = float(places.min()), float(places.max())
+    flat = (places == places[:, :1]).all(axis=1)
+    a, b, c = corners[flat].transpose(1, 0, 2)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    at, of = np.unique(places[flat, 0], return_inverse=True)
+    largest = np.argsort(-np.bincount(of.ravel(), areas, len(at)), kind='stable')[:MOST_LINES]
+    lines = np.union1d(at[largest], [low, high])
+    if flat.mean() < FEW:
+        lines = np.union1d(lines, np.linspace(low, high, MOST_LINES))
+    return np.ascontiguousarray(lines)
 
 
 def leaf_bounds(count: int, leaves: int) -> Indices:

@@ -1,10 +1,10 @@
 """Signed distance of a core or a solid from a solid: one kernel for every row with a solid.
 
 A solid is the closed body that a mesh bounds, dents, holes and cavities and all. Apart, the answer
-is the distance of the surfaces (``distance``), as exact as that of two cores. Overlapping,
-it is minus the length of a translation that is verified to separate, and ``error_bound`` tells how
-much shorter the shortest may be (``overlap``). Where surfaces do not meet, points on each
-that lie in the other tell (``containment``).
+is the distance of the surfaces (``distance``), as exact as that of two cores. Overlapping, it is
+minus the length of a translation that is verified to separate, and ``error_bound`` tells how much
+shorter the shortest may be (``overlap``); the method OPEN says that this is much. Where surfaces
+do not cross, triangles that touch tell, and one of each piece (``containment``).
 """
 
 import math
@@ -19,13 +19,19 @@ from drake_geom_ros.geometry._proximity.kernels.shapes.supports import (
     local_support,
 )
 from drake_geom_ros.geometry._proximity.kernels.solids.containment import is_contained
-from drake_geom_ros.geometry._proximity.kernels.solids.distance import nearest
+from drake_geom_ros.geometry._proximity.kernels.solids.distance import Nearest, nearest
 from drake_geom_ros.geometry._proximity.kernels.solids.hulls import hull_support
 from drake_geom_ros.geometry._proximity.kernels.solids.overlap import (
     BACK_OFF,
     bounds_of_depth,
 )
-from drake_geom_ros.geometry._proximity.kernels.solids.solid import body_of, solid_of
+from drake_geom_ros.geometry._proximity.kernels.solids.reach import nearest_within
+from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
+    Solid,
+    TreeBody,
+    body_of,
+    solid_of,
+)
 from drake_geom_ros.geometry._proximity.kernels.vectors import (
     add,
     add_scaled,
@@ -38,13 +44,17 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     unrotate,
     vector_at,
 )
-from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, SPHERE
+from drake_geom_ros.geometry._proximity.kinds import BOUND_ONLY, CONVEX, MESH, OPEN, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
+OPEN_SHARE = 0.1  # of a depth [-] that the shortest way out may be less by: more leaves it open
+LOOSE = 4.0 * BACK_OFF  # roundings that a depth may be off by all the same
+
 
 @compiled
-def first_direction(out, R_WB, p):
+def first_direction(out: Floats, R_WB: Floats, p: Vector) -> Vector:
     """Return the unit n out of A by the hint in a result row, in B's axes; else towards Bo."""
     n = unit((-out[NORMAL], -out[NORMAL + 1], -out[NORMAL + 2]))
     if dot(n, n) > 0.5:
@@ -54,7 +64,17 @@ def first_direction(out, R_WB, p):
 
 
 @compiled
-def write_row(out, R_WB, p, m, a, b, interval, unique, method):
+def write_row(
+    out: Floats,
+    R_WB: Floats,
+    p: Vector,
+    m: Vector,
+    a: Vector,
+    b: Vector,
+    interval: tuple[float, float],
+    unique: bool,
+    method: int,
+) -> None:
     """Fill the row: m out of B, points a and b from Bo, all in B; interval (distance, error)."""
     distance, error = interval
     write(
@@ -70,7 +90,17 @@ def write_row(out, R_WB, p, m, a, b, interval, unique, method):
 
 
 @compiled
-def write_beyond(out, A, B, R_WB, p, n, lower, radius, noise):
+def write_beyond(
+    out: Floats,
+    A: TreeBody,
+    B: Solid,
+    R_WB: Floats,
+    p: Vector,
+    n: Vector,
+    lower: float,
+    radius: float,
+    noise: float,
+) -> None:
     """Fill the row of a pair that is farther apart than ``lower``, which is beyond the cutoff."""
     a = add_scaled(add(p, hull_support(A, n)), radius, n)
     upper = norm(sub(local_support(CONVEX, B.shape, scale(-1.0, n), 0.0), a))
@@ -80,21 +110,41 @@ def write_beyond(out, A, B, R_WB, p, n, lower, radius, noise):
 
 
 @compiled
-def write_overlap(out, A, B, R_WB, p, found, size, tolerance, radius):
+def write_overlap(
+    out: Floats,
+    A: TreeBody,
+    B: Solid,
+    R_WB: Floats,
+    p: Vector,
+    found: Nearest,
+    size: float,
+    tolerance: float,
+    radius: float,
+) -> None:
     """Fill the row of a pair that overlaps."""
-    depth, least, t, b = bounds_of_depth(A, B, p, found, size, tolerance, radius)
+    depth, least, t, b, alone = bounds_of_depth(A, B, p, found, size, tolerance, radius)
     noise = ROUNDING * EPS * size
-    m, unique = unit(t), found.unique and depth - least <= tolerance + 4.0 * BACK_OFF * noise
+    m, unique = unit(t), alone and depth - least <= tolerance + LOOSE * noise
     depth = max(depth - BACK_OFF * noise, 0.0)
     error = max(depth - least, 0.0) + (1.0 + BACK_OFF) * noise
     a = add_scaled(b, -depth, m)
-    write_row(out, R_WB, p, m, a, b, (-depth, error), unique, MESH)
+    method = OPEN if depth - least > max(OPEN_SHARE * depth, tolerance + LOOSE * noise) else MESH
+    write_row(out, R_WB, p, m, a, b, (-depth, error), unique, method)
 
 
 @allocating
 def signed_distance_to_solid(
-    kind_A, shape_A, R_WA, kind_B, shape_B, R_WB, p_AB_W, tolerance, cutoff, out
-):
+    kind_A: int,
+    shape_A: Floats,
+    R_WA: Floats,
+    kind_B: int,
+    shape_B: Floats,
+    R_WB: Floats,
+    p_AB_W: Floats,
+    tolerance: float,
+    cutoff: float,
+    out: Floats,
+) -> None:
     """Write the result row of any bounded shape and a solid."""
     radius = core_radius(kind_A, shape_A)
     p = scale(-1.0, unrotate(R_WB, vector_at(p_AB_W, 0)))
@@ -105,7 +155,7 @@ def signed_distance_to_solid(
         R[0, j], R[1, j], R[2, j] = unrotate(R_WB, (R_WA[0, j], R_WA[1, j], R_WA[2, j]))
     A, B = body_of(kind_A, shape_A, R), solid_of(shape_B)
     n = first_direction(out, R_WB, p)
-    found = nearest(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
+    found = nearest_within(A, B, p, n, size, tolerance, max(cutoff, 0.0) + radius + noise)
     end, upper, lower, n, a, b, unique = found
     if end == OVERLAP or upper - radius < -noise or is_contained(A, B, p, lower <= noise, size):
         if end == BEYOND_CUTOFF:
@@ -122,4 +172,6 @@ def signed_distance_to_solid(
         a = add_scaled(a, radius, n)
         b = add_scaled(a, distance, n)
         error = max(upper - lower, 0.0) + noise
+        if kind_A == SPHERE and lower <= noise:  # its middle may be on the other side
+            error += 2.0 * upper
         write_row(out, R_WB, p, scale(-1.0, n), a, b, (distance, error), unique, MESH)

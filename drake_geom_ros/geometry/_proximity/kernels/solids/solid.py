@@ -1,11 +1,11 @@
 """A solid's triangles under a tree of boxes: where things stand, and how trees are walked.
 
 Parameters of SOLID: those of CONVEX for its hull; a header; the nodes of a heap (node k has the
-children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; a point on each connected
-piece of the surface, the middle of a triangle; the planes of the hull's largest faces; last the
-place of the header. Everything is in the solid's frame, and here B's frame is where all is
-computed: A, its origin at p, is turned into it. A may be a core of ``supports`` or a solid: a core
-is a tree of one leaf.
+children 2 k + 1 and 2 k + 2); corners of the triangles, leaf by leaf; the number of a triangle of
+each connected piece of the surface; the planes of the hull's largest faces; boxes in it; the tree
+for points (``lane_tree``); last the place of the header. Everything is in the solid's frame, and
+here B's frame is where all is computed: A, its origin at p, is turned into it. A may be a core of
+``supports`` or a solid: a core is a tree of one leaf.
 """
 
 import math
@@ -31,12 +31,13 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 from drake_geom_ros.geometry._proximity.tolerances import EPS, ROUNDING
 
 MOST_IN_LEAF = 4  # triangles; a triangle costs about as much as a box
 
-HEADER = 4  # numbers: triangles, leaves, pieces, planes
+HEADER = 5  # numbers: triangles, leaves, pieces, planes, boxes
 AREA_VECTOR = 6  # 3: sum of the triangles' normals times areas [m^2]
 AREA = 9  # sum of the areas [m^2]
 CENTRE = 10  # 3: mean of the triangles' points
@@ -44,6 +45,7 @@ RADIUS = 13  # of a ball around the centre that holds the triangles [m]
 MOMENT = 14  # norm of the sum of normals times areas times middles, from the centre [m^3]
 CORNERS = 9  # numbers a triangle
 PLANE = 4  # numbers a plane: outward normal, offset
+INNER_BOX = 6  # numbers a box: its lower and its upper corner
 
 
 class Tree(NamedTuple):
@@ -57,9 +59,11 @@ class Tree(NamedTuple):
     pieces: int
     planes_at: int
     planes: int
+    boxes_at: int
+    boxes: int
 
 
-NO_TREE = Tree(0, 0, 0, 0, 0, 0, 0, 0)  # of a core
+NO_TREE = Tree(0, 0, 0, 0, 0, 0, 0, 0, 0, 0)  # of a core
 
 
 class TreeBody(NamedTuple):
@@ -81,7 +85,7 @@ class Solid(NamedTuple):
 
 
 @compiled
-def tree_of(kind, shape):
+def tree_of(kind: int, shape: Floats) -> Tree:
     """Return the tree of a solid, or the empty one of a core."""
     if kind != SOLID:
         return NO_TREE
@@ -91,12 +95,15 @@ def tree_of(kind, shape):
     nodes = header + HEADER
     corners = nodes + NODE_WIDTH * (2 * leaves - 1)
     pieces_at = corners + CORNERS * triangles
-    planes_at = pieces_at + 3 * pieces
-    return Tree(nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes)
+    planes_at = pieces_at + pieces
+    boxes, boxes_at = int(shape[header + 4]), planes_at + PLANE * planes
+    return Tree(
+        nodes, leaves, corners, triangles, pieces_at, pieces, planes_at, planes, boxes_at, boxes
+    )
 
 
 @inlined
-def first_of_leaf(tree, i):
+def first_of_leaf(tree: Tree, i: int) -> int:
     """Return the first triangle of leaf i; that of the next one ends it. A core is one leaf."""
     if tree.leaves == 0:
         return i
@@ -104,7 +111,7 @@ def first_of_leaf(tree, i):
 
 
 @compiled
-def normal_of(shape, tree, j):
+def normal_of(shape: Floats, tree: Tree, j: int) -> Vector:
     """Return the outward unit normal of triangle j, or the zero vector if it has no area."""
     at = tree.corners + CORNERS * j
     a = vector_at(shape, at)
@@ -112,14 +119,14 @@ def normal_of(shape, tree, j):
 
 
 @inlined
-def edge_of(shape, tree, j, k):
+def edge_of(shape: Floats, tree: Tree, j: int, k: int) -> Vector:
     """Return edge k, 0 to 2, of triangle j."""
     at = tree.corners + CORNERS * j
     return sub(vector_at(shape, at + 3 * ((k + 1) % 3)), vector_at(shape, at + 3 * k))
 
 
 @inlined
-def middle_of_triangle(shape, tree, j):
+def middle_of_triangle(shape: Floats, tree: Tree, j: int) -> Vector:
     """Return the mean of the corners of triangle j."""
     at = tree.corners + CORNERS * j
     ab = add(vector_at(shape, at), vector_at(shape, at + 3))
@@ -127,7 +134,7 @@ def middle_of_triangle(shape, tree, j):
 
 
 @compiled
-def box_of_core(kind, shape):
+def box_of_core(kind: int, shape: Floats) -> NodeBox:
     """Return the box of a core, in its frame; of a solid nothing is asked."""
     if kind == SOLID:
         return NO_BOX
@@ -145,19 +152,19 @@ def box_of_core(kind, shape):
 
 
 @allocating
-def body_of(kind, shape, R):
+def body_of(kind: int, shape: Floats, R: Floats) -> TreeBody:
     """Return a core or a solid of orientation R in B as A."""
     return TreeBody(kind, shape, R, tree_of(kind, shape), box_of_core(kind, shape))
 
 
 @allocating
-def solid_of(shape):
+def solid_of(shape: Floats) -> Solid:
     """Return a solid as B."""
     return Solid(shape, tree_of(SOLID, shape), np.eye(3))
 
 
 @inlined
-def parts_of_angle(a, b, c):
+def parts_of_angle(a: Vector, b: Vector, c: Vector) -> tuple[float, float, float]:
     """Return (y, x, |a| |b| |c|): atan2(y, x) is half the solid angle of a triangle."""
     la, lb, lc = norm(a), norm(b), norm(c)
     n = cross(b, c)
@@ -169,7 +176,7 @@ def parts_of_angle(a, b, c):
 
 
 @compiled
-def solid_angle(a, b, c):
+def solid_angle(a: Vector, b: Vector, c: Vector) -> float:
     """Return half the solid angle [sr] of a triangle seen from the origin, signed.
 
     Van Oosterom & Strackee, IEEE Transactions on Biomedical Engineering 30 (2), 1983. Negative
@@ -180,7 +187,7 @@ def solid_angle(a, b, c):
 
 
 @compiled
-def rounding_of_angle(a, b, c):
+def rounding_of_angle(a: Vector, b: Vector, c: Vector) -> float:
     """Return how far off ``solid_angle`` may be [sr]: both its parts, sums of products of three.
 
     Beside a needle nothing may be left of them, and the angle is anything.

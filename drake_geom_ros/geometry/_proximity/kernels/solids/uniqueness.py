@@ -21,6 +21,8 @@ from drake_geom_ros.geometry._proximity.kernels.solids.distance import separatio
 from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     NO_TREE,
+    Solid,
+    Tree,
     TreeBody,
     first_of_leaf,
 )
@@ -39,6 +41,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID, SPHERE
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
     DISTINCT_NORMALS,
@@ -49,7 +52,9 @@ from drake_geom_ros.geometry._proximity.tolerances import (
 
 
 @compiled
-def feature_of_triangle(shape, tree, j, n, u, v):
+def feature_of_triangle(
+    shape: Floats, tree: Tree, j: int, n: Vector, u: Vector, v: Vector
+) -> Feature:
     """Return the corner, edge or face of triangle j that is extreme along the unit n."""
     at, here = tree.corners + CORNERS * j, 0
     for k in range(1, 3):
@@ -67,7 +72,7 @@ def feature_of_triangle(shape, tree, j, n, u, v):
 
 
 @compiled
-def hold_leaves_one_point(A, i, B, j, n):
+def hold_leaves_one_point(A: TreeBody, i: int, B: Solid, j: int, n: Vector) -> bool:
     """Tell whether two leaves that are apart along n, from A to B, are so at one point alone."""
     v = perpendicular(n)
     u = cross(v, n)
@@ -80,7 +85,9 @@ def hold_leaves_one_point(A, i, B, j, n):
 
 
 @allocating
-def is_nearest_alone(A, B, p, n, size, limit):
+def is_nearest_alone(
+    A: TreeBody, B: Solid, p: Vector, n: Vector, size: float, limit: float
+) -> tuple[bool, Vector]:
     """Return (alone, b): whether no other points are as near as the nearest, that of B being b.
 
     They are of A's core and of B's surface. All leaves are looked at that are not certified to be
@@ -109,7 +116,17 @@ def is_nearest_alone(A, B, p, n, size, limit):
 
 
 @allocating
-def is_way_out_alone(A, B, p, q, m, depth, error, radius, size):
+def is_way_out_alone(
+    A: TreeBody,
+    B: Solid,
+    p: Vector,
+    q: Vector,
+    m: Vector,
+    depth: float,
+    error: float,
+    radius: float,
+    size: float,
+) -> bool:
     """Tell whether the move by ``depth`` along the unit m is the only one that takes A out of B.
 
     ``depth`` exceeds the least one by ``error`` at most; A, its core grown by ``radius``, then

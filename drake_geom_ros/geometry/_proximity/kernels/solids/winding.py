@@ -19,6 +19,7 @@ from drake_geom_ros.geometry._proximity.kernels.solids.solid import (
     CORNERS,
     MOMENT,
     RADIUS,
+    Tree,
     first_of_leaf,
     rounding_of_angle,
     solid_angle,
@@ -34,6 +35,7 @@ from drake_geom_ros.geometry._proximity.kernels.vectors import (
     vector_at,
 )
 from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.runtime.arrays import Booleans, Floats, Indices, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 # A node is a dipole when it is this many of its radii away.
@@ -49,13 +51,13 @@ ASTRAY = 0.75  # off 1/2: half-way between what touches and a whole body more
 
 
 @inlined
-def next_ratio(ratio):
+def next_ratio(ratio: float) -> float:
     """Return how many radii away a node has to be next, to be more exact."""
     return math.inf if ratio > LAST_RATIO else NEXT_RATIO * ratio
 
 
 @compiled
-def dipole(shape, at, q):
+def dipole(shape: Floats, at: int, q: Vector) -> tuple[float, float, float]:
     """Return (half solid angle, error, radii away) of a node seen from q as a dipole [sr].
 
     Taylor's theorem about the centre: the derivative of the field r / |r|^3 is at most 2 / |r|^3,
@@ -74,7 +76,9 @@ def dipole(shape, at, q):
 
 
 @allocating
-def winding(shape, tree, q, ratio, without):
+def winding(
+    shape: Floats, tree: Tree, q: Vector, ratio: float, without: int
+) -> tuple[float, float]:
     """Return (winding number, error) at q; nodes nearer than ``ratio`` radii are looked into.
 
     Triangle number ``without`` is left out, whose nodes, all around q, are looked into. Then the
@@ -108,7 +112,7 @@ def winding(shape, tree, q, ratio, without):
 
 
 @compiled
-def is_inside(shape, tree, q):
+def is_inside(shape: Floats, tree: Tree, q: Vector) -> bool:
     """Tell whether q, in the solid's frame, lies inside; on the surface either may be told.
 
     The number is 0 or 1, off by the dipoles' error at most, so what is farther from 1/2 than that
@@ -129,7 +133,7 @@ def is_inside(shape, tree, q):
 
 
 @compiled
-def is_astray(shape, tree, q, j):
+def is_astray(shape: Floats, tree: Tree, q: Vector, j: int) -> bool:
     """Tell whether q, a point of triangle j, has another body beneath the triangle, or above it.
 
     There the winding number of all other triangles is 1/2: 1 beneath and 0 above, less or more
@@ -146,7 +150,7 @@ def is_astray(shape, tree, q, j):
 
 
 @compiled
-def find_astray(shape, triangles, astray):
+def find_astray(shape: Floats, triangles: Indices, astray: Booleans) -> None:
     """Write which of the triangles (k,) of a solid, by number, have a point that is astray."""
     tree = tree_of(SOLID, shape)
     for k in range(triangles.size):

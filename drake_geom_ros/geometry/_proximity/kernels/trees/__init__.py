@@ -1,5 +1,6 @@
 """Trees of boxes, and walks over two of them.
 
-Enters: packed trees and a pose. Leaves: pairs of leaves, the nearest first. What the leaves are
-(triangles, cells, tetrahedra) is the caller's business. Imports ``kernels.vectors``.
+In: packed trees and a pose.
+Out: pairs of leaves, the nearest first; what leaves are is the caller's business.
+May import: ``math``, ``_proximity``, ``runtime``, ``kernels``; numpy.
 """

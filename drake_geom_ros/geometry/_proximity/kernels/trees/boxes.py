@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
-from drake_geom_ros.geometry._proximity.kernels.vectors import (
-    Vector,
-    add,
-    norm,
-    rotate,
-    sub,
-    vector_at,
-)
+from drake_geom_ros.geometry._proximity.kernels.vectors import add, norm, rotate, sub, vector_at
 from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import compiled, inlined
 
 NODE_WIDTH = 15
@@ -27,11 +21,51 @@ class NodeBox(NamedTuple):
     half: Vector
 
 
+class NodeTree(Protocol):
+    """What is asked of a tree, whatever its leaves are."""
+
+    @property
+    def nodes(self) -> int:
+        """Where the nodes begin in the parameters of its owner."""
+
+    @property
+    def leaves(self) -> int:
+        """How many leaves there are."""
+
+
+class TreeOwner(Protocol):
+    """A body in whose frame all is computed."""
+
+    @property
+    def shape(self) -> Floats:
+        """Its parameters."""
+
+    @property
+    def tree(self) -> NodeTree:
+        """Where its tree is in them."""
+
+
+class TurnedTreeOwner(TreeOwner, Protocol):
+    """A body that stands there turned by R; one that is no solid is a leaf of its own."""
+
+    @property
+    def kind(self) -> int:
+        """The number of its kind."""
+
+    @property
+    def R(self) -> Floats:
+        """Its orientation (3, 3)."""
+
+    @property
+    def box(self) -> NodeBox:
+        """The box around it if it is no solid, in its frame."""
+
+
 NO_BOX = NodeBox((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # of a point
 
 
 @inlined
-def box_between(below, above):
+def box_between(below: Vector, above: Vector) -> NodeBox:
     """Return the box with these corners."""
     return NodeBox(
         (0.5 * (below[0] + above[0]), 0.5 * (below[1] + above[1]), 0.5 * (below[2] + above[2])),
@@ -40,20 +74,20 @@ def box_between(below, above):
 
 
 @inlined
-def box_of_node(shape, tree, k):
+def box_of_node(shape: Floats, tree: NodeTree, k: int) -> NodeBox:
     """Return the box of node k."""
     at = tree.nodes + NODE_WIDTH * k
     return box_between(vector_at(shape, at + LOWER), vector_at(shape, at + UPPER))
 
 
 @inlined
-def outside(distance, half_width):
+def outside(distance: float, half_width: float) -> float:
     """Return how far a coordinate is beyond half a width; 0 within."""
     return max(abs(distance) - half_width, 0.0)
 
 
 @compiled
-def separation_of_turned_boxes(box_A, R, p, box_B):
+def separation_of_turned_boxes(box_A: NodeBox, R: Floats, p: Vector, box_B: NodeBox) -> float:
     """Return a lower bound [m] of the distance of two boxes, the first turned by R and moved by p.
 
     Each is put into a box along the axes of the other: the larger of both distances. Nothing here
@@ -79,6 +113,6 @@ def separation_of_turned_boxes(box_A, R, p, box_B):
 
 
 @inlined
-def box_at(A, i):
+def box_at(A: TurnedTreeOwner, i: int) -> NodeBox:
     """Return the box of node i of A, in A's frame."""
     return box_of_node(A.shape, A.tree, i) if A.kind == SOLID else A.box

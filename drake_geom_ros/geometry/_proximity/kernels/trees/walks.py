@@ -9,11 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.kernels.trees.boxes import (
+    NodeTree,
+    TreeOwner,
+    TurnedTreeOwner,
     box_at,
     box_of_node,
     separation_of_turned_boxes,
 )
 from drake_geom_ros.geometry._proximity.kernels.vectors import norm
+from drake_geom_ros.geometry._proximity.runtime.arrays import Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
 
 Floats = NDArray[np.float64]
@@ -33,13 +37,15 @@ DEEPEST = 96
 
 
 @inlined
-def is_leaf(tree, k):
+def is_leaf(tree: NodeTree, k: int) -> bool:
     """Tell whether node k is a leaf; leaf number k - (leaves - 1)."""
     return k >= tree.leaves - 1
 
 
 @compiled
-def push_children(A, B, p, i, j, path, top):
+def push_children(
+    A: TurnedTreeOwner, B: TreeOwner, p: Vector, i: int, j: int, path: Walk, top: int
+) -> int:
     """Push the two pairs that a pair of nodes, not both leaves, is cut into, the nearer last."""
     cut_B = is_leaf(A.tree, i)
     if not cut_B and not is_leaf(B.tree, j):
@@ -63,7 +69,7 @@ def push_children(A, B, p, i, j, path, top):
 
 
 @allocating
-def walk(A, B, p):
+def walk(A: TurnedTreeOwner, B: TreeOwner, p: Vector) -> Walk:
     """Return the walk that begins at the pair of roots."""
     stack, separations = np.zeros((DEEPEST, 2), dtype=np.int64), np.empty(DEEPEST)
     separations[0] = separation_of_turned_boxes(
@@ -73,7 +79,9 @@ def walk(A, B, p):
 
 
 @compiled
-def next_leaves(A, B, p, path, top, limit):
+def next_leaves(
+    A: TurnedTreeOwner, B: TreeOwner, p: Vector, path: Walk, top: int, limit: float
+) -> tuple[int, int, int, float]:
     """Go on to the next pair of leaves within ``limit``; return (top, i, j, skipped).
 
     ``top`` pairs are left on the stack. i and j number the leaves, and are -1 when none are left;

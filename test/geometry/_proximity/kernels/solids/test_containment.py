@@ -109,3 +109,105 @@ def test_cells_of_grids_in_one_another(turned):
             apart += 1
     assert overlapping
     assert apart
+
+
+ON_AXES = {'as they are': np.eye(3), 'axes in a ring': np.roll(np.eye(3), 1, axis=0)}
+SLOT = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (2, 0, 0), (2, 1, 0)]
+CAP_AND_STEM = [(0, 1, 0), (1, 1, 0), (2, 1, 0), (1, 0, 0)]
+
+
+def slot_and_block(more, origin, unit=1.0):
+    """A U and a T whose stem, wider by ``more``, goes into its slot down to the floor."""
+    at = np.array(origin)
+    lines = [unit * np.array([0, 1, 2, 3.0]), unit * np.array([0, 1, 2.0]), unit * np.arange(2.0)]
+    low = [unit * 0.5, unit, 2.0 * unit + more, 2.5 * unit + more]
+    other = [np.array(low), unit * np.array([1, 2, 2.5]), lines[2]]
+    return (
+        of_cells(CAP_AND_STEM, [x + y for x, y in zip(other, at, strict=True)]),
+        of_cells(SLOT, [x + y for x, y in zip(lines, at, strict=True)]),
+    )
+
+
+@pytest.mark.parametrize('turn', ON_AXES)
+@pytest.mark.parametrize(
+    ('more', 'origin'),
+    [
+        (2.0**-50, (0.0, 0.0, 0.0)),
+        (1e-12, (0.0, 0.0, 0.0)),
+        (1e-9, (0.0, 0.0, 0.0)),
+        (2.0**-30, (5e5, 4e6, 0.0)),  # one spacing of floats there
+        (2.0**-7, (5e5, 4e6, 0.0)),
+    ],
+)
+def test_a_block_too_wide_for_its_slot_by_the_last_bit(turn, more, origin):
+    """All other walls are flush: the only way out is up, however little it is too wide."""
+    A, B = slot_and_block(more, origin)
+    R = ON_AXES[turn]
+    A, B = (body.moved(R, HERE) for body in (A, B))
+    size = 1e-12 * max(1.0, *np.abs(origin))
+    for a, b in ((A, B), (B, A)):
+        out = row_of(a, b)
+        assert out[calling.DISTANCE] == pytest.approx(-1.0, abs=size)
+    fits, B = slot_and_block(0.0, origin)
+    fits, B = (body.moved(R, HERE) for body in (fits, B))
+    for a, b in ((fits, B), (B, fits)):
+        out = row_of(a, b)
+        assert out[calling.DISTANCE] == pytest.approx(0.0, abs=size)
+        assert out[calling.ERROR_BOUND] <= size
+
+
+@pytest.mark.parametrize('kind', ['Box', 'Convex'])
+@pytest.mark.parametrize(('more', 'truth'), [(2.0**-51, -1.0), (1e-13, -1.0), (0.0, 0.0)])
+def test_a_box_too_wide_for_its_slot_by_the_last_bit(kind, more, truth):
+    B = slot_and_block(0.0, HERE)[1]
+    half = 0.5 * np.array([1.0 + more, 1.0, 1.0])
+    at = np.array([1.0, 1.0, 0.0]) + half
+    if kind == 'Box':
+        A = Body('Box', tuple(2.0 * half), p=at)
+    else:
+        A = Body('Convex', at + half * (2.0 * np.array(list(np.ndindex(2, 2, 2))) - 1.0))
+    out = row_of(A, B)
+    assert out[calling.DISTANCE] == pytest.approx(truth, abs=1e-12)
+    assert (out[calling.ERROR_BOUND] <= 1e-12) or truth
+
+
+@pytest.mark.parametrize(
+    ('thin', 'origin'),
+    [
+        (2.0**-29, (0.0, 0.0, 0.0)),
+        (2.0**-7, (0.0, 0.0, 0.0)),
+        (2.0**-7, (5e5, 4e6, 0.0)),
+        (2.0**-20, (5e5, 4e6, 0.0)),
+    ],
+)
+def test_a_sheet_that_fills_its_slot_touches(thin, origin):
+    """Of 1.9e-9 m and of 8 mm: no wall of the slot is crossed, and none is cleared."""
+    x, y, z = origin
+    lines = [x + np.array([0, 1, 1 + thin, 2 + thin]), y + np.arange(3.0), z + np.arange(2.0)]
+    other = [x + np.array([0.5, 1, 1 + thin, 1.5 + thin]), y + np.array([1, 2, 2.5]), lines[2]]
+    A, B = of_cells(CAP_AND_STEM, other), of_cells(SLOT, lines)
+    for a, b in ((A, B), (B, A)):
+        out = row_of(a, b)
+        assert out[calling.DISTANCE] == pytest.approx(0.0, abs=1e-13 * max(1.0, y))
+        assert out[calling.ERROR_BOUND] <= 1e-13 * max(1.0, y)
+
+
+@pytest.mark.parametrize(
+    ('unit', 'origin', 'deep'),
+    [
+        (1.0, (0.0, 0.0, 0.0), 3e-9),
+        (1e4, (0.0, 0.0, 0.0), 3e-5),
+        (2.0, (5e5, 4e6, 0.0), 2.0**-7),
+        (1.0, (0.0, 0.0, 0.0), 2.0**-40),
+    ],
+)
+@pytest.mark.parametrize('face', range(6))
+def test_prisms_with_walls_in_line_that_overlap_a_little(unit, origin, deep, face):
+    lines = [unit * np.arange(4.0) + x for x in origin]
+    A, B = of_cells(L, lines), of_cells(L, lines)
+    axis, sign = face // 2, 1.0 - 2.0 * (face % 2)
+    step = np.zeros(3)
+    step[axis] = sign * ((2.0 if axis < 2 else 1.0) * unit - deep)
+    out = row_of(A.at(step), B)
+    assert abs(out[calling.DISTANCE] + deep) <= out[calling.ERROR_BOUND]
+    assert out[calling.DISTANCE] < -0.5 * deep

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from typing import NamedTuple
 
@@ -23,7 +23,6 @@ from drake_geom_ros.trajectories.kinematics import Kinematics
 
 Floats = NDArray[np.float64]
 UNKNOWN = Since(-math.inf, -math.inf, -math.inf)  # of a pose of which nobody knows the age
-NANOSECONDS = 1e-9  # [s]
 
 
 class JointValue(NamedTuple):
@@ -42,13 +41,23 @@ class Base(NamedTuple):
     since: Since
 
 
-class Reposed(NamedTuple):
-    """Links that have new poses, by since when these hold."""
+class JointEntry(NamedTuple):
+    """What is to be told of a joint."""
+
+    robot: str
+    name: str
+    type: str  # as in the URDF
+    lower: float  # [rad] or [m]
+    upper: float
+    frame: FrameId | None  # of the link that it moves; None: that link is no frame
+
+
+class LinkPoses(NamedTuple):
+    """Links where joint values put them."""
 
     ids: NDArray[np.int64]  # (n,) of their frames
     rows: Floats  # (n, 7) X_WL
-    posed: Mapping[frozenset[int], Since]
-    X_WLs: Floats  # (m + 1, 7) of all links; those that wait are of no meaning
+    X_WLs: Floats  # (m + 1, 7) of all links; those with a joint without a value are meaningless
 
 
 class DrivenRobot:
@@ -76,25 +85,43 @@ class DrivenRobot:
         self.others = {joint.name for joint in robot.tree.joints} - set(self.joint_names)
         self.values = [values.get(name) for name in self.joint_names]
         names = kinematics.link_names
-        self.root = None if names[0] == WORLD else frames.get((robot.name, names[0]))
+        self._joints = {joint.name: joint for joint in robot.tree.joints}
+        self._frames = {name: frames.get((robot.name, name)) for name in names}
         self.base_is_world = names[0] == WORLD
+        self.root = None if self.base_is_world else frames.get((robot.name, names[0]))
         self._needs = np.zeros((len(names), len(self.joint_names)), dtype=np.bool_)
         found = self.tree.needs()
         self._needs[:, : found.shape[1]] = found
         ids = [frames.get((robot.name, name)) for name in names]
         # The root is posed by others, and a link called as the world is no frame.
-        self._links = {
+        self.links = {
             k: frame.get_value() for k, frame in enumerate(ids) if frame is not None and k > 0
         }
         self.described_X_WB = robot.X_WB.ToArray()
         self.base: Base | None = None  # that of the poses that were given last
         self._place, self._X_WB = b'', self.described_X_WB
 
+    @property
+    def full_names(self) -> list[str]:
+        """The joints as ``robot::joint``."""
+        return [f'{self.name}::{name}' for name in self.joint_names]
+
     @cached_property
-    def _patterns(self) -> dict[tuple[int, ...], frozenset[int]]:
+    def entries(self) -> list[JointEntry]:
+        """What is to be told of the joints."""
+        found = []
+        for name, low, high in zip(self.joint_names, self.lower, self.upper, strict=True):
+            # Of a joint of several values each is called as `joint/value`.
+            joint = self._joints.get(name) or self._joints[name.rpartition('/')[0]]
+            frame = self._frames[joint.child]
+            found.append(JointEntry(self.name, name, joint.type, float(low), float(high), frame))
+        return found
+
+    @cached_property
+    def patterns(self) -> dict[tuple[int, ...], frozenset[int]]:
         """The rows of links that have frames, by the columns that each depends on."""
         rows = defaultdict(set)
-        for row in self._links:
+        for row in self.links:
             rows[tuple(np.flatnonzero(self._needs[row]).tolist())].add(row)
         return {columns: frozenset(found) for columns, found in rows.items()}
 
@@ -105,39 +132,36 @@ class DrivenRobot:
             self._place, self._X_WB = place, X_WB.ToArray()
         return self._X_WB
 
-    def reposed(self, base: Base, changed: set[int] | None, waiting: set[int]) -> Reposed | None:
-        """Return the new poses of links where columns changed, of all where that is None.
+    def positions(self) -> Floats:
+        """Return the values (c,) of all joints; nan where nothing was heard."""
+        return np.array([math.nan if v is None else v.position for v in self.values])
 
-        Links that no joint moves have one only where they wait, or the base moved. A link with a
-        joint of which nothing was heard has none. None: no link has.
+    def since(self, base: Base, rows: Mapping[tuple[int, ...], frozenset[int]]) -> Moments:
+        """Return since when links hold: some rows, by the columns that these depend on.
+
+        Left out are links with a joint of which nothing was heard.
         """
-        moved = self.base is not None and base.X_WB.tobytes() != self.base.X_WB.tobytes()
         posed: dict[Since, set[int]] = defaultdict(set)
-        for columns, rows in self._patterns.items():
-            if columns and changed is not None and changed.isdisjoint(columns):
-                continue
-            if not columns and not moved:
-                rows = frozenset(row for row in rows if self._links[row] in waiting)
+        for columns, some in rows.items():
             values = [self.values[column] for column in columns]
             known = [value.since for value in values if value is not None]
-            if rows and len(known) == len(columns):
-                posed[_oldest(base.since, *known)] |= rows
-        if not posed:
-            return None
-        chosen = sorted(set().union(*posed.values()))
-        X_WLs = self.tree.link_poses(self._positions()[np.newaxis], base.X_WB)[0]
-        frames = {
-            frozenset(self._links[row] for row in some): since for since, some in posed.items()
-        }
-        ids = np.array([self._links[row] for row in chosen], dtype=np.int64)
-        return Reposed(ids, X_WLs[chosen], frames, X_WLs)
+            if some and len(known) == len(columns):
+                posed[_oldest(base.since, *known)] |= some
+        return posed
+
+    def link_poses(self, base: Base, positions: Floats, rows: Collection[int]) -> LinkPoses:
+        """Return where links stand at joint values (c,)."""
+        chosen = sorted(rows)
+        X_WLs = self.tree.link_poses(np.nan_to_num(positions)[np.newaxis], base.X_WB)[0]
+        ids = np.array([self.links[row] for row in chosen], dtype=np.int64)
+        return LinkPoses(ids, X_WLs[chosen], X_WLs)
 
     def twists(self, X_WLs: Floats, V_WB: Floats) -> dict[int, Floats]:
         """Return V_WL (6,) by frame of the links whose joints' speeds are all known."""
         speeds = np.array([math.nan if v is None else v.speed for v in self.values])
         V_WLs = self.tree.link_twists(np.nan_to_num(speeds), X_WLs, V_WB)
         unknown = (self._needs & np.isnan(speeds)).any(axis=1)
-        return {frame: V_WLs[row] for row, frame in self._links.items() if not unknown[row]}
+        return {frame: V_WLs[row] for row, frame in self.links.items() if not unknown[row]}
 
     def without_value(self) -> list[str]:
         """Return the joints of which nothing was heard."""
@@ -145,16 +169,19 @@ class DrivenRobot:
 
     def outside_limits(self) -> list[str]:
         """Return in words which joints stand outside their limits."""
+        rows = zip(self.full_names, self.values, self.lower, self.upper, strict=True)
         return [
-            f'{self.name}::{name} [{low:.6g}, {high:.6g}]'
-            for name, value, low, high in zip(
-                self.joint_names, self.values, self.lower, self.upper, strict=True
-            )
+            f'{name} [{low:.6g}, {high:.6g}]'
+            for name, value, low, high in rows
             if value is not None and not low <= value.position <= high
         ]
 
-    def _positions(self) -> Floats:
-        return np.array([0.0 if v is None else v.position for v in self.values])
+    def joints_of(self, rows: Collection[int]) -> list[int]:
+        """Return the columns that links depend on."""
+        return np.flatnonzero(self._needs[sorted(rows)].any(axis=0)).tolist()
+
+
+Moments = Mapping[Since, Collection[int]]
 
 
 def _oldest(*moments: Since) -> Since:

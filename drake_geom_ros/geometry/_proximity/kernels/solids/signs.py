@@ -1,0 +1,199 @@
+"""Signs of determinants, exact where floats cannot tell.
+
+A place is a point of six numbers: its coordinates rounded, then what rounding took off. So a
+vertex that a pose without rotation has moved is known to the last bit. A sign is that of a
+determinant of differences of places: told by floats where its error bound allows, else summed
+without error as an expansion, a sum of floats that do not overlap (Shewchuk, Discrete &
+Computational Geometry 18 (3), 1997). Places may be off by ``off`` [m], as a rotation leaves them:
+then what is no larger than that makes it counts as 0, and nothing is summed.
+"""
+
+from typing import TypeAlias
+
+import numpy as np
+
+from drake_geom_ros.geometry._proximity.kernels.vectors import cross, dot
+from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Indices, Vector
+from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled, inlined
+from drake_geom_ros.geometry._proximity.tolerances import EPS
+
+Place: TypeAlias = tuple[float, float, float, float, float, float]
+Triangle: TypeAlias = tuple[Place, Place, Place]
+Signs: TypeAlias = tuple[int, int, int]
+
+SPLITTER = 2.0**27 + 1.0
+# Of a determinant of differences, over the sum of its products' sizes: each of three factors is
+# off by EPS, products and sums add four times half of it.
+FILTER = 16.0 * EPS
+MOST_PARTS = 1600  # six triple products of expansions of four parts, four parts each
+
+
+@inlined
+def two_sum(a: float, b: float) -> tuple[float, float]:
+    """Return (s, e) with s + e = a + b exactly, s the rounded sum (Knuth)."""
+    s = a + b
+    t = s - a
+    return s, (a - (s - t)) + (b - t)
+
+
+@inlined
+def halves(a: float) -> tuple[float, float]:
+    """Return two numbers of 26 bits at most, whose sum is a (Dekker)."""
+    c = SPLITTER * a
+    high = c - (c - a)
+    return high, a - high
+
+
+@inlined
+def two_product(a: float, b: float) -> tuple[float, float]:
+    """Return (p, e) with p + e = a b exactly, p the rounded product."""
+    p = a * b
+    (ah, al), (bh, bl) = halves(a), halves(b)
+    return p, al * bl - (((p - ah * bh) - al * bh) - ah * bl)
+
+
+@inlined
+def grow(parts: Floats, count: int, x: float) -> int:
+    """Add x to an expansion, smallest part first; return how many parts it has then."""
+    kept = 0
+    for k in range(count):
+        x, e = two_sum(x, parts[k])
+        if e != 0.0:
+            parts[kept] = e
+            kept += 1
+    if x != 0.0:
+        parts[kept] = x
+        kept += 1
+    return kept
+
+
+@compiled
+def difference(parts: Floats, a: Place, b: Place, c: int) -> int:
+    """Write coordinate c of a - b as an expansion; return how many parts it has."""
+    count = grow(parts, 0, a[c])
+    count = grow(parts, count, -b[c])
+    count = grow(parts, count, a[c + 3])
+    return grow(parts, count, -b[c + 3])
+
+
+@compiled
+def add_products(
+    total: Floats, count: int, sign: float, edges: Floats, counts: Indices, k: Signs
+) -> int:
+    """Add sign u_k[0] v_k[1] w_k[2], k a permutation of axes, to an expansion."""
+    for i in range(counts[0, k[0]]):
+        for j in range(counts[1, k[1]]):
+            high, low = two_product(sign * edges[0, k[0], i], edges[1, k[1], j])
+            for m in range(counts[2, k[2]]):
+                p, e = two_product(high, edges[2, k[2], m])
+                count = grow(total, count, e)
+                count = grow(total, count, p)
+                if low != 0.0:
+                    p, e = two_product(low, edges[2, k[2], m])
+                    count = grow(total, count, e)
+                    count = grow(total, count, p)
+    return count
+
+
+@allocating
+def exact_sign(a: Place, b: Place, c: Place, d: Place, axis: int) -> int:
+    """Return the sign of ``det(b - a, c - a, d - a)``.
+
+    With ``axis`` >= 0 the unit vector along that axis stands for the last column.
+    """
+    edges, counts = np.empty((3, 3, 4)), np.zeros((3, 3), dtype=np.int64)
+    for k in range(3):
+        counts[0, k] = difference(edges[0, k], b, a, k)
+        counts[1, k] = difference(edges[1, k], c, a, k)
+        if axis < 0:
+            counts[2, k] = difference(edges[2, k], d, a, k)
+    if axis >= 0:
+        counts[2, axis], edges[2, axis, 0] = 1, 1.0
+    total, count = np.empty(MOST_PARTS), 0
+    count = add_products(total, count, 1.0, edges, counts, (0, 1, 2))
+    count = add_products(total, count, 1.0, edges, counts, (1, 2, 0))
+    count = add_products(total, count, 1.0, edges, counts, (2, 0, 1))
+    count = add_products(total, count, -1.0, edges, counts, (0, 2, 1))
+    count = add_products(total, count, -1.0, edges, counts, (1, 0, 2))
+    count = add_products(total, count, -1.0, edges, counts, (2, 1, 0))
+    if count == 0:
+        return 0
+    return 1 if total[count - 1] > 0.0 else -1
+
+
+@inlined
+def apart(a: Place, b: Place) -> tuple[Vector, Vector]:
+    """Return the difference of two places, rounded, and bounds of what it is made of."""
+    x = (a[0] - b[0]) + (a[3] - b[3])
+    y = (a[1] - b[1]) + (a[4] - b[4])
+    z = (a[2] - b[2]) + (a[5] - b[5])
+    return (x, y, z), (
+        abs(x) + (abs(a[3]) + abs(b[3])),
+        abs(y) + (abs(a[4]) + abs(b[4])),
+        abs(z) + (abs(a[5]) + abs(b[5])),
+    )
+
+
+@inlined
+def permanent(u: Vector, v: Vector, w: Vector) -> float:
+    """Return what ``determinant`` is with all signs positive."""
+    return (
+        u[0] * (v[1] * w[2] + v[2] * w[1])
+        + u[1] * (v[2] * w[0] + v[0] * w[2])
+        + u[2] * (v[0] * w[1] + v[1] * w[0])
+    )
+
+
+@inlined
+def level(a: Place, b: Place, c: Place, d: Place) -> bool:
+    """Tell whether four places have one coordinate in common."""
+    return (
+        (a[0] == b[0] == c[0] == d[0] and a[3] == b[3] == c[3] == d[3])
+        or (a[1] == b[1] == c[1] == d[1] and a[4] == b[4] == c[4] == d[4])
+        or (a[2] == b[2] == c[2] == d[2] and a[5] == b[5] == c[5] == d[5])
+    )
+
+
+@compiled
+def side(a: Place, b: Place, c: Place, d: Place, off: float) -> int:
+    """Return 1 where d is above the plane of a, b, c, counter-clockwise as seen from above.
+
+    0 where it is in the plane, -1 where it is beneath.
+    """
+    (u, mu), (v, mv), (w, mw) = apart(b, a), apart(c, a), apart(d, a)
+    value = dot(u, cross(v, w))
+    noise = FILTER * permanent(mu, mv, mw)
+    if off > 0.0:
+        lu, lv, lw = mu[0] + mu[1] + mu[2], mv[0] + mv[1] + mv[2], mw[0] + mw[1] + mw[2]
+        noise += 2.0 * off * (lu * lv + lv * lw + lw * lu)
+    if value > noise:
+        return 1
+    if value < -noise:
+        return -1
+    if off > 0.0 or level(a, b, c, d):
+        return 0
+    return exact_sign(a, b, c, d, -1)
+
+
+@compiled
+def turn(a: Place, b: Place, c: Place, axis: int, off: float) -> int:
+    """Return 1 where a, b, c turn counter-clockwise, seen from far out along an axis.
+
+    0 where they are in a line as seen from there, -1 where they turn the other way.
+    """
+    (u, mu), (v, mv) = apart(b, a), apart(c, a)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    value = u[i] * v[j] - u[j] * v[i]
+    noise = FILTER * (mu[i] * mv[j] + mu[j] * mv[i])
+    if off > 0.0:
+        noise += 2.0 * off * (mu[i] + mu[j] + mv[i] + mv[j])
+    if value > noise:
+        return 1
+    if value < -noise:
+        return -1
+    if off > 0.0:
+        return 0
+    for k in (i, j):
+        if a[k] == b[k] == c[k] and a[k + 3] == b[k + 3] == c[k + 3]:
+            return 0
+    return exact_sign(a, b, c, a, axis)

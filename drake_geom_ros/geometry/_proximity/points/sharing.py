@@ -1,0 +1,75 @@
+"""Many points of one moment, shared out to threads: each is answered for itself."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.kernels.addresses import ADDRESSES
+from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_WIDTH
+from drake_geom_ros.geometry._proximity.kernels.pair_table import BY_PAIR_KERNEL, POINT_KERNELS
+from drake_geom_ros.geometry._proximity.kinds import SOLID
+from drake_geom_ros.geometry._proximity.pairs.answer_rows import PointBatch
+from drake_geom_ros.geometry._proximity.points.point_phase import (
+    POINT_ADDRESSES,
+    POINT_ROWS,
+    point_phase,
+)
+from drake_geom_ros.geometry._proximity.report import COUNTS
+from drake_geom_ros.geometry._proximity.runtime.threads import LONG, THREADS, share
+from drake_geom_ros.geometry._proximity.world.world import World
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# [s] of a point and a geometry, about: of an iteration or a tree, and of a closed form.
+_LONG_ONE, _SHORT_ONE = 1e-6, 3e-8
+
+
+def is_worth_sharing(world: World, count: int) -> bool:
+    """Tell whether so many points take so long that more threads end sooner."""
+    if THREADS == 1:
+        return False
+    slow = [k for k, name in POINT_KERNELS.items() if name == BY_PAIR_KERNEL or k == SOLID]
+    long_ones = int(np.isin(world.point_shapes.types, slow).sum())
+    short_ones = world.geometry_count - long_ones
+    return count * (long_ones * _LONG_ONE + short_ones * _SHORT_ONE) > LONG
+
+
+def shared_point_distances(
+    world: World, p_WQs: Floats, threshold: float
+) -> tuple[PointBatch, Indices]:
+    """Return the answers of ``point_phase`` about a world that is up to date, and its counts."""
+    shapes, n = world.point_shapes, world.geometry_count
+    capacity = len(p_WQs) * n
+    rows = np.empty((capacity, POINT_WIDTH))
+    points, ids = np.empty(capacity, dtype=np.uint32), np.empty(capacity, dtype=np.int64)
+    pair_rows = POINT_ROWS[shapes.types]
+
+    def answer(first: int, last: int) -> tuple[int, int, Indices]:
+        part, counts = slice(first * n, last * n), np.zeros(COUNTS, dtype=np.int64)
+        count = point_phase(
+            POINT_ADDRESSES,
+            ADDRESSES,
+            pair_rows,
+            shapes.types,
+            shapes.starts,
+            shapes.pool,
+            world.handle,
+            p_WQs[first:last],
+            threshold,
+            rows[part],
+            np.zeros((last - first) * n, dtype=np.bool_),
+            points[part],
+            ids[part],
+            counts,
+        )
+        points[first * n : first * n + count] += np.uint32(first)
+        return first * n, count, counts
+
+    parts = share(len(p_WQs), answer)
+    total: Indices = np.sum([counts for _, _, counts in parts], axis=0)
+    if sum(count for _, count, _ in parts) < capacity:
+        there = np.concatenate([np.arange(first, first + count) for first, count, _ in parts])
+        rows, points, ids = rows[there], points[there], ids[there]
+    return PointBatch(ids, points, rows), total

@@ -1,0 +1,38 @@
+"""What geometries are to points: a mesh that is a hull in pairs may be its surface to them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.world.world import PointShapes, World
+from drake_geom_ros.geometry.ids import GeometryId
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.shapes.primitives import PackedShape
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+def pooled(packed: list[PackedShape]) -> tuple[Indices, Indices, Floats]:
+    """Return types (n,), starts (n + 1,) and the pool of packed shapes."""
+    parameters = [numbers for _, numbers in packed]
+    return (
+        np.array([kind for kind, _ in packed], dtype=np.int64),
+        np.cumsum([0, *map(len, parameters)], dtype=np.int64),
+        np.concatenate([np.zeros(0), *parameters]),
+    )
+
+
+def know_point_shapes(world: World, model: Model) -> None:
+    """Have a world know what the geometries of its model are to points, if it does not."""
+    if world.has_point_shapes:
+        return
+    shapes = [
+        model.geometries[GeometryId(id)].queried_shape for id in world.geometries.ids.tolist()
+    ]
+    packed = [shape.to_points for shape in shapes]
+    if any(one is not shape.in_pairs for one, shape in zip(packed, shapes, strict=True)):
+        types, starts, pool = pooled(packed)
+        world.point_shapes = PointShapes(types, starts, pool, frozenset(types.tolist()))
+    world.has_point_shapes = True

@@ -1,0 +1,65 @@
+"""Points that are shared out to threads are answered as by one, to the bit."""
+
+import numpy as np
+import pytest
+from batch.floating_bodies import Floating
+from batch.test_evaluation import same
+from oracles.solids import surface_of
+
+from drake_geom_ros.batch import evaluate
+from drake_geom_ros.geometry import Box, Cylinder, FramePoseVector, Mesh, Sphere
+from drake_geom_ros.geometry._proximity.points import point_query, sharing
+from drake_geom_ros.geometry._proximity.runtime.threads import THREADS
+from drake_geom_ros.geometry._proximity.states import state_loops
+
+MANY = 5000
+
+
+@pytest.fixture(scope='module')
+def bodies():
+    """A solid among others."""
+    solid = Mesh.FromMeshData(surface_of('ring', cuts=2), 0.2)
+    return Floating([Sphere(0.1), solid, Box(0.1, 0.2, 0.3), Cylinder(0.1, 0.2)])
+
+
+def points():
+    """Points in the cube of 2 m."""
+    return np.random.default_rng(1).uniform(-1, 1, (MANY, 3))
+
+
+@pytest.mark.skipif(THREADS == 1, reason='one thread')
+@pytest.mark.parametrize('threshold', [np.inf, 0.2])
+def test_a_query_is_that_of_one_thread(bodies, threshold, monkeypatch):
+    context = bodies.graph.CreateDefaultContext()
+    ids = np.array([frame.get_value() for frame in bodies.ids])
+    poses = bodies.states(np.random.default_rng(2), 1, 0.5)[0]
+    context.UpdateFramePoses(FramePoseVector.FromArrays(ids, poses))
+    query = bodies.graph.get_query_output_port().Eval(context)
+    shared = query.ComputeSignedDistanceToPoint(points(), threshold)
+    told = query.effects()
+    for module in (point_query, state_loops):
+        monkeypatch.setattr(module, 'is_worth_sharing', lambda world, count: False)
+    alone = query.ComputeSignedDistanceToPoint(points(), threshold)
+    for column in ('id_G', 'point_index', 'distance', 'error_bound', 'grad_W', 'p_GN', 'method'):
+        np.testing.assert_array_equal(getattr(shared, column), getattr(alone, column))
+    assert len(shared) == (4 * MANY if np.isinf(threshold) else len(alone))
+    assert told.pairs_by_method == query.effects().pairs_by_method
+    assert told.far_pairs == query.effects().far_pairs
+
+
+@pytest.mark.skipif(THREADS == 1, reason='one thread')
+@pytest.mark.parametrize('count', [1, 3])
+def test_a_batch_of_few_states_is_that_of_one_thread(bodies, count):
+    poses = bodies.states(np.random.default_rng(3), count, 0.5)
+    asked = {'want': 'points', 'points': points(), 'max_distance': 0.3}
+    shared = evaluate(bodies.graph, bodies.ids, poses, **asked)
+    alone = evaluate(bodies.graph, bodies.ids, poses, threads=1, **asked)
+    assert same(tuple(vars(shared).values()), tuple(vars(alone).values()))
+
+
+def test_few_points_are_not_worth_it(bodies):
+    class World:
+        geometry_count = 1
+        point_shapes = type('Shapes', (), {'types': np.array([1])})
+
+    assert not sharing.is_worth_sharing(World, 100)
