@@ -14,20 +14,17 @@ from drake_geom_ros.geometry._proximity.engine.waiting import count_waiting_pair
 from drake_geom_ros.geometry._proximity.engine.warm_up import warm_up
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
 from drake_geom_ros.geometry._proximity.runtime.compiled import Tell
-from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
 from drake_geom_ros.geometry._proximity.world.world import (
-    FrameTable,
-    GeometryTable,
     Named,
     World,
 )
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.ids import FrameId, SourceId
 from drake_geom_ros.geometry.model._model import Model
-from drake_geom_ros.geometry.model._records import GeometryRecord
 from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.queries.padding import Paddings, paddings_of
-from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes, pooled
+from drake_geom_ros.geometry.queries.point_shapes import know_point_shapes
+from drake_geom_ros.geometry.queries.tables import tables_of
 from drake_geom_ros.math.tolerances import WELDED_STAYS
 
 Floats = NDArray[np.float64]
@@ -76,7 +73,7 @@ class SceneGraphContext:
         self._named: dict[bytes, Named] = {}
         self._own: dict[int, Named] = {}
         self._usual: dict[Hashable, Prepared] = {}
-        self._world = World(*_tables(model))
+        self._world = World(*tables_of(model))
         self._snapshot: Model | None = None
         self._padded: tuple[int | None, Paddings | None] = None, None  # by a version of roles
         self._waiting_pairs = _WaitingPairs(None, 0)
@@ -346,7 +343,7 @@ class SceneGraphContext:
         if self._seen != seen:
             built = self._versions()
             if built != self._built:
-                self._world = self._world.rebuilt(*_tables(self._model))
+                self._world = self._world.rebuilt(*tables_of(self._model))
             if built.frames != self._built.frames:
                 self._named, self._own = {}, {}
             self._built, self._seen = built, seen
@@ -359,58 +356,3 @@ def checked_accuracy(accuracy: str) -> str:
         allowed = ', '.join(ACCURACY_LEVELS)
         raise ArgumentError(f'accuracy={accuracy!r} was asked for; it must be one of {allowed}.')
     return accuracy
-
-
-def _tables(model: Model) -> tuple[FrameTable, GeometryTable]:
-    """Pack a model: frames with parents first, proximity geometry by ascending id."""
-    # Registration order puts a parent before its children, for it must exist by then.
-    rows = {frame: row for row, frame in enumerate(model.frames)}
-    records = list(model.frames.values())
-    frames = FrameTable(
-        ids=np.array([f.id.get_value() for f in records], dtype=np.int64),
-        parents=np.array([rows[f.parent_id] for f in records], dtype=np.int64),
-    )
-    geometries = sorted(
-        (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
-    )
-    packed = [g.queried_shape.in_pairs for g in geometries]
-    types, starts, pool = pooled(packed)
-    table = GeometryTable(
-        ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
-        frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
-        R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
-        p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
-        roundings=_roundings(model, geometries),
-        types=types,
-        starts=starts,
-        pool=pool,
-    )
-    return frames, table
-
-
-def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
-    """Return turn [-] and shift [m] (n, 2) of X_FG; that of a geometry on a geometry is a product.
-
-    See ``_proximity/pose_rounding``.
-    """
-    rotations = np.array([g.X_PG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3)
-    roundings = taken_roundings(rotations)
-    for row, geometry in zip(roundings, geometries, strict=True):
-        # From the geometry on the frame to the one that is asked for.
-        line = [geometry]
-        while line[0].parent_id is not None:
-            line.insert(0, model.geometries[line[0].parent_id])
-        if len(line) > 1:
-            row[:] = _rounding_of_line(line)
-    return roundings
-
-
-def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
-    """Return turn [-] and shift [m] of X_FG of the last of geometries, each on the one before."""
-    turn = shift = reach = 0.0
-    for geometry in line:
-        p_PG, p_FG = geometry.X_PG.translation(), geometry.X_FG.translation()
-        shift = shift_of(turn, shift, reach, float(np.abs(p_PG).sum()))
-        turn += float(taken_roundings(geometry.X_PG.rotation().matrix()[None])[0, TURN])
-        reach = float(np.abs(p_FG).sum())
-    return turn, shift

@@ -97,7 +97,7 @@ def padded_pairs(
     padded[:, P_ACA : P_ACA + 3] -= by[:, :1] * np.einsum('kij,ki->kj', R_WAs, nhat)
     padded[:, P_BCB : P_BCB + 3] += by[:, 1:] * np.einsum('kij,ki->kj', R_WBs, nhat)
     keep = least_of(padded) <= cutoff
-    return PairBatch(ids[keep], np.hstack((padded, rows))[keep])
+    return PairBatch(ids[keep], np.hstack((padded, rows[:, :BATCH_WIDTH]))[keep])
 
 
 def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World) -> Floats:

@@ -1,0 +1,69 @@
+"""A model as the tables of frames and geometries that a world is made of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drake_geom_ros.geometry._proximity.world.pose_rounding import TURN, shift_of, taken_roundings
+from drake_geom_ros.geometry._proximity.world.world import FrameTable, GeometryTable
+from drake_geom_ros.geometry.model._model import Model
+from drake_geom_ros.geometry.model._records import GeometryRecord
+from drake_geom_ros.geometry.queries.point_shapes import pooled
+
+Floats = NDArray[np.float64]
+
+
+def tables_of(model: Model) -> tuple[FrameTable, GeometryTable]:
+    """Pack a model: frames with parents first, proximity geometry by ascending id."""
+    # Registration order puts a parent before its children, for it must exist by then.
+    rows = {frame: row for row, frame in enumerate(model.frames)}
+    records = list(model.frames.values())
+    frames = FrameTable(
+        ids=np.array([f.id.get_value() for f in records], dtype=np.int64),
+        parents=np.array([rows[f.parent_id] for f in records], dtype=np.int64),
+    )
+    geometries = sorted(
+        (g for g in model.geometries.values() if g.proximity is not None), key=lambda g: g.id
+    )
+    packed = [g.queried_shape.in_pairs for g in geometries]
+    types, starts, pool = pooled(packed)
+    table = GeometryTable(
+        ids=np.array([g.id.get_value() for g in geometries], dtype=np.int64),
+        frames=np.array([rows[g.frame_id] for g in geometries], dtype=np.int64),
+        R_FGs=np.array([g.X_FG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3),
+        p_FGs=np.array([g.X_FG.translation() for g in geometries]).reshape(-1, 3),
+        roundings=_roundings(model, geometries),
+        types=types,
+        starts=starts,
+        pool=pool,
+    )
+    return frames, table
+
+
+def _roundings(model: Model, geometries: list[GeometryRecord]) -> Floats:
+    """Return turn [-] and shift [m] (n, 2) of X_FG; that of a geometry on a geometry is a product.
+
+    See ``_proximity/pose_rounding``.
+    """
+    rotations = np.array([g.X_PG.rotation().matrix() for g in geometries]).reshape(-1, 3, 3)
+    roundings = taken_roundings(rotations)
+    for row, geometry in zip(roundings, geometries, strict=True):
+        # From the geometry on the frame to the one that is asked for.
+        line = [geometry]
+        while line[0].parent_id is not None:
+            line.insert(0, model.geometries[line[0].parent_id])
+        if len(line) > 1:
+            row[:] = _rounding_of_line(line)
+    return roundings
+
+
+def _rounding_of_line(line: list[GeometryRecord]) -> tuple[float, float]:
+    """Return turn [-] and shift [m] of X_FG of the last of geometries, each on the one before."""
+    turn = shift = reach = 0.0
+    for geometry in line:
+        p_PG, p_FG = geometry.X_PG.translation(), geometry.X_FG.translation()
+        shift = shift_of(turn, shift, reach, float(np.abs(p_PG).sum()))
+        turn += float(taken_roundings(geometry.X_PG.rotation().matrix()[None])[0, TURN])
+        reach = float(np.abs(p_FG).sum())
+    return turn, shift
