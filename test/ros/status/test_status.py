@@ -37,7 +37,7 @@ def test_a_running_node_is_told_whole(client):
             lease=60.0,
         )
     )
-    code, out, errors = status('--json', '--timeout', '20')
+    code, out, errors = status('--json', '--timeout', '60')
     assert code == 0, errors
     told = json.loads(out)
     assert told['node'] == '/scene_graph'
@@ -51,8 +51,8 @@ def test_a_running_node_is_told_whole(client):
     topics = {topic['name']: topic for topic in told['topics']}
     assert topics['/scene_graph/frame_poses']['published'] is False
     assert topics['/scene_graph/scene']['published'] is True
-    code, out, _ = status('--timeout', '20')
-    assert code == 0
+    code, out, errors = status('--timeout', '60')
+    assert code == 0, errors
     assert 'waiting for a first pose: 1: table::tray' in out
     assert '  arm: 1 frame, 1 geometry: hand' in out
 
