@@ -170,8 +170,8 @@ SPECIAL = {
 }
 
 
-# Their intervals stay open: what is deepest lies beside what touches.
-OPEN = {'L where L is', 'small U inside L'}
+# Turned, their intervals may stay open: what rounding leaves of walls that fit is not cleared.
+OPEN_IF_TURNED = {'L where L is', 'small U inside L'}
 
 
 @pytest.mark.parametrize('name', SPECIAL)
@@ -182,7 +182,7 @@ def test_special_position(name, scale):
     out = row_of(*turned(R, A.scaled(scale), L.scaled(scale)), 1e-9 * scale)
     check_row(out, ROUNDING * scale)
     assert abs(out[0] - scale * expected) <= out[calling.ERROR_BOUND] + ROUNDING * scale
-    if name not in OPEN:
+    if scale == 1.0 or name not in OPEN_IF_TURNED:
         assert out[calling.ERROR_BOUND] <= 1e-11 * scale
         assert out[0] == pytest.approx(scale * expected, abs=1e-11 * scale)
     if nhat is not None:
