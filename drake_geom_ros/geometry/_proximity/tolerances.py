@@ -202,3 +202,7 @@ NEEDLE = 1e-6
 # vectors' determinant squared from which on they tell a point.
 PARALLEL = 1e-6
 INDEPENDENT = 1e-4
+
+# Boxes in solids are parted by translations up to the hulls' way out and this much longer [-]: so
+# ways out that are as short as that one are found too, and tell that it is not alone.
+BEYOND_HULL = 2.0**-10

@@ -77,6 +77,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
 from drake_geom_ros.geometry._proximity.runtime.arrays import Floats, Vector
 from drake_geom_ros.geometry._proximity.runtime.compiled import allocating, compiled
 from drake_geom_ros.geometry._proximity.tolerances import (
+    BEYOND_HULL,
     EPS,
     RIGHT_ANGLE,
     ROUNDING,
@@ -91,7 +92,6 @@ MOST_MIDDLES = 16  # of touching triangles that are tried
 STEEPEST = 0.25  # cosine of a way out and the normal that it ends at: four gaps a step at most
 MOST_STEPS_OUT = 12  # each twice as far as the one before: 4096 roundings in all
 BACK_OFF = 4.0  # roundings that A is moved on beyond touching
-BEYOND_HULL = 1e-3  # of the hulls' way out [-]: so far ways as short are told from it
 
 
 @compiled

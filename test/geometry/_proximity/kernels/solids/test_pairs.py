@@ -22,6 +22,7 @@ from drake_geom_ros.geometry._proximity.kinds import (
     CYLINDER,
     ELLIPSOID,
     MESH,
+    OPEN,
     SOLID,
     SPHERE,
 )
@@ -85,7 +86,7 @@ def test_unions_of_boxes(kind):
             assert distance - bound <= gap + slack
             moved, off = parts_gap(A.at(A.p - distance * out[1:4]), B)
             assert moved >= -off - ROUNDING
-        assert out[calling.METHOD] == MESH
+        assert out[calling.METHOD] == MESH or (gap < 0.0 and out[calling.METHOD] == OPEN)
     assert apart
     assert overlapping
 
@@ -169,8 +170,8 @@ SPECIAL = {
 }
 
 
-# Their intervals stay open: what is deepest lies beside what touches.
-OPEN = {'L where L is', 'small U inside L'}
+# Turned, their intervals may stay open: what rounding leaves of walls that fit is not cleared.
+OPEN_IF_TURNED = {'L where L is', 'small U inside L'}
 
 
 @pytest.mark.parametrize('name', SPECIAL)
@@ -181,7 +182,7 @@ def test_special_position(name, scale):
     out = row_of(*turned(R, A.scaled(scale), L.scaled(scale)), 1e-9 * scale)
     check_row(out, ROUNDING * scale)
     assert abs(out[0] - scale * expected) <= out[calling.ERROR_BOUND] + ROUNDING * scale
-    if name not in OPEN:
+    if scale == 1.0 or name not in OPEN_IF_TURNED:
         assert out[calling.ERROR_BOUND] <= 1e-11 * scale
         assert out[0] == pytest.approx(scale * expected, abs=1e-11 * scale)
     if nhat is not None:
