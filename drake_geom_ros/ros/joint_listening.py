@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from rclpy.callback_groups import CallbackGroup
-from rclpy.subscription import MessageInfo, Subscription
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
 
 from drake_geom_ros.ros.guard import Guard
@@ -16,7 +16,7 @@ from drake_geom_ros.ros.pose_stream import PoseStream
 from drake_geom_ros.ros.scene.clocks import Clocks
 from drake_geom_ros.ros.scene.held_scene import HeldScene
 from drake_geom_ros.ros.surface import Surface, sensor_data
-from drake_geom_ros.ros.together import waited
+from drake_geom_ros.ros.together import MessageInfo, waited
 
 DEFAULT_TOPIC = 'joint_states'
 

@@ -35,7 +35,7 @@ def read_robot_file(path: Path, expand: bool) -> tuple[bytes, str]:
 
 
 def _expanded(path: Path) -> bytes:
-    import xacro  # type: ignore[import-not-found, unused-ignore]
+    import xacro  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
     with _ONE_AT_A_TIME:
         printed = sys.stdout

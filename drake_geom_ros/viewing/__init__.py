@@ -2,5 +2,6 @@
 
 In: a scene, its poses and the answers.
 Out: what a page shows, as plain data.
-May import: ``math``, ``common``, ``geometry``, ``scene_files``, ``trajectories``; numpy, yaml.
+May import: ``math``, ``common``, ``sensors``, ``geometry``, ``queries``, ``scene_files``,
+    ``trajectories``; numpy, yaml, PIL.
 """

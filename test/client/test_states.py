@@ -59,7 +59,9 @@ def test_a_state_asked_alone_is_that_of_many_to_the_bit(asked, rows):
         pairs = asked.signed_distances(joints=joints)
         least = np.argmin(pairs.distance - pairs.error_bound)
         assert pairs.distance[least] == found.distance[row]
-        assert {pairs[least].a.full_name, pairs[least].b.full_name} == set(found.names(row))
+        ids = {int(pairs.id_a[least]), int(pairs.id_b[least])}
+        assert ids == set(found.ids[row].tolist())
+        assert all(name.startswith(('arm::', 'cell::')) for name in found.names(row))
         overlaps = asked.has_collisions(joints=joints)
         assert overlaps == bool(len(asked.penetrations(joints=joints)))
         assert overlaps <= (not found.free[row])

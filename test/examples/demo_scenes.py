@@ -82,6 +82,7 @@ SCENE = Some(
         Some(id=11, name='hand', source_id=2, parent_id=10),
         Some(id=12, name='tip', source_id=2, parent_id=11),
     ],
+    joints=[],
     geometries=[
         _geometry(5, 1, 10, 'table', 2, [1.0, 1.0, 0.1], _pose(0.0, 0.0, -0.05)),
         _geometry(6, 2, 12, 'ball', 1, [0.1], _pose(0.0, 0.0, 0.2)),

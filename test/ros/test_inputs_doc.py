@@ -17,7 +17,7 @@ TEXT = (ROOT / 'docs/inputs.md').read_text()
 @pytest.fixture(scope='module')
 def node(tmp_path_factory):
     log = tmp_path_factory.mktemp('inputs') / 'log'
-    asked = {'point_threshold': 1.0, 'closing_speeds': True}
+    asked = {'point_threshold': 1.0, 'closing_speeds': True, 'use_joint_states': True}
     process = start_node(log, scene_file='scenes/minimal.yaml', **asked)
     yield process
     assert process.end() == 0, process.output()
@@ -47,7 +47,7 @@ def test_inputs_have_the_quality_of_service_that_the_table_says(client):
     rows = re.findall(
         r'^\| `([\w~/]+)` \| `\S+` \| (best effort|reliable), (latched, )?', TEXT, re.M
     )
-    assert len(rows) == 5
+    assert len(rows) == 6
     for topic, reliability, latched in rows:
         name = topic.replace('~', '/scene_graph') if topic.startswith('~') else f'/{topic}'
         client.wait_for(lambda n=name: client.node.get_subscriptions_info_by_topic(n), name)

@@ -201,7 +201,8 @@ def test_bad_transforms_are_left_out_named_and_counted(tf, node):
     tf.client.wait_for(lambda: tf.refused() == expected, f'{expected} refusals')
     assert tf.where('cart') == [2, 0, 0]
     assert tf.where('base') is None
-    assert 1 <= node.output().count('transforms were left out') <= 6  # throttled
+    # Throttled by reason: of each of a topic once or twice, however often it comes.
+    assert 1 <= node.output().count('transforms were left out') < 2 * len(bad)
     assert f"1 of 2 transforms were left out: '{tf.source}/base' in 'world': " in node.output()
     tf.send(transform('.base', '.base', 1), transform('world', '.base', 7), static=True)
     tf.wait_until_at('base', 7, 0, 0)  # what is latched would not come again

@@ -206,3 +206,6 @@ INDEPENDENT = 1e-4
 # Boxes in solids are parted by translations up to the hulls' way out and this much longer [-]: so
 # ways out that are as short as that one are found too, and tell that it is not alone.
 BEYOND_HULL = 2.0**-10
+
+# [s] that a point and a geometry take, about: by an iteration or a tree, and by a closed form.
+LONG_POINT, SHORT_POINT = 1e-6, 3e-8

@@ -177,7 +177,7 @@ class QueryObject(ImageQueries):
         if paddings := context._paddings():
             return self._padded(paddings, 0.0, accuracy, time_budget).penetrations()
         query = context._query('penetrations', accuracy, 0.0, True, ANSWERS)
-        budget = 0.0 if time_budget is None else _checked_budget(time_budget)
+        budget = _checked_budget(time_budget)
         answers = context._engine.answer_of(query, budget)
         # Kernels leave nothing unsure, and to look for it costs as much as 50 balls.
         if query.is_bound or budget > 0.0:
@@ -224,19 +224,17 @@ class QueryObject(ImageQueries):
         if paddings := context._paddings():
             return self._padded(paddings, reach, accuracy, time_budget)
         query = context._query(reach, accuracy, reach, False, ANSWERS)
-        budget = _checked_budget(time_budget)
-        answers = context._engine.answer_of(query, budget)
+        answers = context._engine.answer_of(query, _checked_budget(time_budget))
         return SignedDistanceResults(answers, query.world.kept_poses())
 
     def _padded(
         self, paddings: Paddings, reach: float, accuracy: str | None, budget: float | None = None
     ) -> SignedDistanceResults:
         """Return the pairs within ``reach`` [m] where geometries have paddings."""
-        context = self._context
-        far = reach + paddings.of_pair
+        context, far = self._context, reach + paddings.of_pair
         query = context._query(('padded', far), accuracy, far, False, ANSWERS)
-        answers = context._engine.answer_of(query, _checked_budget(budget))
-        padded = padded_pairs(batch_of(answers), paddings, query.world, reach)
+        batch = batch_of(context._engine.answer_of(query, _checked_budget(budget)))
+        padded = padded_pairs(batch, paddings, query.world, reach)
         return SignedDistanceResults(padded, query.world.kept_poses())
 
     def ComputeSignedDistancePairClosestPoints(
@@ -295,8 +293,7 @@ class QueryObject(ImageQueries):
         start = None if hint is None else _checked_hint(hint)
         batch = context._engine.distance_of_pair(world, pair, self._level(accuracy), start)
         if not len(batch.ids):
-            types = world.geometries.types[pair[0]]
-            why = unsupported(int(types[0]), int(types[1]))
+            why = unsupported(*world.geometries.types[pair[0]].tolist())
             raise GeometryError(f'{asked} was asked for: {why}.')
         if (paddings := context._paddings()) is not None:
             batch = padded_pairs(batch, paddings, world, math.inf)

@@ -38,7 +38,9 @@ def poses(**frames):
 
 def ask(live, handler, given, **fields):
     """Return the answer to a request, with poses of its own."""
-    request = Plain(poses=given, accuracy='', max_distance=0.0, threshold=0.0, **fields)
+    unasked = Plain(names=[], positions=[])
+    limits = {'accuracy': '', 'max_distance': 0.0, 'threshold': 0.0}
+    request = Plain(poses=given, joints=unasked, **limits, **fields)
     header = Plain(frame_id='', stamp=None)
     response = Plain(success=False, message='', result=Plain(header=header))
     return ANSWER(handler, live, request, response)

@@ -17,13 +17,11 @@ from drake_geom_ros.geometry._proximity.points.point_phase import (
 )
 from drake_geom_ros.geometry._proximity.report import COUNTS
 from drake_geom_ros.geometry._proximity.runtime.threads import LONG, THREADS, share
+from drake_geom_ros.geometry._proximity.tolerances import LONG_POINT, SHORT_POINT
 from drake_geom_ros.geometry._proximity.world.world import World
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-
-# [s] of a point and a geometry, about: of an iteration or a tree, and of a closed form.
-_LONG_ONE, _SHORT_ONE = 1e-6, 3e-8
 
 
 def is_worth_sharing(world: World, count: int) -> bool:
@@ -33,7 +31,7 @@ def is_worth_sharing(world: World, count: int) -> bool:
     slow = [k for k, name in POINT_KERNELS.items() if name == BY_PAIR_KERNEL or k == SOLID]
     long_ones = int(np.isin(world.point_shapes.types, slow).sum())
     short_ones = world.geometry_count - long_ones
-    return count * (long_ones * _LONG_ONE + short_ones * _SHORT_ONE) > LONG
+    return count * (long_ones * LONG_POINT + short_ones * SHORT_POINT) > LONG
 
 
 def shared_point_distances(
