@@ -86,9 +86,9 @@ def test_a_file_that_is_written_to_while_it_is_read_is_refused(tmp_path, name, m
     (tmp_path / 'x.csv').write_text('a,b\n1,2\n')
     array = np.array
 
-    def slow(*arguments):
+    def slow(*arguments, **named):
         path.write_bytes(path.read_bytes() + b'\n')
-        return array(*arguments)
+        return array(*arguments, **named)
 
     class Slow(type(np.load(tmp_path / 'x.npz'))):
         def __getitem__(self, key):

@@ -240,6 +240,8 @@ class StateQueries:
 
     def within(self, poses: Floats, accuracy: str, max_distance: float, stop: Indices) -> Found:
         """Return ComputeSignedDistancePairwiseClosestPoints of each state (N, n, 7)."""
+        if self._paddings is not None:
+            return self._padded_within(poses, accuracy, max_distance, stop)
         done, counts, batch = self._loops.within(poses, level_gap_of(accuracy), max_distance, stop)
         _check_done(done, poses, stop)
         return counts, SignedDistanceResults(batch)

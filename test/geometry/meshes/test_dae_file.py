@@ -139,7 +139,8 @@ def test_other_inputs_of_a_face_are_passed_over():
         (dae().replace('mesh>', 'spline>'), '<spline>'),
         (dae()[:-300], 'cannot be read'),
         ('solid', 'cannot be read'),
-        ('<html/>', 'no Collada'),
+        ('<html/>', 'a web page'),
+        ('<other/>', 'no Collada'),
     ],
 )
 def test_what_would_be_read_in_part_or_not_at_all_is_refused(text, reason):

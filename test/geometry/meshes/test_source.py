@@ -60,7 +60,7 @@ def test_a_file_that_changed_is_read_again(cube, tmp_path):
     ('text', 'words'),
     [
         (None, 'cannot be read'),
-        ('', 'no faces'),
+        ('', 'it is empty'),
         ('nonsense', 'no faces'),
         ('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n', 'lie in a plane'),
         ('v 0 0 0\nv 1 0 0\nv 0 1 nan\nv 0 0 1\nf 1 2 3\nf 1 2 4\n', 'finite'),

@@ -24,7 +24,7 @@ from drake_geom_ros.geometry._proximity.kernels.addresses import (
     compile_rows,
     table_rows,
 )
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import NORMAL
+from drake_geom_ros.geometry._proximity.kernels.calling.pairs import LEVEL_GAP, NORMAL
 from drake_geom_ros.geometry._proximity.kinds import Method
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import (
@@ -237,7 +237,8 @@ class Engine:
         (row,) = rows = table_rows(*world.geometries.types[pair].T)
         slots, memory = np.zeros(1, dtype=np.int64), empty_memory(1)
         if hint is not None:
-            memory[0, NORMAL : NORMAL + 3] = hint
+            # As of this level: what another one left is not started from.
+            memory[0, NORMAL : NORMAL + 3], memory[0, LEVEL_GAP] = hint, _LEVEL_GAPS[accuracy]
         if row < 0:
             return batch_of(gathered(world, slots[:0], pair, slots, memory, math.inf))
         self._kernels = compile_rows(rows)

@@ -38,6 +38,6 @@ def test_the_gap_along_a_normal_is_that_of_the_direction_found():
 
 
 def test_hulls_that_no_scene_takes_are_not_hunted_with():
-    flat = Body('Convex', ((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1e-11)))
+    flat = Body('Convex', ((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 1e-13)))
     assert not starts.valid(Pair(Body('Sphere', (1.0,)), flat))
     assert starts.valid(Pair(Body('Sphere', (1.0,)), Body('Box', (1.0, 1.0, 1e-9))))

@@ -47,6 +47,10 @@ def test_a_query_is_that_of_one_thread(bodies, threshold, monkeypatch):
     assert told.far_pairs == query.effects().far_pairs
 
 
+def arrays_of(results):
+    return tuple(value for value in vars(results).values() if isinstance(value, np.ndarray))
+
+
 @pytest.mark.skipif(THREADS == 1, reason='one thread')
 @pytest.mark.parametrize('count', [1, 3])
 def test_a_batch_of_few_states_is_that_of_one_thread(bodies, count):
@@ -54,7 +58,7 @@ def test_a_batch_of_few_states_is_that_of_one_thread(bodies, count):
     asked = {'want': 'points', 'points': points(), 'max_distance': 0.3}
     shared = evaluate(bodies.graph, bodies.ids, poses, **asked)
     alone = evaluate(bodies.graph, bodies.ids, poses, threads=1, **asked)
-    assert same(tuple(vars(shared).values()), tuple(vars(alone).values()))
+    assert same(arrays_of(shared), arrays_of(alone))
 
 
 def test_few_points_are_not_worth_it(bodies):

@@ -7,7 +7,9 @@ from drake_geom_ros.geometry._proximity.kernels.calling import points
 from drake_geom_ros.geometry._proximity.kernels.closed_forms.points import NearestOnSurface
 
 
-@pytest.mark.parametrize(('distance', 'taken'), [(0.5, True), (1.0, True), (1.0 + 1e-15, False)])
+@pytest.mark.parametrize(
+    ('distance', 'taken'), [(0.5, True), (1.0, True), (1.0 + 1e-15, True), (1.0 + 1e-12, False)]
+)
 def test_a_point_as_far_as_the_threshold_is_within_it(distance, taken):
     rows, found = np.zeros((2, points.POINT_WIDTH)), np.zeros(2, dtype=np.bool_)
     answers = points.PointAnswers(rows, found, np.zeros(4, dtype=np.int64))
