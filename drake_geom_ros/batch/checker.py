@@ -80,8 +80,9 @@ class Checker:
         """Prepare, and compile what is not yet.
 
         ``accuracy`` is a level, empty for the default of the scene. Raises ArgumentError for a
-        margin that is no number >= 0, for an unknown level, and where the joints move nothing that
-        could collide; PoseError for frames that have no pose or are not in this scene.
+        margin that is no number >= 0, for an unknown level, for a scene with padded geometries,
+        and where the joints move nothing that could collide; PoseError for frames that have no
+        pose or are not in this scene.
         """
         if not (isinstance(margin, (int, float, np.number)) and 0.0 <= margin < math.inf):
             raise ArgumentError(f'margin={margin!r} must be a number >= 0, in metres')
@@ -96,6 +97,11 @@ class Checker:
         self._scene, ids = PackedScene.of(
             context, joints.id_values, still_poses(joints.arms, joints.id_values)
         )
+        if self._scene.paddings.any():
+            raise ArgumentError(
+                "this scene has padded geometries, ('proximity', 'padding'), which a Checker does "
+                'not take into account: ask evaluate, or take the paddings away and give a margin'
+            )
         if not self._scene.has_moving_pairs():
             raise ArgumentError(
                 'these joints move no geometry that could collide with any other: each state '

@@ -19,6 +19,7 @@ from drake_geom_ros.geometry import (
     GeometrySet,
     PoseError,
     ProximityProperties,
+    RoleAssign,
     SceneGraph,
     Sphere,
 )
@@ -175,6 +176,26 @@ def first_pose(cell, x):
     poses = FramePoseVector()
     poses.set_value(cell.loaded.frames['things', 'tray'], RigidTransform([x, 0.1, 0.4]))
     return poses
+
+
+@pytest.mark.parametrize('name', [('things', 'world', 'egg'), ('arm', 'base', 'collision_0')])
+@pytest.mark.parametrize('of_context', [False, True])
+def test_a_scene_with_padded_geometries_is_refused(own, name, of_context):
+    """It would say that a state is free which is not, by the padding."""
+    properties = ProximityProperties()
+    properties.AddProperty('proximity', 'padding', 0.01)
+    source, geometry = own.loaded.sources[name[0]], own.loaded.geometries[name]
+    before = Checker(own.scene_graph, own.joints)
+    own.scene_graph.AssignRole(source, geometry, properties, RoleAssign.kReplace)
+    with pytest.raises(GeometryError, match=CHANGED):
+        before.free(own.states(1)[0])
+    asked = own.scene_graph.CreateDefaultContext() if of_context else own.scene_graph
+    with pytest.raises(ArgumentError, match=r"padded geometries, \('proximity', 'padding'\)"):
+        Checker(asked, own.joints)
+    own.scene_graph.AssignRole(source, geometry, ProximityProperties(), RoleAssign.kReplace)
+    states = own.states(20)
+    found = Checker(own.scene_graph, own.joints).free_each(states)
+    np.testing.assert_array_equal(found, ~collides(own, states, 0.0))
 
 
 @pytest.mark.parametrize(
