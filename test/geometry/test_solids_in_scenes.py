@@ -184,13 +184,8 @@ from drake_geom_ros.geometry import *
 from drake_geom_ros.math import RigidTransform
 graph = SceneGraph()
 source = graph.RegisterSource('s')
-<<<<<<< ours
 corners = np.array(list(np.ndindex(2, 2, 2)), float).T
 for shape in (Sphere(0.1), Convex(points=corners, label='cube')):
-=======
-data = MeshData(np.array(list(np.ndindex(2, 2, 2)), float), [])
-for shape in (Sphere(0.1), Convex.FromMeshData(data)):
->>>>>>> theirs
     instance = GeometryInstance(RigidTransform(), shape, str(shape._TYPE))
     instance.set_proximity_properties(ProximityProperties())
     graph.RegisterGeometry(source, graph.RegisterFrame(source, GeometryFrame(instance.name())),
