@@ -80,6 +80,13 @@ def test_overlapping_solids_promise_only_that_their_interval_holds():
     assert inside.distance[0] < 0.0
     assert inside.promised_error_bound[0] == np.inf
     assert not inside.breaks_promise().any()
+    turned = RigidTransform(RollPitchYaw(1.0, 0.4, 0.5), [0.3, 0.3, 0.1])
+    query = Scene(RING, RING).posed([0, 0, 0], turned).query
+    linked = query.ComputeSignedDistancePairwiseClosestPoints()
+    assert linked.error_bound[0] > 1e-3  # how deep is not known to the last digits
+    assert linked.distance[0] + linked.error_bound[0] < 0.0
+    assert linked.promised_error_bound[0] == np.inf
+    assert not linked.breaks_promise().any()
     query = scene.posed([0, 0, 0], [9, 0, 0]).query
     apart = query.ComputeSignedDistancePairwiseClosestPoints()
     assert apart.error_bound[0] <= apart.promised_error_bound[0] < 1e-8

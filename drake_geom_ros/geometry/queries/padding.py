@@ -96,7 +96,7 @@ def padded_pairs(
     by = paddings.radii[places]
     padded[:, P_ACA : P_ACA + 3] -= by[:, :1] * np.einsum('kij,ki->kj', R_WAs, nhat)
     padded[:, P_BCB : P_BCB + 3] += by[:, 1:] * np.einsum('kij,ki->kj', R_WBs, nhat)
-    keep = least_of(padded) <= cutoff
+    keep = lower_ends(padded) <= cutoff
     return PairBatch(ids[keep], np.hstack((padded, rows[:, :BATCH_WIDTH]))[keep])
 
 
@@ -130,12 +130,18 @@ def padded_rows(rows: Floats, places: Indices, paddings: Paddings, world: World)
         padded[unknown, PROMISED] = math.inf
     padded[:, DEPTH] = -distance
     sizes = np.where(types == HALF_SPACE, 0.0, outer + radii).sum(axis=1)
-    padded[:, OVERLAPS] = least_of(padded) < -TOUCHING_DEPTH * sizes
+    padded[:, OVERLAPS] = _least_of(padded) < -TOUCHING_DEPTH * sizes
     return padded
 
 
-def least_of(rows: Floats) -> Floats:
-    """Return what decides whether a pair is near enough: the distance, or its lower bound."""
+def lower_ends(rows: Floats) -> Floats:
+    """Return what decides whether pairs are listed: no pair is nearer [m]."""
+    lower: Floats = rows[:, DISTANCE] - rows[:, ERROR_BOUND]
+    return lower
+
+
+def _least_of(rows: Floats) -> Floats:
+    """Return what decides whether pairs overlap: the distance; of bounds alone the lower one."""
     by_bounds = rows[:, METHOD] == BOUND_ONLY
     least: Floats = rows[:, DISTANCE] - np.where(by_bounds, rows[:, ERROR_BOUND], 0.0)
     return least
@@ -156,7 +162,7 @@ def padded_points(
         away = np.linalg.norm(p_WQs[batch.points] - world.p_WGs[places], axis=1)
         out = world.outer_radii[places] + radii + away + rows[:, POINT_DISTANCE]
         rows[inside, POINT_ERROR_BOUND] = np.maximum(rows[:, POINT_ERROR_BOUND], out)[inside]
-    keep = rows[:, POINT_DISTANCE] <= threshold
+    keep = rows[:, POINT_DISTANCE] - rows[:, POINT_ERROR_BOUND] <= threshold
     return PointBatch(batch.ids[keep], batch.points[keep], rows[keep])
 
 

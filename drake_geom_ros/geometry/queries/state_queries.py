@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.geometry._proximity.derivatives.gradients import gradients_of_rows
 from drake_geom_ros.geometry._proximity.filters.state import FilterState
-from drake_geom_ros.geometry._proximity.kernels.calling.pairs import DISTANCE, ERROR_BOUND
-from drake_geom_ros.geometry._proximity.kernels.calling.points import POINT_DISTANCE
+from drake_geom_ros.geometry._proximity.kernels.calling.points import (
+    POINT_DISTANCE,
+    POINT_ERROR_BOUND,
+)
 from drake_geom_ros.geometry._proximity.near.neighbour_list import NeighbourList
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import OVERLAPS, PairBatch, PointBatch
 from drake_geom_ros.geometry._proximity.states.state_loops import StateLoops
@@ -30,7 +32,7 @@ from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
 from drake_geom_ros.geometry.queries.context import SceneGraphContext
 from drake_geom_ros.geometry.queries.padding import (
     Paddings,
-    least_of,
+    lower_ends,
     padded_point_rows,
     padded_rows,
 )
@@ -213,7 +215,7 @@ class StateQueries:
             counts, rows = self._padded(poses, accuracy, margin or 0.0, stop)
             near = rows[:, OVERLAPS] > 0.0
             if margin is not None:
-                near = rows[:, DISTANCE] - rows[:, ERROR_BOUND] <= margin
+                near = lower_ends(rows) <= margin
             return _any_of_each(counts, near)
         if margin is None:
             done, found = self._loops.overlaps(poses, level_gap_of(accuracy), stop)
@@ -271,7 +273,7 @@ class StateQueries:
         if self._paddings is None:
             return counts, PointDistanceResults(batch)
         rows, _ = padded_point_rows(batch.rows, batch.ids, self._paddings)
-        keep = rows[:, POINT_DISTANCE] <= threshold
+        keep = rows[:, POINT_DISTANCE] - rows[:, POINT_ERROR_BOUND] <= threshold
         batch = PointBatch(batch.ids[keep], batch.points[keep], rows[keep])
         return _count_of_each(counts, keep), PointDistanceResults(batch)
 
@@ -295,7 +297,7 @@ class StateQueries:
         self, poses: Floats, accuracy: str, max_distance: float, stop: Indices
     ) -> Found:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
-        keep = least_of(rows) <= max_distance
+        keep = lower_ends(rows) <= max_distance
         return _count_of_each(counts, keep), SignedDistanceResults(
             PairBatch(ids[keep], rows[keep])
         )
@@ -304,7 +306,7 @@ class StateQueries:
         self, poses: Floats, accuracy: str, max_distance: float, most: int, stop: Indices
     ) -> Found:
         counts, ids, rows = self._padded_rows(poses, accuracy, max_distance, stop)
-        lower = rows[:, DISTANCE] - rows[:, ERROR_BOUND]
+        lower = lower_ends(rows)
         state = np.repeat(np.arange(len(counts)), counts)
         order = np.lexsort((lower, state))
         ranks = np.arange(len(order)) - np.repeat(np.cumsum(counts) - counts, counts)

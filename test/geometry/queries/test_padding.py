@@ -141,6 +141,24 @@ def test_limits_are_of_the_padded_distances():
     assert not touching.HasCollisions()
 
 
+@pytest.mark.parametrize('accuracy', ['bound', 'fast', 'exact'])
+def test_lists_have_all_that_may_be_within_by_the_lower_bound(accuracy):
+    """A limit between the lower bound and the distance leaves no pair out, here as in states."""
+    scene = Scene((SHAPES['cylinder'], PAD_A), (SHAPES['ellipsoid'], PAD_B))
+    X = placed(1, 0.6)
+    query = scene.query(*X)
+    (found,) = query.ComputeSignedDistancePairwiseClosestPoints(accuracy=accuracy)
+    assert found.error_bound > 0.0
+    lower = found.distance - found.error_bound
+    ask = {'frame_ids': scene.frames, 'want': 'within', 'accuracy': accuracy}
+    poses = np.array([[[*x.translation(), *x.rotation().ToQuaternion().wxyz()] for x in X]])
+    poses[..., 3:] = np.roll(poses[..., 3:], -1, axis=-1)
+    for limit, count in ((lower + 0.5 * found.error_bound, 1), (lower - 1e-9, 0)):
+        listed = query.ComputeSignedDistancePairwiseClosestPoints(limit, accuracy=accuracy)
+        assert len(listed) == count
+        assert len(evaluate(scene.graph, poses=poses, max_distance=limit, **ask).distance) == count
+
+
 @pytest.mark.parametrize('name', SHAPES)
 def test_points_are_nearer_by_the_padding(name):
     scene = Scene((SHAPES[name], PAD_A))
