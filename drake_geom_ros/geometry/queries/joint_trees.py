@@ -51,11 +51,8 @@ class JointTree:
 
     def still_links(self) -> NDArray[np.bool_]:
         """Return which links (m + 1,) no joint value moves against the root."""
-        still = np.ones(len(self.parents) + 1, dtype=np.bool_)
-        held = (self.kinds == JointKind.FIXED) | (self.leaders < 0)
-        for parent, child, is_held in zip(self.parents, self.children, held, strict=True):
-            still[child] = still[parent] and is_held
-        return still
+        moved: NDArray[np.bool_] = np.any(self.needs(), axis=1)
+        return np.logical_not(moved)
 
     def needs(self) -> NDArray[np.bool_]:
         """Return (m + 1, c): which links which joint values move against the root."""
