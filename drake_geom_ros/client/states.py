@@ -61,7 +61,7 @@ class StatesRequest:
 class States(NamedTuple):
     """The answers for states, one after another; ``FREE`` and so on are those of the service.
 
-    ``distance``, ``error_bound`` and ``pairs`` have a row a state for ``least`` (nan and -1 where
+    ``distance``, ``error_bound`` and ``ids`` have a row a state for ``least`` (nan and 0 where
     a state is outside its limits), those of state s in rows ``offsets[s]`` to ``offsets[s + 1]``
     for ``near``, and none for ``collision``.
     """
@@ -72,6 +72,7 @@ class States(NamedTuple):
     error_bound: Floats  # [m]
     ids: NDArray[np.int64]  # (p, 2) of the geometries; 0: there is no pair
     offsets: NDArray[np.int64]  # (n + 1,) of `near`, else empty
+    oldest_pose_age: float  # [s] of the oldest frame pose at that time; inf: unknown
     scene: SceneTable
 
     @classmethod
@@ -94,6 +95,7 @@ class States(NamedTuple):
             joined('error_bound', np.float64),
             np.stack((joined('id_a', np.int64), joined('id_b', np.int64)), axis=1),
             offsets,
+            max(answer.oldest_pose_age for answer in answers),
             scene,
         )
 

@@ -78,6 +78,8 @@ def test_many_parts_are_one_answer(asked, batch, rows, monkeypatch):
     assert done == [(100 * k, 500) for k in range(1, 6)]
     assert found.free.tolist() == (~collides).tolist()
     assert found.first_not_free == int(np.argmax(collides))
+    # Nobody has posed the robot's links: their age is unknown, which a state's answer must tell.
+    assert found.oldest_pose_age == np.inf
     near = asked.evaluate_states(NAMES, rows, 'near', max_distance=0.3)
     expected = batch(rows, want='within', max_distance=0.3)
     assert near.offsets.tolist() == expected.offsets.tolist()

@@ -140,26 +140,31 @@ def _evaluate(
     context: SceneGraphContext, request: Any, joints: Joints, states: Floats, inside: Flags
 ) -> tuple[int, _Evaluated]:
     """Return how many states count, and the answers of those of them that are inside limits."""
-    count = len(states)
-    if request.stop_at_first:
-        count = _count_to_first(context, request, joints, states, inside)
-    chosen = states[:count][inside[:count]]
-    return count, _answers(context, request, joints, chosen)
+    if not request.stop_at_first:
+        return len(states), _answers(context, request, joints, states[inside])
+    count, free = _to_first(context, request, joints, states, inside)
+    if request.want == 'collision':  # which that told
+        return count, _Evaluated(free[inside[:count]], None)
+    return count, _answers(context, request, joints, states[:count][inside[:count]])
 
 
-def _count_to_first(
+def _to_first(
     context: SceneGraphContext, request: Any, joints: Joints, states: Floats, inside: Flags
-) -> int:
-    """Return how many states there are up to the first that is not free, which counts too."""
+) -> tuple[int, Flags]:
+    """Return how many states there are up to the first that is not free, and which are free.
+
+    That one counts too.
+    """
     first, size = 0, _FIRST_BLOCK
     while first < len(states):
         last = min(first + size, len(states))
         free = inside[first:last].copy()
         free[free] = _are_free(context, request, joints, states[first:last][free])
         if not free.all():
-            return first + int(np.argmin(free)) + 1
+            count = first + int(np.argmin(free)) + 1
+            return count, np.arange(count) < count - 1
         first, size = last, min(2 * size, _LAST_BLOCK)
-    return len(states)
+    return len(states), np.full(len(states), True)
 
 
 def _are_free(context: SceneGraphContext, request: Any, joints: Joints, states: Floats) -> Flags:
