@@ -71,7 +71,5 @@ def test_what_is_allowed_is_needed():
 
 
 def test_a_private_name_of_another_file_is_seen():
-    text = (
-        'class A:\n    _x = 0\n    def f(self, o):\n        return o._x, self._y, o.z._w'
-    )
+    text = 'class A:\n    _x = 0\n    def f(self, o):\n        return o._x, self._y, o.z._w'
     assert foreign_names(ast.parse(text)) == {(4, '_w')}

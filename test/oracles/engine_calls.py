@@ -4,9 +4,7 @@ from drake_geom_ros.geometry._proximity.engine.pair_query import ANSWERS, CANDID
 from drake_geom_ros.geometry._proximity.pairs.answer_rows import batch_of
 
 
-def signed_distances(
-    engine, world, filters, accuracy, cutoff, penetrating=False, time_budget=0.0
-):
+def signed_distances(engine, world, filters, accuracy, cutoff, penetrating=False, time_budget=0.0):
     """Return the unfiltered pairs within ``cutoff`` [m], or only those that overlap."""
     prepared = engine.prepared(world, filters, accuracy, cutoff, penetrating, ANSWERS)
     return batch_of(engine.answer_of(prepared, time_budget))

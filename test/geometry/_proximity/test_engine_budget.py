@@ -1,10 +1,10 @@
 """Queries with a time budget: who becomes sharp, who keeps bounds, what is carried over."""
 
-from oracles.engine_calls import has_overlap, signed_distances
 import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine

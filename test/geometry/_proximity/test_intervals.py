@@ -3,12 +3,12 @@
 The truth is the level exact, whose own certificate is trusted.
 """
 
-from oracles.engine_calls import candidates, has_overlap, signed_distances
 import math
 
 import numpy as np
 import pytest
 from numba import config
+from oracles.engine_calls import candidates, has_overlap, signed_distances
 from oracles.forms import kernel_form
 from oracles.solids import solid
 from oracles.worlds import (

@@ -1,10 +1,10 @@
 """The engine: which kernels it compiles, the order of A and B, levels, what it leaves out."""
 
-from oracles.engine_calls import has_overlap, signed_distances
 import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, geometry_table, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine import engine as engines

@@ -1,6 +1,5 @@
 """After a rehearsal nothing but kernels is left to compile."""
 
-from oracles.engine_calls import candidates, has_overlap, signed_distances
 import os
 import subprocess
 import sys

@@ -1,10 +1,10 @@
 """What leaves the engine: witness points in each frame, and the pairs that overlap."""
 
-from oracles.engine_calls import signed_distances
 import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine

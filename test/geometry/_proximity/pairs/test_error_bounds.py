@@ -1,10 +1,10 @@
 """The promise of a level: what kernels aim for, and what a check of answers allows."""
 
-from oracles.engine_calls import signed_distances
 import math
 
 import numpy as np
 import pytest
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, geometry_table, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine

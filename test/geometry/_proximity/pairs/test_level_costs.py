@@ -1,9 +1,9 @@
 """What pairs cost at each level: which are sampled, and that each level answers just these."""
 
-from oracles.engine_calls import signed_distances
 import math
 
 import numpy as np
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import ACCURACY_LEVELS, Engine

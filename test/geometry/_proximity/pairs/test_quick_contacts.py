@@ -1,10 +1,10 @@
 """Contacts seen without a kernel: never one that the penetrations do not report."""
 
-from oracles.engine_calls import has_overlap, signed_distances
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, geometry_table, random_world, shuffle
 from scipy.spatial import ConvexHull
 

@@ -1,6 +1,5 @@
 """Records of arrays by their addresses: what goes in comes out, and copies have their own."""
 
-from oracles.engine_calls import signed_distances
 import copy
 import gc
 import time
@@ -9,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba import config
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine

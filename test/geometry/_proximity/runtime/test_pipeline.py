@@ -1,6 +1,5 @@
 """Without what relies on the inside of one version of Numba, answers are the same."""
 
-from oracles.engine_calls import has_overlap, signed_distances
 import json
 import os
 import subprocess
@@ -10,6 +9,7 @@ import numpy as np
 import pytest
 from conventions.source_tree import ROOT
 from numba import config
+from oracles.engine_calls import has_overlap, signed_distances
 from oracles.worlds import filters_of, random_world
 
 from drake_geom_ros.geometry._proximity.engine.engine import Engine

@@ -1,12 +1,12 @@
 """Work that is shared out to threads: all of it is done, and the answer is that of one thread."""
 
-from oracles.engine_calls import signed_distances
 import os
 import threading
 import time
 
 import numpy as np
 import pytest
+from oracles.engine_calls import signed_distances
 from oracles.worlds import filters_of, random_rotations, random_world, shuffle
 
 from drake_geom_ros.geometry._proximity.engine import engine as engines

@@ -1,11 +1,11 @@
 """Bounds and groups of many states: never above the truth, and no near pair is missed."""
 
-from oracles.engine_calls import signed_distances
 import math
 
 import numpy as np
 import pytest
 from numba import njit
+from oracles.engine_calls import signed_distances
 
 from bench.evidence.bodies.random_bodies import random_rotations
 from drake_geom_ros.geometry._proximity.engine.engine import Engine
