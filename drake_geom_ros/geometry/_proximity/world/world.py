@@ -259,6 +259,10 @@ class World:
         """Return the rows of FrameId values, all of which are in this world."""
         return self._order[np.searchsorted(self._sorted_ids, ids)]
 
+    def geometry_rows(self, ids: Indices) -> Indices:
+        """Return the rows of GeometryId values, all of which are in this world."""
+        return np.searchsorted(self.geometries.ids, ids).astype(np.int64)
+
     def named(self, ids: Indices) -> Named | None:
         """Return the frames of FrameId values (n,), or None when not all of them can be posed."""
         return Named(ids.copy(), self.frame_rows(ids)) if self.has_frames(ids).all() else None
