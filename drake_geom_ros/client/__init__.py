@@ -20,13 +20,7 @@ from drake_geom_ros.client.results import (
     SignedDistance,
     SignedDistances,
 )
-from drake_geom_ros.client.scene_table import (
-    Geometry,
-    Joint,
-    JointState,
-    SceneTable,
-    UnknownNameError,
-)
+from drake_geom_ros.client.scene_table import Geometry, SceneTable, UnknownNameError
 from drake_geom_ros.client.services import (
     RefusedError,
     Services,
@@ -43,8 +37,6 @@ __all__ = [
     'HeldFilter',
     'SceneTable',
     'Geometry',
-    'Joint',
-    'JointState',
     'SignedDistances',
     'SignedDistance',
     'Penetrations',

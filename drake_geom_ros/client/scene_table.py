@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -16,10 +13,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.frame_names import Frame, full_name, told_apart
+from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
-WORLD = 'world'
 _MOST_KEPT = 64  # patterns of which the ids are kept: whoever watches asks for the same each time
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, some 10 us each
 _SHOWN = 4  # names of a scene in a message
@@ -54,9 +51,14 @@ class Geometry:
         return not self.line
 
     @property
+    def called(self) -> GeometryNames:
+        """Its names."""
+        return GeometryNames(self.source, self.frame_name, self.name, self.anchored)
+
+    @property
     def frame(self) -> str:
         """The full name of its frame, ``source::frame``; ``world`` where it is anchored."""
-        return self.line[0] if self.line else WORLD
+        return self.called.frame
 
     def X_WG(self, X_WFs: Mapping[Frame, NDArray[np.float64]]) -> NDArray[np.float64]:
         """Return its pose (4, 4) in the world, of X_WF (4, 4) by source and name of frames.
@@ -73,23 +75,22 @@ class Geometry:
     @property
     def short_name(self) -> str:
         """The name without its source: ``frame/geometry``."""
-        return f'{self.frame_name}/{self.name}'
+        return self.called.short_name
 
     @property
     def full_name(self) -> str:
         """The name that services take: ``source::frame/geometry``."""
-        return f'{self.source}::{self.short_name}'
+        return self.called.full_name
 
     @property
     def body(self) -> str:
         """The name of the thing it is part of: its frame, or itself where it is anchored."""
-        return f'{self.source}::{self.name}' if self.anchored else self.frame
+        return self.called.body
 
     @property
     def names(self) -> tuple[str, ...]:
         """What it is found by: its source, frame and thing, and its own names."""
-        of_others = self.source, self.frame, self.frame_name, self.body
-        return (*of_others, self.name, self.short_name, self.full_name)
+        return self.called.found_by
 
     def matches(self, pattern: str) -> bool:
         """Return whether a name, or a pattern with ``*`` and ``?``, stands for the geometry.
@@ -98,22 +99,7 @@ class Geometry:
         source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``. Names
         may themselves hold ``::`` and ``/``: they are compared, and never split.
         """
-        # A bracket is no pattern here: links are called `finger[0]`.
-        pattern = pattern.replace('[', '[[]')
-        return any(fnmatchcase(name, pattern) for name in self.names)
-
-
-class JointState(NamedTuple):
-    """Where a joint is, as far as the node knows."""
-
-    position: float  # [rad] or [m]; nan: it has no value, and what hangs on it waits
-    velocity: float  # [rad/s] or [m/s]; nan: nobody knows
-    age: float  # [s] since it was heard of; inf: never, or not since the clock jumped
-
-    @property
-    def is_known(self) -> bool:
-        """Whether it has a value, be it only that of the scene file."""
-        return not math.isnan(self.position)
+        return matches(self.names, pattern)
 
 
 class Joint(NamedTuple):
@@ -124,8 +110,6 @@ class Joint(NamedTuple):
     type: str  # as in the URDF
     limits: tuple[float, float]  # [rad] or [m]; infinite where there is none
     frame: Frame | None  # of the link that it moves, by source and name; None: it is no frame
-    # Where it is as far as the node knew when it was asked; a table from ~/scene alone tells None.
-    state: JointState | None = None
 
     @property
     def full_name(self) -> str:
@@ -199,14 +183,6 @@ class SceneTable:
         names = {id: full_name(line[0]) if line else WORLD for id, line in lines.items()}
         versions = message.scene_version, parents, message.names_version
         return cls(geometries, *versions, names, joints)
-
-    def with_joint_states(self, states: Mapping[str, JointState]) -> SceneTable:
-        """Return the same table, the states of joints by full name with it."""
-        other = copy(self)
-        other.joints = tuple(
-            each._replace(state=states.get(each.full_name)) for each in self.joints
-        )
-        return other
 
     def __getitem__(self, geometry_id: int) -> Geometry:
         return self.geometries[int(geometry_id)]

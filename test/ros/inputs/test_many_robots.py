@@ -21,7 +21,9 @@ from drake_geom_ros.scene_files.urdf_tree import read_link_tree
 from drake_geom_ros.trajectories import Kinematics
 
 ROBOTS = Path(panda.URDF).parents[2]
-URDFS = sorted(path for path in ROBOTS.glob('**/*.urdf') if path.name not in ('ur3.urdf', 'alex_psyonic_hands.urdf'))
+# No robots: a URDF without links, and one in which a joint mimics one that is not there.
+REFUSED = {'ur3.urdf', 'alex_psyonic_hands.urdf'}
+URDFS = sorted(path for path in ROBOTS.glob('**/*.urdf') if path.name not in REFUSED)
 X_WB = RigidTransform(RollPitchYaw(0.3, -0.2, 1.0), [1.0, -2.0, 0.5])
 CONFIGURATIONS = 5
 
@@ -59,9 +61,7 @@ def test_joint_states_put_all_links_where_others_do(path, bare_robot):
     urdf = bare_robot(path)
     kinematics = Kinematics(str(urdf))
     pose_key = '{position: [1, -2, 0.5], rpy: [0.3, -0.2, 1]}'
-    live = live_scene(
-        f'robots: [{{name: it, urdf: {urdf}, pose: {pose_key}}}]\n', Clock(1000.0)
-    )
+    live = live_scene(f'robots: [{{name: it, urdf: {urdf}, pose: {pose_key}}}]\n', Clock(1000.0))
     joints = JointInput(live.clocks, GAP, by_default=True)
     rng = np.random.default_rng(len(kinematics.joint_names))
     base = RigidTransform() if kinematics.link_names[0] == WORLD else X_WB
@@ -107,8 +107,7 @@ def by_pinocchio(urdf, kinematics, q):
     pinocchio.framesForwardKinematics(model, data, configured)
     root = data.oMf[model.getFrameId(kinematics.link_names[0], pinocchio.BODY)].homogeneous
     return {
-        link: np.linalg.inv(root)
-        @ data.oMf[model.getFrameId(link, pinocchio.BODY)].homogeneous
+        link: np.linalg.inv(root) @ data.oMf[model.getFrameId(link, pinocchio.BODY)].homogeneous
         for link in kinematics.link_names
     }
 
