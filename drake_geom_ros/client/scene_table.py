@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 
 from drake_geom_ros.common.counting import counted
 from drake_geom_ros.common.frame_names import Frame, full_name, told_apart
-from drake_geom_ros.common.geometry_names import WORLD, GeometryNames, matches
 from drake_geom_ros.common.nearest import nearest
 from drake_geom_ros.math.batched import matrices_from_poses
 
+WORLD = 'world'
 _MOST_KEPT = 64  # patterns of which the ids are kept: whoever watches asks for the same each time
 _MOST_LOOKED_AT = 5000  # names that are compared with an unknown one, some 10 us each
 _SHOWN = 4  # names of a scene in a message
@@ -51,14 +52,9 @@ class Geometry:
         return not self.line
 
     @property
-    def called(self) -> GeometryNames:
-        """Its names."""
-        return GeometryNames(self.source, self.frame_name, self.name, self.anchored)
-
-    @property
     def frame(self) -> str:
         """The full name of its frame, ``source::frame``; ``world`` where it is anchored."""
-        return self.called.frame
+        return self.line[0] if self.line else WORLD
 
     def X_WG(self, X_WFs: Mapping[Frame, NDArray[np.float64]]) -> NDArray[np.float64]:
         """Return its pose (4, 4) in the world, of X_WF (4, 4) by source and name of frames.
@@ -75,22 +71,23 @@ class Geometry:
     @property
     def short_name(self) -> str:
         """The name without its source: ``frame/geometry``."""
-        return self.called.short_name
+        return f'{self.frame_name}/{self.name}'
 
     @property
     def full_name(self) -> str:
         """The name that services take: ``source::frame/geometry``."""
-        return self.called.full_name
+        return f'{self.source}::{self.short_name}'
 
     @property
     def body(self) -> str:
         """The name of the thing it is part of: its frame, or itself where it is anchored."""
-        return self.called.body
+        return f'{self.source}::{self.name}' if self.anchored else self.frame
 
     @property
     def names(self) -> tuple[str, ...]:
         """What it is found by: its source, frame and thing, and its own names."""
-        return self.called.found_by
+        of_others = self.source, self.frame, self.frame_name, self.body
+        return (*of_others, self.name, self.short_name, self.full_name)
 
     def matches(self, pattern: str) -> bool:
         """Return whether a name, or a pattern with ``*`` and ``?``, stands for the geometry.
@@ -99,7 +96,9 @@ class Geometry:
         source: ``left``, ``left::hand``, ``hand``, ``ball``, ``hand/ball``, ``*::hand/*``. Names
         may themselves hold ``::`` and ``/``: they are compared, and never split.
         """
-        return matches(self.names, pattern)
+        # A bracket is no pattern here: links are called `finger[0]`.
+        pattern = pattern.replace('[', '[[]')
+        return any(fnmatchcase(name, pattern) for name in self.names)
 
 
 class Joint(NamedTuple):
