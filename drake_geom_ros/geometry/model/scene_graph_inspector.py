@@ -335,14 +335,21 @@ class SceneGraphInspector:
 
     def GetCollisionCandidates(self) -> set[tuple[GeometryId, GeometryId]]:
         """Return the pairs (A, B), A < B, that pairwise queries consider."""
+        values, considered = self.candidate_matrix()
+        ids = [GeometryId(value) for value in values.tolist()]
+        rows, columns = np.nonzero(np.triu(considered))
+        return {(ids[a], ids[b]) for a, b in zip(rows.tolist(), columns.tolist(), strict=True)}
+
+    def candidate_matrix(self) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return GetCollisionCandidates as a symmetric matrix (n, n).
+
+        And the id values (n,), ascending, of its rows: of all that have the proximity role.
+        """
         ids = self.GetAllGeometryIds(Role.kProximity)
-        slots = self._filters.slots(np.array([id.get_value() for id in ids], dtype=np.int64))
-        pairs: list[tuple[GeometryId, GeometryId]] = []
-        for i, id_A in enumerate(ids):
-            others = slots[i + 1 :]
-            reported = self._filters.mask(np.full_like(others, slots[i]), others)
-            pairs += ((id_A, ids[i + 1 + k]) for k in np.flatnonzero(reported).tolist())
-        return set(pairs)
+        values = np.array([id.get_value() for id in ids], dtype=np.int64)
+        slots = self._filters.slots(values)
+        rows = [self._filters.mask(np.full_like(slots, slot), slots) for slot in slots]
+        return values, np.array(rows, dtype=np.bool_).reshape(len(ids), len(ids))
 
     def _record(self, id: FrameId | GeometryId) -> FrameRecord | GeometryRecord:
         """Return the record of a frame or a geometry."""
