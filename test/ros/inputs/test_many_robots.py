@@ -64,7 +64,6 @@ def test_joint_states_put_all_links_where_others_do(path, bare_robot):
     live = live_scene(f'robots: [{{name: it, urdf: {urdf}, pose: {pose_key}}}]\n', Clock(1000.0))
     joints = JointInput(live.clocks, GAP, by_default=True)
     rng = np.random.default_rng(len(kinematics.joint_names))
-    base = RigidTransform() if kinematics.link_names[0] == WORLD else X_WB
     with live.editing() as scene:
         for number in range(CONFIGURATIONS):
             q = configuration(kinematics, rng)
@@ -73,7 +72,7 @@ def test_joint_states_put_all_links_where_others_do(path, bare_robot):
             if names:
                 joints.take(scene, state(names, q[order], 1000.0 + number), 0.0)
             assert not waiting(scene)
-            X_WLs = kinematics.link_transforms(q, base.GetAsMatrix4())
+            X_WLs = kinematics.link_transforms(q, X_WB.GetAsMatrix4())
             others = by_pinocchio(urdf, kinematics, q)
             for link, X_WL in zip(kinematics.link_names, X_WLs, strict=True):
                 if link == WORLD:
@@ -81,7 +80,7 @@ def test_joint_states_put_all_links_where_others_do(path, bare_robot):
                 found = pose(scene, f'it::{link}')
                 np.testing.assert_allclose(found, X_WL, atol=1e-12)
                 if others is not None:
-                    expected = base.GetAsMatrix4() @ others[link]
+                    expected = X_WB.GetAsMatrix4() @ others[link]
                     np.testing.assert_allclose(found, expected, atol=1e-10)
 
 
