@@ -49,7 +49,7 @@ class Attaching(SceneHolder):
     @or_on_context
     def MountFrame(
         self,
-        on: Attaching | SceneGraphContext,
+        on: SceneContent,
         source_id: SourceId,
         frame_id: FrameId,
         parent_id: FrameId,
@@ -60,7 +60,7 @@ class Attaching(SceneHolder):
         a robot on another one's flange. Raises RuntimeError if the
         frame is not the source's, is attached, or the other one hangs on it.
         """
-        _attachments.mount_frame(on._model, source_id, frame_id, parent_id)
+        _attachments.mount_frame(on.model, source_id, frame_id, parent_id)
 
     @or_on_context
     def DetachFrame(
