@@ -150,7 +150,7 @@ def stand_of_solids(pair: SolidPair, touches: bool, ways: Floats) -> tuple[int, 
             return OVERLAPS, 0
         if is_touched_within(mine, its, told) or is_touched_within(its, mine, heard):
             return OVERLAPS, 0
-        open_, count = met.touches and off > 0.0, met.count
+        open_, count = met.touches and off > 0.0, met.ways
     if is_piece_within(mine, its) or is_piece_within(its, mine):
         return OVERLAPS, 0
     if open_:

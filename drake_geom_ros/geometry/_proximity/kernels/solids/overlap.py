@@ -101,7 +101,8 @@ def push_of(pair: SolidPair, found: Nearest, pushes: Floats) -> int:
         # Wholly inside: out through the nearest surface.
         m = unit(sub(found.b, found.a))
         lowest = add(pair.p, hull_support(pair.A, scale(-1.0, m)))
-        pushes[0, 0], pushes[0, 1], pushes[0, 2] = m
+        for c in range(3):
+            pushes[0, PUSH_WAY + c] = m[c]
         pushes[0, PUSH_LENGTH] = dot(sub(found.b, lowest), m) + pair.radius
         count = 1
     pushes[:count] = pushes[np.argsort(pushes[:count, PUSH_LENGTH])]

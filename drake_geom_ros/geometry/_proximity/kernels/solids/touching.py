@@ -44,12 +44,12 @@ MOST_WAYS = 8  # clearly different directions
 class Met(NamedTuple):
     """What triangles that meet tell: whether they show an overlap, and whether any touch.
 
-    ``ways`` are in the first ``count`` rows of what was filled.
+    As many rows of ``ways`` were filled.
     """
 
     overlapping: bool
     touches: bool
-    count: int
+    ways: int
 
 
 @compiled

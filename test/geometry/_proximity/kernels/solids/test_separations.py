@@ -70,9 +70,7 @@ def test_a_bound_that_nothing_reaches_is_no_more_than_the_one_that_is_known():
     found = least_parting((box, box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE)
     assert 1.5 - 1e-12 <= found.lower <= 1.5
     assert not found.parts
-    nothing = least_parting(
-        (np.empty((0, 6)), box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE
-    )
+    nothing = least_parting((np.empty((0, 6)), box), np.eye(3), (0.0, 0.0, 0.0), (1.5, 0.0), NOISE)
     assert nothing.lower == 0.0
     assert not nothing.parts
 
