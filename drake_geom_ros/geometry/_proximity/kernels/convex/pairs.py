@@ -177,17 +177,18 @@ def bounds_of_both(
         # Where h is level, the points of GJK may span the distance as they are, along another n
         # that lacks less than these had to be moved by.
         moved = end == CLOSED_ASIDE and distance > noise and miss > noise
-        along = separation_along(pair, separation.n) if moved else 0.0
-        if moved and separation.upper - along < miss:
-            distance, lower, miss = separation.upper, min(lower, along), 0.0
-            n, a, b = separation.n, separation.a, separation.b
-    else:
-        along = separation_along(pair, n)
-        if along < -depth:
-            # The vector b - a of GJK may be too short to have a direction; EPA's faces have one.
-            n, along, unique = n_in, -depth, unique_in or distance > noise
-            a, b, miss = drawn_to(distance, n, a, b)
-        lower = min(lower, along)
+        if moved and separation.upper - separation_along(pair, separation.n) < miss:
+            distance, n, a, b, miss = (
+                separation.upper,
+                separation.n,
+                separation.a,
+                separation.b,
+                0.0,
+            )
+    elif separation_along(pair, n) < -depth:
+        # The vector b - a of GJK may be too short to have a direction; EPA's faces have one.
+        n, unique = n_in, unique_in or distance > noise
+        a, b, miss = drawn_to(distance, n, a, b)
     return Bounds(CLOSED, distance, upper, lower, n, a, b, miss, unique)
 
 
@@ -244,10 +245,8 @@ def bounds_of_cores(
                 _, distance, lower, n, a, b = sharper
                 a, b, miss = drawn_to(distance, n, a, b)
                 return Bounds(CLOSED, distance, distance, lower, n, a, b, miss, True)
-        # What is reported is along n, and its own slab has to prove it.
-        along = lower if end == CLOSED else separation_along(pair, n)
-        if along >= upper - max(tolerance, noise):
-            return Bounds(CLOSED, upper, upper, min(lower, along), n, a, b, 0.0, True)
+        if end == CLOSED or separation_along(pair, n) >= upper - max(tolerance, noise):
+            return Bounds(CLOSED, upper, upper, lower, n, a, b, 0.0, True)
     separation = Separation(end, upper, lower, n, a, b)
     both = bounds_of_both(
         pair, difference, separation, overlap, size, depth_tolerance, noise, memory

@@ -119,9 +119,8 @@ def distance_of_cores(
 ) -> Separation:
     """Return the separation of two cores, walking from the unit n, with points a and b from Ao.
 
-    With end CLOSED the slab along n is as wide as ``lower``. With end OVERLAP, upper is 0 to
-    rounding, a and b are one point of both, and n is only the last direction tried. ``size`` [m]
-    is the scale to which rounding is relative.
+    With end OVERLAP, upper is 0 to rounding, a and b are one point of both, and n is only the last
+    direction tried. ``size`` [m] is the scale to which rounding is relative.
     """
     a, b = support_points(pair, n, RIGHT_ANGLE)
     v = sub(a, b)
@@ -162,6 +161,5 @@ def distance_of_cores(
         if inside:  # as far as rounding lets a thin simplex tell
             return Separation(OVERLAP, upper, lower, n, a, b)
         slab = -np.inf  # that along b - a was not looked at yet
-    if upper - slab <= max(tolerance, noise):
-        return Separation(CLOSED, upper, slab, unit(sub(b, a)), a, b)
-    return Separation(CLOSED_ASIDE, upper, lower, unit(sub(b, a)), a, b)
+    end = CLOSED if upper - slab <= max(tolerance, noise) else CLOSED_ASIDE
+    return Separation(end, upper, lower, unit(sub(b, a)), a, b)
