@@ -27,6 +27,7 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQuestion,
 )
 from drake_geom_ros.geometry.queries.state_queries import PackedScene, default_accuracy
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
 Booleans = NDArray[np.bool_]
@@ -38,7 +39,7 @@ def check_path(
     joints: Joints,
     path: ArrayLike,
     min_distance: float = 0.0,
-    time_tolerance: float = 1e-6,
+    time_tolerance: float = TIME_TOLERANCE,
     max_evaluations: int = 0,
     threads: int = 0,
     *,
@@ -80,7 +81,7 @@ def check_paths(
     joints: Joints,
     paths: Iterable[ArrayLike],
     min_distance: float = 0.0,
-    time_tolerance: float = 1e-6,
+    time_tolerance: float = TIME_TOLERANCE,
     max_evaluations: int = 0,
     threads: int = 0,
     *,

@@ -15,6 +15,7 @@ from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, MotionCheck, SceneGraph
 from drake_geom_ros.scene_files import LoadedScene, SceneFileError
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 NOT_CLEAR = 1  # the exit code
 
@@ -40,7 +41,7 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         '--time-tolerance',
         type=float,
-        default=1e-6,
+        default=TIME_TOLERANCE,
         metavar='T',
         help='the longest span that may hold the first contact, in rows (default: 1e-6)',
     )

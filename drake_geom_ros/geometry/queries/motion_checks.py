@@ -19,6 +19,7 @@ from drake_geom_ros.geometry.queries.motion_queries import (
     MotionQuestion,
 )
 from drake_geom_ros.geometry.queries.state_queries import PackedScene
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 if TYPE_CHECKING:
     from drake_geom_ros.geometry.queries.context import SceneGraphContext
@@ -108,7 +109,7 @@ class MotionChecks:
         self,
         end_poses: FramePoseVector,
         min_distance: float = 0.0,
-        time_tolerance: float = 1e-6,
+        time_tolerance: float = TIME_TOLERANCE,
         interpolation: str = 'slerp',
         max_evaluations: int = 0,
         accuracy: str = '',

@@ -29,6 +29,7 @@ from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.queries.joint_trees import JointChain
 from drake_geom_ros.geometry.queries.padding import Paddings, padded_rows
 from drake_geom_ros.geometry.queries.state_queries import PackedScene, level_gap_of
+from drake_geom_ros.math.tolerances import TIME_TOLERANCE
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -43,7 +44,7 @@ class MotionQuestion:
     """What is asked of a motion; raises ArgumentError for what cannot be asked."""
 
     min_distance: float = 0.0  # [m] clear is what stays farther apart
-    time_tolerance: float = 1e-6  # the longest span that holds a first contact
+    time_tolerance: float = TIME_TOLERANCE  # the longest span that holds a first contact
     max_evaluations: int = 0  # of pairs by kernels; 0: no limit
     ignore_start_contacts: bool = False
 
