@@ -118,6 +118,7 @@ LAYERS = {
     'autodiffutils': (('math', 'autodiffutils'), ('numpy',)),
     'common': (('math', 'common'), ('numpy',)),
     'sensors': (('math', 'sensors'), ('numpy',)),
+    'proximity_rules': (('math', 'common', 'proximity_rules'), ('numpy',)),
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'scene_files': (
