@@ -14,8 +14,8 @@ from drake_geom_ros.command_line.inputs import files_of
 from drake_geom_ros.command_line.scene_input import add_scene_options, load_and_tell
 from drake_geom_ros.common.whole_files import check_outputs
 from drake_geom_ros.geometry import ACCURACY_LEVELS, MotionCheck, SceneGraph
-from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
+from drake_geom_ros.scene_files import LoadedScene, SceneFileError
 
 NOT_CLEAR = 1  # the exit code
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,9 @@ from numpy.typing import NDArray
 from drake_geom_ros.geometry.checks import checked_type
 from drake_geom_ros.geometry.errors import ArgumentError, PoseError
 from drake_geom_ros.geometry.ids import GeometryId
-from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector
+from drake_geom_ros.geometry.model.frame_pose_vector import FramePoseVector, arrays_of
+from drake_geom_ros.geometry.queries.context import SceneGraphContext
+from drake_geom_ros.geometry.queries.context_state import ContextState
 from drake_geom_ros.geometry.queries.motion_queries import (
     INTERPOLATIONS,
     FoundMotion,
@@ -20,9 +21,6 @@ from drake_geom_ros.geometry.queries.motion_queries import (
 )
 from drake_geom_ros.geometry.queries.state_queries import PackedScene
 from drake_geom_ros.math.tolerances import TIME_TOLERANCE
-
-if TYPE_CHECKING:
-    from drake_geom_ros.geometry.queries.context import SceneGraphContext
 
 Floats = NDArray[np.float64]
 
@@ -98,12 +96,8 @@ class MotionCheck:
 class MotionChecks:
     """What a query object answers about motions; it has all other queries too."""
 
-    if TYPE_CHECKING:
-
-        @property
-        def _context(self) -> SceneGraphContext: ...
-
-        def _level(self, accuracy: str | None) -> str: ...
+    _context: SceneGraphContext | None
+    _state: ContextState
 
     def CheckMotion(
         self,
@@ -164,20 +158,21 @@ class MotionChecks:
             allowed = ', '.join(INTERPOLATIONS)
             raise ArgumentError(f'interpolation={interpolation!r} must be one of {allowed}')
         checked_type(end_poses, FramePoseVector, 'CheckMotion: end_poses')
-        level, context = self._level(accuracy or None), self._context
-        ids, ends = end_poses._as_arrays()
-        context._posed_world()  # raises where a frame has no pose
+        state, context = self._state, self._context
+        level = state.level(accuracy or None)
+        assert context is not None  # else it has no level
+        ids, ends = arrays_of(end_poses)
+        world = state.posed_world()  # raises where a frame has no pose
         scene, geometry_ids = PackedScene.of(context, ids, about_points=False)
-        world = context._up_to_date_world()
         if len(lost := ids[~world.placed[scene.moved]]):
             raise PoseError(
                 'CheckMotion was asked of frames that have no pose to start from: '
-                f'{context._describe(lost.tolist())}'
+                f'{state.describe(lost.tolist())}'
             )
         if not scene.has_moving_pairs():
             raise ArgumentError(
                 'CheckMotion was asked of frames that carry no geometry which could collide with '
-                f'any other: {context._describe(ids.tolist()) or "no frame"}. It would be clear '
+                f'any other: {state.describe(ids.tolist()) or "no frame"}. It would be clear '
                 'of what nobody looks at; filters may leave all of it out'
             )
         R_PFs, p_PFs = world.R_PFs[scene.moved], world.p_PFs[scene.moved]
