@@ -122,7 +122,7 @@ LAYERS = {
     **PROXIMITY_ROOMS,
     **GEOMETRY_ROOMS,
     'scene_files': (
-        ('math', 'common', 'sensors', 'geometry', 'scene_files'),
+        ('math', 'common', 'sensors', 'geometry', 'geometry/queries', 'scene_files'),
         ('numpy', 'yaml', 'lxml', 'jsonschema', 'xacro'),
     ),
     'trajectories': (
