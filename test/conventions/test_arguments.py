@@ -9,20 +9,11 @@ DECORATORS = {'compiled', 'inlined', 'allocating', 'made', 'view'}
 _CELLS = 'of the inner loop over neighbours: to hand ``Boxes`` on takes as long as the look'
 _EPA = 'EPA grows in arrays one by one: as a record they made it take an eighth longer'
 _RAYS = 'of the inner loop over pixels, in numbers'
-_SOLIDS = 'two trees, the pose of one to the other, and lengths that belong to no record yet'
 # By file and name: why more.
 MORE = {
     '_proximity/kernels/cores/epa_witnesses.py witness': _EPA,
     '_proximity/kernels/cores/polytope.py expand': _EPA,
     '_proximity/kernels/cores/remembered.py grown': _EPA,
-    '_proximity/kernels/solids/distance.py contacts': _SOLIDS,
-    '_proximity/kernels/solids/distance.py separation_of_leaves': _SOLIDS,
-    '_proximity/kernels/solids/nearest_triangles.py _look_at_block': _SOLIDS,
-    '_proximity/kernels/solids/overlap.py deepest_touching': _SOLIDS,
-    '_proximity/kernels/solids/pairs.py write_beyond': _SOLIDS,
-    '_proximity/kernels/solids/pairs.py write_overlap': _SOLIDS,
-    '_proximity/kernels/solids/pairs.py write_row': _SOLIDS,
-    '_proximity/kernels/solids/uniqueness.py is_way_out_alone': _SOLIDS,
     '_proximity/near/grid_pairs.py _among': _CELLS,
     '_proximity/near/grid_pairs.py _look': _CELLS,
     '_proximity/pairs/narrow_phase.py answer_pairs': (
