@@ -22,6 +22,7 @@ from drake_geom_ros.geometry import (
     UnknownIdError,
 )
 from drake_geom_ros.math import RigidTransform
+from drake_geom_ros.proximity_rules import ProximityRule
 from drake_geom_ros.scene_files.description import (
     WORLD,
     AwaitedFilter,
@@ -50,7 +51,8 @@ class LoadedScene:
     the URDF and the base pose that forward kinematics needs; ``X_PFs``, the first pose in its
     parent of each frame that the description gives one, which contexts made later begin with;
     ``static``, of each frame of which the description says it, whether its pose does not grow old;
-    ``cameras`` with the frames that they are on; ``warnings`` those of the description.
+    ``cameras`` with the frames that they are on; ``warnings``, filters that are ``awaited`` and
+    proximity ``rules`` are those of the description.
     """
 
     sources: Mapping[str, SourceId] = field(default_factory=dict)
@@ -63,6 +65,7 @@ class LoadedScene:
     cameras: tuple[tuple[FrameId, CameraDescription], ...] = ()
     warnings: tuple[str, ...] = ()
     awaited: tuple[AwaitedFilter, ...] = ()
+    rules: tuple[ProximityRule, ...] = ()
 
     def name_of(self, id: GeometryId | FrameId | int) -> str:
         """Return ``source::frame/geometry``, or ``source::frame`` of a FrameId.
@@ -181,6 +184,7 @@ class _Registration:
             tuple((self._frame_id(c.source, c.frame), c) for c in description.cameras),
             description.warnings,
             description.awaited,
+            description.rules,
         )
 
     @classmethod

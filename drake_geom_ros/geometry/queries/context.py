@@ -122,6 +122,15 @@ class SceneGraphContext:
         other._named, other._own = dict(self._named), dict(self._own)
         return other
 
+    def narrowed(self, considered: NDArray[np.bool_]) -> SceneGraphContext:
+        """Return a context that considers only some pairs: see ``QueryObject.narrowed``."""
+        world = self._up_to_date_world()
+        other = SceneGraphContext.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        other._filters = self._filters.narrowed(world.geometries.ids, considered)
+        other._engine, other._usual = Engine(), {}
+        return other
+
     def set_default_accuracy(self, accuracy: str) -> None:
         """Set the accuracy of queries that name none: bound, fast, balanced or exact."""
         self._accuracy = checked_accuracy(accuracy)

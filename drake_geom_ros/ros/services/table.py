@@ -15,6 +15,7 @@ from drake_geom_ros.ros.services import (
     cameras,
     files,
     filters,
+    proximity_rules,
     queries,
     scene,
     shapes,
@@ -40,6 +41,8 @@ CHANGES: tuple[tuple[str, Any, Change], ...] = (
     ('flatten_filters', Trigger, filters.flatten_filters),
     ('add_camera', srv.AddCamera, cameras.add_camera),
     ('remove_camera', srv.RemoveCamera, cameras.remove_camera),
+    ('add_proximity_rule', srv.AddProximityRule, proximity_rules.add_proximity_rule),
+    ('remove_proximity_rule', srv.RemoveProximityRule, proximity_rules.remove_proximity_rule),
 )
 
 # What may read files and compile kernels, for seconds: beside the cycle and beside the queries.
@@ -88,6 +91,11 @@ BESIDE: tuple[tuple[str, Any, Handler], ...] = (
     ('get_pose', srv.GetPose, queries.get_pose),
     ('get_pose_ages', srv.GetPoseAges, ages.get_pose_ages),
     ('list_cameras', srv.ListCameras, cameras.list_cameras),
+    (
+        'list_proximity_rules',
+        srv.ListProximityRules,
+        proximity_rules.list_proximity_rules,
+    ),
 )
 
 # What takes images: beside all of these, for the first one compiles for seconds.

@@ -205,7 +205,10 @@ def test_what_waits_for_a_pose_is_counted_and_named(live, asked, cycle, topics):
 
 
 def test_what_is_done_beside_the_cycles_is_told_once(live, asked, topics):
-    beside = [Beside('point_distances', lambda: NO_SUBSCRIBER), Beside('scene', lambda: 'not yet')]
+    beside = [
+        Beside.publishing('point_distances', lambda: NO_SUBSCRIBER),
+        Beside.publishing('scene', lambda: 'not yet'),
+    ]
     kinds = dict.fromkeys(('PenetrationPairs', 'SignedDistancePairs', 'CycleReport'), Message)
     costs = LevelCosts(live, topics['cycle_report'])
     cycle = Cycle(Plain(**kinds), topics, costs, Replays(lambda: ('', 0)), beside)
